@@ -6,6 +6,16 @@
 
 #include "boundary.h"
 #include "port.h"
+#include "types.h"
+
+/* P19: packets that wait for their flight: one thread's. */
+struct cml_branches {
+    int count, most;
+    cml_u64 whole;           /* so many packets were not split, as no more could wait */
+    struct cml_packet *item; /* [most] */
+    double *length;          /* [most][media] of their trails (P13); NULL where nobody wants them */
+    cml_u32 *interactions;   /* the same */
+};
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
  * [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each: A_xyz: [nz
@@ -18,6 +28,7 @@ struct cml_deposits {
     int phi_is_shared;   /* by all threads */
     cml_u64 *specular;   /* one thread's sum */
     cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
+    struct cml_branches *branches; /* where the world has windows */
 };
 
 /* To a cell of an array that threads share. */

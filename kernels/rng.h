@@ -23,6 +23,8 @@ enum cml_purpose {
                             keeps, [1] [2] the direction from it */
     CML_PURPOSE_MARK,    /* event 0: [0] place of the first mark (marks.h); event 1 + e: [0] which marks of a
                             long    flight count, e interactions and boundary events before it */
+    CML_PURPOSE_BRANCH,  /* event 64 j + k: [0] [1] index of part k of a packet that is split after j
+                            interactions */
 };
 
 struct cml_block {

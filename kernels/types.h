@@ -242,6 +242,13 @@ struct cml_tail {
     const struct cml_tail_interval *interval; /* rising indices; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
+/* P19: what packets shall weigh by depth in the scene: the least of that in equal cells from 0 on, the first
+ * and the last of which go on. */
+struct cml_weight_windows {
+    int cells;          /* 0: there are none */
+    real per_bin;       /* cells in a bin of dz */
+    const cml_u32 *low; /* [cells] units of weight */
+};
 #define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
 #endif
 
@@ -425,6 +432,7 @@ struct cml_world {
     const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */
     const struct cml_known_path *known_path;      /* NULL where none is */
     struct cml_tail tail;                         /* read where its scores are wanted */
+    struct cml_weight_windows windows;
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;
 #endif

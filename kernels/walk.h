@@ -19,6 +19,7 @@
 #else
 #include "host_deposits.h"
 #include "marks.h"
+#include "windows.h"
 #endif
 
 /* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
@@ -185,6 +186,25 @@ CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposit
 }
 #endif
 
+/* P8, or P19 in its place. */
+CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *to,
+                      CML_PACKET struct cml_packet *packet)
+{
+#ifndef __OPENCL_VERSION__
+    if (world->windows.cells) {
+        const real bins = world->media[packet->medium].bins;
+        const int cell = cml_window_cell(world->windows, world->setup.per_dz, packet->p.z, bins);
+        const cml_u32 low = world->windows.low[cell], target = cml_target_weight(low);
+        const struct cml_roulette_rule rule = {low, target};
+        cml_roulette(rule, packet);
+        if (cml_is_heavy(packet->w, low)) cml_split(world, to->branches, packet, target);
+        return;
+    }
+#endif
+    (void)to;
+    cml_roulette(world->setup.roulette, packet);
+}
+
 /* P3, P4, P8: the packet has flown t to its interaction. */
 CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
                          CML_PACKET struct cml_packet *packet, real t)
@@ -217,7 +237,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (!(cml_dot(packet->u, packet->u) < 2))
         cml_lose_packet(packet, CML_LOST_NAN);
     else
-        cml_roulette(world->setup.roulette, packet);
+        cml_weigh(world, to, packet);
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
 }
 

@@ -28,7 +28,7 @@ enum { ENGINES = sizeof engine_names / sizeof *engine_names, SAMPLINGS = 2 };
 struct plan {
     const struct cml_scene *scene;
     double error;
-    struct cml_flat_tail tail;          /* of --aim; without scores where a run has none */
+    struct cml_aim aim;                 /* of --aim Tt; without scores where a run has none */
     struct cml_pilot errors[SAMPLINGS]; /* by `lattice` */
     double photons_per_s[ENGINES];      /* 0: it cannot fly the scene */
     struct cml_error refusal;           /* why the last one cannot */
@@ -60,7 +60,7 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
     struct cml_run_setup mine = *setup;
     const double begin = cml_now();
     mine.engine = cml_engine_find(engine_names[0]);
-    if (plan->tail.scores > 0) mine.options.tail = &plan->tail;
+    if (plan->aim.tail.scores > 0) mine.options.tail = &plan->aim.tail;
     for (int lattice = 0; lattice < SAMPLINGS; lattice++) {
         mine.options.lattice = lattice == 1;
         CML_TRY(cml_pilot_fly(&mine, ERROR_PILOT, 2, &plan->errors[lattice], err));
@@ -88,7 +88,7 @@ static void print_time(double seconds)
 /* OpenCL devices have no expected values. */
 static int num_goals(const struct plan *plan, int engine)
 {
-    return plan->tail.scores > 0 && engine < ENGINES - 1 ? CML_PILOT_GOALS : CML_NUM_GOALS;
+    return plan->aim.tail.scores > 0 && engine < ENGINES - 1 ? CML_PILOT_GOALS : CML_NUM_GOALS;
 }
 
 static const char *goal_name(int goal)
@@ -114,6 +114,17 @@ static double longest_pilot(const struct plan *plan)
     return (double)pilot->round[pilot->num_rounds - 1].photons;
 }
 
+/* Not from what pilots have seen of rare light, but from what comes through the flat twin. */
+static void print_windows(double worth)
+{
+    const double gain = cml_windows_gain(worth);
+    printf("  Through planes in place of all shapes comes %.1g of the light: ", worth);
+    if (gain > 0)
+        printf("--aim Tt_r would take some %.2g times less time for Tt.\n", gain);
+    else
+        printf("--aim Tt_r would gain nothing.\n");
+}
+
 static void print_plan(const struct plan *plan)
 {
     const int ranks = cml_cluster_size(), threads = plan->errors[1].threads;
@@ -133,7 +144,8 @@ static void print_plan(const struct plan *plan)
            "pilots errors are taken\n"
            "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
            longest_pilot(plan), plan->seconds);
-    if (plan->tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
+    if (plan->aim.tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
+    if (plan->aim.windows.cells > 0) print_windows(plan->aim.windows.worth);
 }
 
 /* null where a pilot saw nothing. */
@@ -182,13 +194,14 @@ static cml_status publish(const struct cml_options *options, const struct plan *
     return CML_OK;
 }
 
-/* Where a run could have expected values; of planes alone `exact` knows more. */
+/* What a run could have; of planes alone `exact` knows more. Not all that is flown goes with windows. */
 static cml_status aim(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                      struct cml_flat_tail *tail, struct cml_error *err)
+                      struct cml_aim *to, struct cml_error *err)
 {
-    if (cml_surfaces_are_planes(surfaces) || cml_aim_level_of(scene, surfaces).layer == 0) return CML_OK;
-    const cml_status status = cml_aim_create("Tt", scene, surfaces, tail, err);
-    return status == CML_E_NUMERIC ? CML_OK : status;
+    if (cml_surfaces_are_planes(surfaces)) return CML_OK;
+    const cml_status status = cml_aim_create("Tt,Tt_r", scene, surfaces, to, err);
+    if (status == CML_OK || cml_aim_level_of(scene, surfaces).layer == 0) return CML_OK;
+    return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
 static cml_status prepare(const struct cml_options *options, struct plan *plan,
@@ -196,7 +209,7 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
 {
     CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
-    return aim(plan->scene, surfaces, &plan->tail, err);
+    return aim(plan->scene, surfaces, &plan->aim, err);
 }
 
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
@@ -213,7 +226,7 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
     cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, err), err);
     if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
     if (status == CML_OK) status = publish(options, &plan, err);
-    cml_flat_tail_clear(&plan.tail);
+    cml_aim_clear(&plan.aim);
     cml_surfaces_free(&surfaces);
     return cml_cluster_agree(status, err);
 }

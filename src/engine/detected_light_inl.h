@@ -111,12 +111,13 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
     return seen;
 }
 
-/* What is split off packet `index` at its launch (P1); weight 0: nothing, or no detector would see it. */
+/* What is split off packet `index` at its launch (P1); weight 0: nothing, or no detector would see it, or it
+ * is a branch. */
 static inline struct cml_light_out cml_light_split_off(const struct cml_world *world, cml_u64 index)
 {
     const int split = world->detection.split;
     struct cml_light_out light = {.ray = {.u = {0, 0, -1}, .fresh = 1}, .times = 1};
-    if (split != CML_SPLIT_UNSEEN) light.w = cml_split_off(world, index);
+    if (split != CML_SPLIT_UNSEEN && !cml_is_branch(index)) light.w = cml_split_off(world, index);
     if (light.w && split == CML_SPLIT_APART) {
         struct cml_packet start;
         cml_place(world, index, &start);

@@ -4,6 +4,7 @@
 #ifndef CML_ENGINE_H
 #define CML_ENGINE_H
 
+#include "scene/depth_windows.h"
 #include "scene/flat_tail.h"
 #include "scene/scene.h"
 #include "base/status.h"
@@ -37,8 +38,11 @@ struct cml_engine_options {
      * another geometry they draw the same. NULL: with the run's own. Borrowed. */
     const struct cml_surface_set *start_as;
     const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
-    struct cml_engine_rows rows;      /* with a scene without time, fluence, maps, facets, directions and
-                                       * detectors, and without A_rz; not of engine opencl */
+    const struct cml_depth_windows
+        *windows;                 /* P19, in place of roulette; NULL: none. Borrowed. With a scene without
+                                   * maps, facets, directions, saved packets; not of engine opencl, not traced */
+    struct cml_engine_rows rows;  /* with a scene without time, fluence, maps, facets, directions and
+                                   * detectors, and without A_rz; not of engine opencl */
     bool derivatives;             /* P17: scores in place of rows; with a scene without time and detectors,
                                    * not of engine opencl */
     struct cml_saved_taker saved; /* of packets that the scene wants saved */

@@ -10,7 +10,8 @@
 
 struct reference_engine {
     struct cml_owned_world owned;
-    real *factor;           /* [cml_row_factors] of a packet under way (P16) */
+    real *factor; /* [cml_row_factors] of a packet under way (P16) */
+    struct cml_branches branches;
     struct cml_tally tally; /* zero between calls of run */
 };
 
@@ -21,6 +22,7 @@ static void reference_close(void *self)
     cml_owned_world_free(&engine->owned);
     cml_tally_free(&engine->tally);
     free(engine->factor);
+    cml_branches_free(&engine->branches);
     free(engine);
 }
 
@@ -34,6 +36,7 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
     if (engine->tally.saved) engine->tally.saved->to = options->saved;
+    if (status == CML_OK) status = cml_branches_create(&engine->owned.world, &engine->branches, err);
     const size_t rows = cml_row_stride(&grid);
     engine->factor = calloc(rows + 1, sizeof *engine->factor);
     if (status == CML_OK && !engine->factor)
@@ -55,7 +58,8 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
     while (work->next(work->context, 64, 1, &piece)) {
         if (batch >= 0 && piece.batch != batch) work->note(work->context, batch, &engine->tally);
         batch = piece.batch;
-        if (!run_piece(&engine->owned.world, work, &piece, &patience, engine->factor, &engine->tally))
+        if (!run_piece(&engine->owned.world, work, &piece, &patience, engine->factor, &engine->branches,
+                       &engine->tally))
             return cml_engine_given_up(err);
     }
     if (batch >= 0) work->note(work->context, batch, &engine->tally);

@@ -5,6 +5,7 @@
 #ifndef CML_SCALAR_WALK_INL_H
 #define CML_SCALAR_WALK_INL_H
 
+#include "engine/branches_inl.h"
 #include "engine/engine.h"
 #include "engine/row_weights_inl.h"
 #include "engine/terminated_packets_inl.h"
@@ -67,33 +68,70 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     cml_rows_end(&world->setup, &its, packet->fate, packet->w, packet->exit_x, packet->exit_y, packet->u.z);
 }
 
-/* Flies the packets of a piece, one after the other, into the tally. factor: [cml_row_factors], scratch.
- * Returns false when it gave one up. */
+/* One thread's walk of packets, one after the other. */
+struct piece_walk {
+    const struct cml_world *world;
+    const struct cml_work *work;
+    struct cml_patience *patience;
+    struct cml_tally *tally;
+    struct cml_deposits to;
+    struct row_walk rows;
+    struct cml_terminated terminated;
+    uint32_t steps;
+};
+
+/* To its end, into the tally. Returns false when it was given up. */
+static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet)
+{
+    const struct cml_world *world = walk->world;
+    while (packet->fate == CML_FATE_ALIVE) {
+        if (++walk->steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(walk->work, walk->patience))
+            return false;
+        cml_step(world, &walk->to, packet);
+        if (walk->rows.sums.count) rows_step(world, &walk->rows, packet);
+    }
+    CML_ASSERT(world->windows.cells || cml_packet_balances(world, packet));
+    cml_tally_events(packet, walk->tally);
+    cml_end_visit(world, packet);
+    const struct cml_termination end = cml_termination_of(packet);
+    cml_terminated_push(world, &walk->terminated, &end, walk->tally);
+    return true;
+}
+
+/* P19: those that wait. Returns false when one was given up. */
+static inline bool end_branches(struct piece_walk *walk)
+{
+    while (walk->to.branches && walk->to.branches->count > 0) {
+        struct cml_packet packet = {
+            .trail = {.length = walk->tally->trail_length, .count = walk->tally->trail_count}};
+        cml_take_branch(walk->world, walk->to.branches, &packet);
+        cml_next_flight(walk->world, &packet);
+        if (!end_packet(walk, &packet)) return false;
+    }
+    return true;
+}
+
+/* Flies the packets of a piece, one after the other, into the tally. factor: [cml_row_factors], scratch;
+ * branches: empty. Returns false when it gave one up. */
 static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
                              const struct cml_piece *piece, struct cml_patience *patience, real *factor,
-                             struct cml_tally *tally)
+                             struct cml_branches *branches, struct cml_tally *tally)
 {
-    struct row_walk rows = {.sums = cml_row_sums_of(world, tally), .factor = factor};
-    const struct cml_deposits to = cml_deposits_of(tally);
-    struct cml_terminated terminated = {0};
-    uint32_t steps = 0;
+    struct piece_walk walk = {.world = world,
+                              .work = work,
+                              .patience = patience,
+                              .tally = tally,
+                              .to = cml_deposits_of(tally, branches),
+                              .rows = {.sums = cml_row_sums_of(world, tally), .factor = factor}};
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
-        cml_begin_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
+        cml_begin_walk(world, &walk.to, piece->first + CML_NUM_BATCHES * i, &packet);
         if (tally->trail_length) cml_leave_trail(world, tally, &packet);
-        if (rows.sums.count) rows_begin(world, &rows, &packet);
-        while (packet.fate == CML_FATE_ALIVE) {
-            if (++steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(work, patience)) return false;
-            cml_step(world, &to, &packet);
-            if (rows.sums.count) rows_step(world, &rows, &packet);
-        }
-        CML_ASSERT(cml_packet_balances(world, &packet));
-        cml_tally_events(&packet, tally);
-        cml_end_visit(world, &packet);
-        const struct cml_termination end = cml_termination_of(&packet);
-        cml_terminated_push(world, &terminated, &end, tally);
+        if (walk.rows.sums.count) rows_begin(world, &walk.rows, &packet);
+        if (!end_packet(&walk, &packet) || !end_branches(&walk)) return false;
     }
-    cml_terminated_flush(world, &terminated, tally);
+    cml_terminated_flush(world, &walk.terminated, tally);
+    cml_tally_unsplit(branches, tally);
     return true;
 }
 
@@ -179,9 +217,10 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
     struct tracing tracing = {world, on_event, context};
     struct cml_world traced = *world;
     traced.setup.tally_absorption = 0;
+    traced.windows.cells = 0; /* one packet, whole */
     traced.on_event = on_event ? forward_event : NULL;
     traced.on_event_context = &tracing;
-    const struct cml_deposits to = cml_deposits_of(&tally);
+    const struct cml_deposits to = cml_deposits_of(&tally, NULL);
     for (uint64_t i = 0; i < count; i++) {
         struct cml_packet packet;
         cml_walk(&traced, &to, first + i, &packet);

@@ -20,6 +20,7 @@
  * them. Weights in units of 2^-31 of a packet, positions in cm from the beam's axis. */
 struct cml_terminated {
     int count;
+    int branches; /* of them: these have not been launched (P19) */
     uint64_t absorbed[CML_TERMINATED];
     cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
                                         there yet */
@@ -104,7 +105,8 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
 {
     const struct cml_setup *setup = &world->setup;
     const struct cml_terminated_sums sums = cml_terminated_sum(terminated);
-    const uint64_t count = times * (uint64_t)terminated->count, specular = setup->specular;
+    const uint64_t branches = (uint64_t)terminated->branches,
+                   count = times * ((uint64_t)terminated->count - branches), specular = setup->specular;
     tally->balance[CML_BALANCE_LAUNCHED] += count * CML_WEIGHT_ONE;
     tally->balance[CML_BALANCE_SPECULAR] += count * specular + times * sums.specular;
     tally->balance[CML_BALANCE_REFLECTED] += times * sums.reflected;
@@ -117,8 +119,9 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     if (tally->detected && world->detection.split == CML_SPLIT_ALIKE)
         cml_score_split_off(world, 0, count, tally->detected, tally);
     tally->count[CML_COUNT_PHOTONS] += count;
-    tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
+    tally->count[CML_COUNT_INTERACTIONS] += times * (sums.interactions - branches * CML_LATTICE_EVENTS);
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
+    tally->count[CML_COUNT_BRANCHES] += branches;
 }
 
 /* P11, where time is asked for. */
@@ -143,7 +146,7 @@ static inline void cml_terminated_flush_times(const struct cml_world *world,
         tally->Rd_ra[terminated->cell[i]] += times * terminated->scored[i];
     cml_terminated_add_sums(world, terminated, times, tally);
     if (tally->Rd_t) cml_terminated_score_gates(&world->setup, terminated, times, tally);
-    terminated->count = 0;
+    terminated->count = terminated->branches = 0;
 }
 
 static inline void cml_terminated_flush(const struct cml_world *world, struct cml_terminated *terminated,
@@ -316,7 +319,7 @@ static inline void cml_tally_loss(const struct cml_termination *end, struct cml_
     } else if (end->fate == CML_FATE_LOST) {
         tally->balance[CML_BALANCE_LOST] += end->w;
         tally->count[CML_COUNT_LOST_NO_SURFACE + end->cause - CML_LOST_NO_SURFACE]++;
-        cml_lost_list_add(&tally->lost, end->index);
+        if (!cml_is_branch(end->index)) cml_lost_list_add(&tally->lost, end->index);
     }
 }
 
@@ -325,6 +328,7 @@ static inline void cml_terminated_push(const struct cml_world *world, struct cml
                                        const struct cml_termination *end, struct cml_tally *tally)
 {
     const int i = terminated->count++;
+    terminated->branches += cml_is_branch(end->index);
     terminated->absorbed[i] = end->absorbed;
     terminated->deposit[i] = 0;
     terminated->exit_x[i] = end->exit_x;
@@ -356,8 +360,18 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-/* Where kernels/walk.h puts deposits: straight into the arrays of the tally. */
-static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
+/* Packets that were not split, since this was last called. branches: may be NULL. */
+static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_tally *tally)
+{
+    if (!branches) return;
+    tally->count[CML_COUNT_UNSPLIT] += branches->whole;
+    branches->whole = 0;
+}
+
+/* Where kernels/walk.h puts deposits: straight into the arrays of the tally. branches: NULL where the world
+ * has no windows.
+ */
+static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struct cml_branches *branches)
 {
     uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
     const struct cml_deposits to = {.A_rz = tally->A_rz,
@@ -369,7 +383,8 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
                                     .phi = tally->phi,
                                     .phi_is_shared = !(tally->grid.marks > 0),
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],
-                                    .upright = {tally->Rsp_dir, squares}};
+                                    .upright = {tally->Rsp_dir, squares},
+                                    .branches = branches};
     return to;
 }
 

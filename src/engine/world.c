@@ -50,6 +50,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->body_grids);
     free(to->body_cells);
     free(to->tail_intervals);
+    free(to->lowest);
     free(to->phase_cells);
     free(to->sources);
     free(to->light_cells);
@@ -365,6 +366,19 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
     return CML_OK;
 }
 
+/* P19: a third of what packets shall weigh. */
+static cml_status set_windows(const struct cml_scene *scene, const struct cml_depth_windows *from,
+                              struct cml_owned_world *to, struct cml_error *err)
+{
+    if (!from) return CML_OK;
+    to->lowest = calloc((size_t)from->cells, sizeof *to->lowest);
+    if (!to->lowest) return cml_fail_memory(err, from->cells * (double)sizeof *to->lowest, "weight windows");
+    for (int i = 0; i < from->cells; i++) to->lowest[i] = from->target[i] / 3;
+    to->world.windows =
+        (struct cml_weight_windows){from->cells, (real)(from->cells / from->depth * scene->dz), to->lowest};
+    return CML_OK;
+}
+
 /* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
@@ -470,6 +484,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     }
     if (status == CML_OK) status = copy_phases(scene, to, err);
     if (status == CML_OK) status = set_tail(scene, options->tail, to, err);
+    if (status == CML_OK) status = set_windows(scene, options->windows, to, err);
     if (status != CML_OK) {
         cml_owned_world_free(to);
         return status;

@@ -47,6 +47,7 @@ struct cml_owned_world {
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
     struct cml_tail_interval *tail_intervals;
+    cml_u32 *lowest;                    /* weights, of windows */
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
     size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */

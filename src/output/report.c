@@ -122,6 +122,7 @@ static void print_rarities(FILE *stream, const struct cml_result *result, double
         {CML_COUNT_LOST_STUCK, "packets lost: stuck"},
         {CML_COUNT_LOST_LEAKED, "packets lost: leaked through a boundary"},
         {CML_COUNT_LOST_TOO_FAR, "packets lost: flew too far over a tile"},
+        {CML_COUNT_UNSPLIT, "packets not split, as no more could wait: bytes may depend on threads"},
         {CML_COUNT_SHADING_OVERRULED, "boundary events where the facet overruled the shading normal"},
     };
     for (size_t i = 0; i < sizeof rarities / sizeof *rarities; i++)
@@ -205,6 +206,9 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             (unsigned long long)cml_result_lost(result));
     print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
     print_saved(stream, report);
+    if (result->summary.count[CML_COUNT_BRANCHES])
+        fprintf(stream, "  %.3g parts of packets a photon were split off\n",
+                (double)result->summary.count[CML_COUNT_BRANCHES] / (double)result->photons);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps", seconds, (double)result->photons / seconds,
             steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);

@@ -27,6 +27,7 @@ enum { CML_AS_WORD = 8 };
     D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
     D(absorption, options->absorption, 0, NULL, NULL, NULL, "absorption by place")                                   \
     D(aim, options->tail != NULL, 0, NULL, NULL, NULL, NULL)                                                         \
+    D(windows, options->windows ? options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \
     D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \
     D(derivatives, options->derivatives, 0, NULL, NULL, NULL, NULL)                                                  \
     D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \

@@ -71,24 +71,60 @@ grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
 file=$work/x.mci:3
-expect_error 2 "--aim Rd (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Rd
-expect_error 2 "--aim Tt,A_l:0 (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
-expect_error 2 "--aim Tt, (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,
-expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3, below the level of what is not flat)" \
-    "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
-expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3, below the level of what is not flat)" \
-    "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
+expect_error 2 "--aim Rd (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Rd
+expect_error 2 "--aim Tt,A_l:0 (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
+expect_error 2 "--aim Tt, (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,
+expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3)" "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
+expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3)" "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
 if "$program" devices 2>/dev/null | grep -q '^0'; then
     expect_code 2 "$work/x.mci" --aim Tt --engine opencl --boundaries cone --quiet -o "$work/d"
     grep -q -- '--aim and --engine opencl' "$work/err" || complain "opencl: $(cat "$work/err")"
 fi
-scene "1\n1.0\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
-expect_error 2 "$file: --aim Tt (expected flat layers below all else, but shapes, bodies or beams reach down to the last boundary)" \
-    "$work/x.mci" --aim Tt --quiet -o "$work/d"
 scene "1\n1.0\n1.4 1 60 0.8 0.3\nbacking 0.5\n"
-expect_error 2 "$file: --aim Tt (expected flat layers below all else, but a backing lies below all layers)" \
-    "$work/x.mci" --aim Tt --quiet -o "$work/d"
-scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 60 0.8 0.3\n$bodies"
-expect_error 2 "$file: --aim A_l:2 (expected Tt: what is not flat reaches into the last layer)" \
-    "$work/x.mci" --aim A_l:2 --quiet -o "$work/d"
+expect_error 2 "$file: --aim Tt (expected no backing)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
+squares="no map, facets, directions, photons and maps of detectors beside what splits packets"
+for line in 'map 2 2 0.1 0.1' 'facets' 'directions 3 3' 'detector map 2 2 0.1 0.1' 'photons "p"'; do
+    grid="20000\n0.01 0.01\n20 20 3\n$line\n"
+    scene "$layers"
+    expect_error 2 "$file: --aim Tt_r (expected $squares)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
+    expect_code 0 "$work/x.mci" --aim Tt --photons 100 --quiet -o "$work/d"
+done
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
+scene "$layers"
+expect_error 2 "--control flat (expected no --aim beside it that splits packets)" \
+    "$work/x.mci" --aim Tt_r --control flat --quiet -o "$work/d"
+grid='20000\n0.01 0.01\n20 20 3\n'
+scene "$layers"
+expect_error 2 "--derivatives (expected no --aim beside it that splits packets)" \
+    "$work/x.mci" --aim Tt_r --derivatives --quiet -o "$work/d"
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
+scene "1\n1.0\n1.4 100 60 0.8 30\n"
+expect_error 2 "$file: --aim Tt_r (expected light that gets there)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
+scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
+expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
+
+# Windows: by name, where a shape reaches down, or for a layer that the level does not lie above.
+windows() { # OPTIONS: in force, without expected values, and the same bytes on any threads
+    rm -f "$work"/[abc]/x.mco
+    # shellcheck disable=SC2086,SC2048
+    expect_code 0 "$work/x.mci" $* --threads 1 -o "$work/a"
+    grep -q ' parts of packets a photon were split off$' "$work/out" && ! grep -q ' expected' "$work/out" || complain "$*: $(cat "$work/out")"
+    # shellcheck disable=SC2086,SC2048
+    expect_code 0 "$work/x.mci" $* --threads 3 --chunk 7 --quiet -o "$work/b"
+    same "$*" "$work/a/x.mco" "$work/b/x.mco"
+}
+scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
+expect_code 0 plan "$work/x.mci" --photons 2048
+grep -Eq '^  Through planes in place of all shapes comes [0-9.e-]+ of the light: --aim Tt_r would' "$work/out" || complain "plan: $(cat "$work/out")"
+windows --aim Tt
+windows --aim A_l:2
+windows --aim Tt_r
+expect_code 0 "$work/x.mci" --aim Tt_r --photons 12001 --keep --threads 2 --quiet -o "$work/c"
+expect_code 0 "$work/x.mci" --aim Tt_r --more 7999 --quiet -o "$work/c"
+same "--more" "$work/c/x.mco" "$work/b/x.mco"
+expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
+grep -q "of another run: 'windows 2' there, 'windows 0' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
+# all that is scored agrees with a plain run: gates, fluence, a detector
+expect_code 0 "$work/x.mci" --seed 2 --quiet -o "$work/a"
+expect_code 0 compare "$work/a/x.mco" "$work/b/x.mco" --alpha 1e-4
 finish

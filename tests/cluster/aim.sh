@@ -8,14 +8,14 @@ value() { # KEY FILE
     grep -o "\"$1\":[^,}]*" "$2" | sed 's/.*://;q'
 }
 
-for options in "--photons 20000" "--photons 64 --target-error 0.01"; do
+for options in "--photons 20000 --aim Tt" "--photons 20000 --aim Tt_r" "--photons 64 --target-error 0.01 --aim Tt"; do
     # shellcheck disable=SC2086 # several options on purpose
-    expect_code 0 "$work/x.mci" $options --aim Tt --threads 1 --json -o "$work"
+    expect_code 0 "$work/x.mci" $options --threads 1 --json -o "$work"
     mv "$work/x.mco" "$work/expected"
     for shape in "2 1" "3 2"; do
         set -- $shape
         # shellcheck disable=SC2086
-        ranks "$1" "$work/x.mci" $options --aim Tt --threads "$2" --quiet -o "$work"
+        ranks "$1" "$work/x.mci" $options --threads "$2" --quiet -o "$work"
         expect_bits "$options on $1 ranks x $2 threads" "$work/x.mco" "$work/expected"
     done
 done
@@ -25,7 +25,7 @@ awk -v Tt="$(value Tt_expected "$work/out")" -v e="$(value Tt_expected_se "$work
 
 # Stopped, and continued on two ranks.
 rm "$work/x.mco"
-"$program" "$work/x.mci" --photons 3e5 --aim Tt --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
+"$program" "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
 run=$!
 until grep -qs "^  boundary 2" "$work/out" || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
 sleep 0.2
@@ -35,8 +35,8 @@ wait $run || code=$?
 test $code -eq 75 || complain "not stopped: exit $code, $(cat "$work/err")"
 expect_error 2 "$work/x.mco.checkpoint: the checkpoint is of another run: 'aim 1' there, 'aim 0' here" \
     "$work/x.mci" --photons 3e5 --resume --quiet -o "$work"
-ranks 2 "$work/x.mci" --photons 3e5 --aim Tt --resume --quiet -o "$work"
+ranks 2 "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --resume --quiet -o "$work"
 mv "$work/x.mco" "$work/resumed"
-expect_code 0 "$work/x.mci" --photons 3e5 --aim Tt --quiet -o "$work"
+expect_code 0 "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --quiet -o "$work"
 expect_bits "stopped and continued" "$work/resumed" "$work/x.mco"
 finish

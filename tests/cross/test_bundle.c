@@ -5,9 +5,8 @@
 #include "same_tally.h"
 
 #include "body_files.h"
-#include "lib/dice.h"
+#include "invented.h"
 
-#include "cli/run/aim.h"
 #include "engine/cpu/bundle_walk_inl.h"
 #include "engine/cpu/engine_cpu.h"
 #include "engine/scalar_walk_inl.h"
@@ -19,7 +18,11 @@
 /* The level under test; run() sets it. */
 static struct cml_cpu_level level;
 
-static int entered; /* expected values that light has come to */
+static int entered;       /* expected values that light has come to */
+static uint64_t branched; /* parts of packets */
+
+/* What is asked for beside what is counted. */
+enum { NOTHING = 0, TAIL = 1, WINDOWS = 2 };
 
 static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                     const struct cml_engine_options *options, const struct cml_grid *grid,
@@ -36,33 +39,12 @@ static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct 
     return tally;
 }
 
-/* A level of the scene, where it has one, with any numbers below it: only that both walks find the same
- * counts here.
- */
-static void invent_tail(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                        struct cml_flat_tail *tail)
-{
-    const struct cml_aim_level level_of = cml_aim_level_of(scene, surfaces);
-    const double n = scene->media[level_of.layer].n, other = scene->media[scene->num_layers + 1].n;
-    struct dice dice = dice_new(3);
-    *tail = (struct cml_flat_tail){.layer = level_of.layer, .z = level_of.z};
-    if (level_of.layer == 0) return;
-    tail->scores = scene->num_layers - level_of.layer + 1;
-    tail->intervals = other < n ? 2 : 1;
-    tail->index = calloc(2, sizeof *tail->index);
-    tail->index[0] = other;
-    tail->index[tail->intervals - 1] = n;
-    const size_t numbers = (size_t)tail->intervals * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores;
-    tail->exponent = calloc((size_t)tail->scores, sizeof *tail->exponent);
-    tail->response = calloc(numbers, sizeof *tail->response);
-    for (size_t i = 0; i < numbers; i++) tail->response[i] = (float)dice_uniform(&dice);
-}
-
 static void compare_with(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons,
-                         const struct cml_engine_options *asked, bool aimed)
+                         const struct cml_engine_options *asked, int aims)
 {
     struct cml_engine_options options = *asked;
     struct cml_flat_tail tail = {0};
+    struct cml_depth_windows windows;
     struct cml_error err;
     struct cml_surface_set surfaces;
     const struct cml_surface_options surface = {.force = kind,
@@ -70,24 +52,31 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     struct cml_tally scalar;
     struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
-    if (aimed) invent_tail(scene, &surfaces, &tail);
+    if (aims & TAIL) invent_tail(scene, &surfaces, &tail);
     if (tail.layer > 0) options.tail = &tail;
+    invent_windows(scene, &windows);
+    if (aims & WINDOWS) options.windows = &windows;
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
     float *factor = calloc(cml_row_stride(&grid) + 1, sizeof *factor); /* scratch */
     assert_non_null(factor);
+    struct cml_branches branches;
+    require_ok(cml_branches_create(&world.world, &branches, &err), &err);
     for (uint64_t place = 1000, end = 1000 + photons; place < end;) {
         const struct cml_piece piece = cml_piece_at(1000, end, place);
         struct cml_patience patience = {0};
-        assert_true(run_piece(&world.world, &(struct cml_work){0}, &piece, &patience, factor, &scalar));
+        assert_true(
+            run_piece(&world.world, &(struct cml_work){0}, &piece, &patience, factor, &branches, &scalar));
         place += piece.count;
     }
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
     expect_same_tally(&scalar, &bundles, scene->output);
     if (grid.derivatives) expect_balanced_scores(&bundles);
     free(factor);
+    branched += bundles.count[CML_COUNT_BRANCHES];
     for (int s = 0; s < tail.scores; s++) entered += bundles.expected[s] > 0;
+    cml_branches_free(&branches);
     cml_owned_world_free(&world);
     cml_tally_free(&scalar);
     cml_tally_free(&bundles);
@@ -98,7 +87,7 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
 /* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
  */
 static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry,
-                    bool aimed)
+                    int aims)
 {
     const struct cml_roulette_options window = {0.01, 0.03}, mcml = {0, 0};
     compare_with(scene, kind, photons,
@@ -109,7 +98,7 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
                                               .roulette = reentry ? window : mcml,
                                               .reentry = reentry,
                                               .absorption = true},
-                 aimed);
+                 aims);
 }
 
 /* Rows of one flight: the first is that which is flown, in the others every other medium absorbs more. */
@@ -123,7 +112,7 @@ static void compare_rows(const struct cml_scene *scene, enum cml_surface_kind ki
         for (int i = 0; i < ROWS && m != scene->num_layers + 1; i++)
             more[m * ROWS + i] = (m + i) % 2 ? 0.7 * i * i : 0;
     compare_with(scene, kind, photons,
-                 &(struct cml_engine_options){.seed = 6, .reentry = true, .rows = {ROWS, more}}, false);
+                 &(struct cml_engine_options){.seed = 6, .reentry = true, .rows = {ROWS, more}}, NOTHING);
     free(more);
 }
 
@@ -131,7 +120,7 @@ static void compare_scores(const struct cml_scene *scene, enum cml_surface_kind 
 {
     const struct cml_engine_options options = {
         .seed = 7, .reentry = true, .roulette = {0.01, 0.03}, .absorption = true, .derivatives = true};
-    compare_with(scene, kind, photons, &options, false);
+    compare_with(scene, kind, photons, &options, NOTHING);
 }
 
 /* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
@@ -169,12 +158,13 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         if (list.scenes[i].time.gates == 0) compare_scores(&list.scenes[i], kind, photons / 16);
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         set_detectors(&list.scenes[i], true);
-        compare(&list.scenes[i], kind, photons, true, false);
+        compare(&list.scenes[i], kind, photons, true, NOTHING);
+        compare(&list.scenes[i], kind, photons / 32, true, WINDOWS);
         set_detectors(&list.scenes[i], false);
         list.scenes[i].time = (struct cml_time_def){0};
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         list.scenes[i].fluence.line = 1;
-        compare(&list.scenes[i], kind, photons / 4, false, true);
+        compare(&list.scenes[i], kind, photons / 4, false, TAIL);
     }
     cml_scene_list_clear(&list);
 }
@@ -205,14 +195,15 @@ static void every_sample_has_the_same_tally(void **state)
     compare_file("shapes/hinoise.mci", CML_SURFACE_MESH, 4000);
     compare_file("shapes/flat50.mci", CML_SURFACE_CONE, 4000);
     assert_true(entered > 20);
+    assert_true(branched > 1000);
 }
 
 static void compare_text(const char *text, uint64_t photons)
 {
     struct cml_scene_list list;
     read_scenes(text, &list);
-    compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true, false);
-    compare(&list.scenes[0], CML_SURFACE_AUTO, photons / 4, true, true);
+    compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true, NOTHING);
+    compare(&list.scenes[0], CML_SURFACE_AUTO, photons / 8, true, TAIL | WINDOWS);
     compare_rows(&list.scenes[0], CML_SURFACE_AUTO, photons / 4 + 1);
     compare_scores(&list.scenes[0], CML_SURFACE_AUTO, photons / 16 + 1);
     cml_scene_list_clear(&list);
@@ -235,9 +226,9 @@ static void maps_and_facets_have_the_same_tally(void **state)
         scene->map = (struct cml_map_def){
             .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};
         scene->facets = true;
-        compare(scene, CML_SURFACE_AUTO, 4000, true, false);
-        compare(scene, CML_SURFACE_AUTO, 1000, false, true);
-        compare(scene, CML_SURFACE_MESH, 1000, true, false);
+        compare(scene, CML_SURFACE_AUTO, 4000, true, NOTHING);
+        compare(scene, CML_SURFACE_AUTO, 1000, false, TAIL);
+        compare(scene, CML_SURFACE_MESH, 1000, true, NOTHING);
         cml_scene_list_clear(&list);
     }
 }

@@ -332,7 +332,7 @@ cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight,
     const cml_status status = cml_tally_create(&grid, &tally, err);
     if (status == CML_OK) {
         struct walker walker = {.flight = flight, .count = count, .world = &world.world};
-        walker.deposits = cml_deposits_of(&tally);
+        walker.deposits = cml_deposits_of(&tally, NULL);
         walker.dice = dice_new(flight->seed);
         for (int b = 0; b < flight->surfaces->count; b++)
             walker.extent = fmax(walker.extent, fmax(fabs(flight->surfaces->item[b].lowest),

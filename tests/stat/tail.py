@@ -1,11 +1,13 @@
-"""Expected values of --aim (P15) against adding-doubling, and under shapes against what is counted. tail.py [long]
+"""Expected values of --aim (P15) and flights in windows (P19) against adding-doubling, and under shapes against what is
+counted. tail.py [long]
 
 Flat stacks, whose level lies just below z = 0: N = 10000, z of Tt_expected and of each A_l_expected below the level
 against `exact`, which shares the responses' method but not their directions, and against which all flights above the
-level count; down to a Tt of 3e-9. Shapes, bodies, light inside: N = 40000, z of the difference to what a flight with
-another seed counts. Level 1e-4 over all. long: 40 more flat stacks, drawn by lot, and 25 times the photons
+level count; down to a Tt of 3e-9. The same stacks by --aim Tt_r: N = 20000, z of Rd, A and Tt, which is counted then. Shapes, bodies, light inside: N = 40000, z of the difference to what a flight with
+another seed counts; of rough bottoms, which are for windows, of all totals. Level 1e-4 over all. long: 40 more flat stacks, drawn by lot, and 25 times the photons
 under shapes; of 400 runs of 1000 photons 68 +- 5 % must lie within their own error of the exact value, for Tt and for A
-of the layer below, and their mean within its own."""
+of the layer below, and their mean within its own; in windows, of 400 of 4000 for Tt."""
+import functools
 import json
 import os
 import random
@@ -36,6 +38,12 @@ SHAPES = [
 ]
 
 
+ROUGH = [
+    ("rough bottom", {"layers": ["1.4 1 60 0.8 0.8"], "surfaces": {1: HILL}}),
+    ("body at the bottom", {"layers": ["1.4 2 40 0.8 0.4", "1.33 1 40 0.8 0.3\ni sphere 0 0 0.55 0.149 1.6 5 10 0"]}),
+]
+
+
 def by_lot(count):
     dice = random.Random(7)
     for k in range(count):
@@ -44,6 +52,7 @@ def by_lot(count):
         yield (f"lot {k}", layers, dice.choice([1.0, 1.33, 1.5]), dice.choice([1.0, 1.33, 1.5]), f"pencil angle={dice.randint(0, 60)}")
 
 
+@functools.lru_cache
 def exact(text):
     with tempfile.TemporaryDirectory() as scratch:
         path = os.path.join(scratch, "scene.mci")
@@ -75,6 +84,20 @@ def check_flat(verdict, name, layers, above, below_all, beam):
                   truth["A_l_error"][l] + 1e-5 * truth["A_l"][l])
 
 
+def check_windows(verdict, name, layers, above, below_all, beam):
+    text = cml.mci(layers, photons=10000, n_above=above, n_below=below_all, extra=[f"beam {beam}"])
+    record, truth = fly(verdict, f"{name}, windows", text, "--aim", "Tt_r", "--seed", 8, "--photons", 20000), exact(text)
+    for key in ("Rd", "A", "Tt"):
+        verdict.z(f"{name}, windows, {key}", record[key], record[key + "_se"], truth[key], truth[key + "_error"])
+
+
+def check_rough(verdict, name, scene, photons, *options):
+    record = fly(verdict, name, cml.mci(photons=photons, **scene), "--seed", 11, "--aim", "Tt_r", *options)
+    plain = fly(verdict, name, cml.mci(photons=photons, **scene), "--seed", 12, *options)
+    for key in ("Rd", "A", "Tt"):
+        verdict.z(f"{name}, {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
+
+
 def check_shape(verdict, name, scene, photons, *options):
     text = cml.mci(photons=photons, **scene)
     record = fly(verdict, name, text, "--seed", 9, "--aim", "Tt", *options)
@@ -85,22 +108,32 @@ def check_shape(verdict, name, scene, photons, *options):
     verdict.check(name, record["Tt_expected_se"] < record["Tt_se"], "no gain")
 
 
+def within(verdict, name, records, true):
+    inside = sum(abs(record[name] - true) <= record[name + "_se"] for record in records) / len(records)
+    print(f"{100 * inside:.1f} % of {len(records)} runs lie within their error of {name} = {true:.3g}")
+    verdict.check("coverage", abs(inside - 0.68) <= 0.05, f"{name}: {inside}")
+    values = [record[name] for record in records]
+    verdict.z(f"mean of runs, {name}", statistics.fmean(values), statistics.stdev(values) / len(values)**0.5, true)
+
+
 def check_coverage(verdict):
-    runs, layers = 400, ["1.4 0.5 40 0.8 0.1", "1.4 2 60 0.8 1"]
-    records = cml.run(cml.repeated(runs, layers=layers, photons=1000, n_above=1.4, n_below=1.4), "--aim", "Tt", "--seed", 3)
-    truth = exact(cml.mci(layers, n_above=1.4, n_below=1.4))
-    for name, value, error, true in [("Tt", [r["Tt_expected"] for r in records], [r["Tt_expected_se"] for r in records], truth["Tt"]),
-                                     ("A_l", [r["A_l_expected"][1] for r in records], [r["A_l_expected_se"][1] for r in records], truth["A_l"][1])]:
-        within = sum(abs(v - true) <= e for v, e in zip(value, error)) / runs
-        print(f"{100 * within:.1f} % of {runs} runs lie within their error of {name} = {true:.3g}")
-        verdict.check("coverage", abs(within - 0.68) <= 0.05, f"{name}: {within}")
-        verdict.z(f"mean of runs, {name}", statistics.fmean(value), statistics.stdev(value) / runs**0.5, true)
+    layers, n = ["1.4 0.5 40 0.8 0.1", "1.4 2 60 0.8 1"], {"n_above": 1.4, "n_below": 1.4}
+    truth = exact(cml.mci(layers, **n))
+    records = cml.run(cml.repeated(400, layers=layers, photons=1000, **n), "--aim", "Tt", "--seed", 3)
+    within(verdict, "Tt_expected", records, truth["Tt"])
+    within(verdict, "A_2", [{"A_2": r["A_l_expected"][1], "A_2_se": r["A_l_expected_se"][1]} for r in records], truth["A_l"][1])
+    records = cml.run(cml.repeated(400, layers=layers, photons=4000, **n), "--aim", "Tt_r", "--seed", 4)
+    within(verdict, "Tt", records, truth["Tt"])
 
 
 def main():
     verdict, long = cml.Verdict("tail"), sys.argv[1:] == ["long"]
     for scene in FLAT + list(by_lot(40 if long else 0)):
         check_flat(verdict, *scene)
+        check_windows(verdict, *scene)
+    for name, scene in ROUGH:
+        check_rough(verdict, name, scene, 1000000 if long else 20000)
+    check_rough(verdict, "reference, rough", ROUGH[0][1], 2000, "--engine", "reference")
     for name, scene in SHAPES:
         check_shape(verdict, name, scene, 1000000 if long else 40000)
     check_shape(verdict, "reference", SHAPES[0][1], 4000, "--engine", "reference")

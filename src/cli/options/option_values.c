@@ -172,7 +172,8 @@ static bool is_aim(const char *name)
     const size_t length = strcspn(name, ",");
     char number[16];
     int layer;
-    if (strncmp(name, "Tt", length) == 0 && length == 2) return true;
+    if ((length == 2 && strncmp(name, "Tt", 2) == 0) || (length == 4 && strncmp(name, "Tt_r", 4) == 0))
+        return true;
     if (strncmp(name, "A_l:", 4) != 0 || length - 4 >= sizeof number) return false;
     snprintf(number, sizeof number, "%.*s", (int)length - 4, name + 4);
     return cml_parse_int(number, &layer) && layer > 0;
@@ -182,7 +183,8 @@ cml_status cml_read_aim(const struct cml_option *option, const char *value, stru
                         struct cml_error *err)
 {
     for (const char *name = value; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL)
-        if (!is_aim(name)) return fail(err, option, value, "Tt, or A_l:N of layer N, or several with commas");
+        if (!is_aim(name))
+            return fail(err, option, value, "Tt, Tt_r, or A_l:N of layer N, or several with commas");
     options->aim = value;
     return CML_OK;
 }

@@ -18,8 +18,8 @@ struct cml_options {
     uint64_t photons; /* 0: as the .mci says */
     uint64_t run;     /* of the file, from 1, for `trace` */
     bool ignore_heightfields;
-    const char *
-        aim; /* NAME[,NAME ...] of what the flat layers below all shapes give an expected value; NULL: none */
+    const char
+        *aim; /* NAME[,NAME ...] of what shall be known better (P15, P19 of kernels/README.md); NULL: none */
     bool control;               /* the flat twin of a run is flown, too, and makes its totals sharper */
     double target_error;        /* 0: none */
     double checkpoint_interval; /* s; 0: no checkpoints */

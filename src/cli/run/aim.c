@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/aim.h"
 
+#include "exact/importance.h"
 #include "exact/tail_response.h"
+#include "scene/phase.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -76,39 +78,139 @@ static cml_status refuse(const struct cml_scene *scene, const char *aim, int len
                     aim, expected);
 }
 
-/* Each of the names that the option's reader has let pass. */
-static cml_status check_names(const char *aim, const struct cml_scene *scene, int layer,
-                              struct cml_error *err)
+/* What names ask for: expected values, and windows for light that comes out of so many layers. */
+struct wanted {
+    bool tail;
+    int layers;
+};
+
+/* Of one of the names that the option's reader has let pass: what the tail does not reach is for windows. */
+static cml_status add_name(const char *name, const struct cml_scene *scene, int level, struct wanted *wanted,
+                           struct cml_error *err)
 {
-    char expected[128];
-    snprintf(expected, sizeof expected, "a layer from %d to %d, below the level of what is not flat",
-             layer + 1, scene->num_layers);
-    if (layer == scene->num_layers)
-        snprintf(expected, sizeof expected, "Tt: what is not flat reaches into the last layer");
-    for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ',')) {
-        const int length = (int)strcspn(name, ","), number = name[0] == 'A' ? atoi(name + strlen("A_l:")) : 0;
-        if (name[0] == 'A' && (number <= layer || number > scene->num_layers))
-            return refuse(scene, name, length, expected, err);
-    }
+    const int length = (int)strcspn(name, ","), last = scene->num_layers,
+              layer = name[0] == 'A' ? atoi(name + strlen("A_l:")) : last + 1;
+    const bool reached = level > 0 && layer > level && strncmp(name, "Tt_r", 4) != 0;
+    char expected[64];
+    snprintf(expected, sizeof expected, last > 1 ? "a layer from 2 to %d" : "Tt: there is one layer", last);
+    if (name[0] == 'A' && (layer < 2 || layer > last)) return refuse(scene, name, length, expected, err);
+    if (reached)
+        wanted->tail = true;
+    else if (layer - 1 > wanted->layers)
+        wanted->layers = layer - 1;
     return CML_OK;
 }
 
-cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                          const struct cml_surface_set *surfaces, struct cml_flat_tail *tail,
-                          struct cml_error *err)
+/* Squares of packets are no squares of families, and a part of a packet is not to be told from others by its
+ * photon. */
+static bool wants_packets(const struct cml_scene *scene)
+{
+    for (int k = 0; k < scene->num_detectors; k++)
+        if (scene->detectors[k].kind == CML_DETECTOR_MAP) return true;
+    return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
+}
+
+static double mean_of(const struct cml_medium_def *medium)
+{
+    return medium->phase ? cml_phase_mean(medium->phase) : medium->g;
+}
+
+/* Where light that goes down from z has forgotten where it came from: after a transport mean free path. */
+static double start_of(const struct cml_medium_def *media, int layers, double z)
+{
+    double left = 1, top = 0;
+    for (int l = 1; l <= layers; top += media[l++].d) {
+        const double from = fmax(top, z), rest = top + media[l].d - from,
+                     mutr = media[l].mua + media[l].mus * (1 - mean_of(&media[l]));
+        if (rest > 0 && mutr * rest >= left) return from + left / mutr;
+        left -= fmax(rest, 0) * mutr;
+    }
+    return top;
+}
+
+/* Of the beam whose light is worth most. */
+static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media, int layers,
+                             double depth, const double *importance)
+{
+    double most = 0;
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const double z = beam->inside ? beam->z : start_of(media, layers, 0),
+                     at = z / depth * CML_WINDOW_CELLS;
+        most = fmax(most, importance[(int)fmax(0, fmin(at, CML_WINDOW_CELLS - 1))]);
+    }
+    return most;
+}
+
+/* Where much light arrives windows gain little, and what is reflected pays for them. */
+static double power_of(double worth)
+{
+    return worth > 1e-2 ? 0.5 : 0.9;
+}
+
+#define LEAST_WORTH 1e-20
+
+static cml_status make_windows(const char *aim, const struct cml_scene *scene,
+                               const struct cml_medium_def *media, int layers,
+                               struct cml_depth_windows *windows, struct cml_error *err)
+{
+    double importance[CML_WINDOW_CELLS], depth = 0;
+    if (wants_packets(scene))
+        return refuse(scene, aim, (int)strlen(aim),
+                      "no map, facets, directions, photons and maps of detectors beside what splits packets",
+                      err);
+    for (int l = 1; l <= layers; l++) depth += media[l].d;
+    CML_TRY(cml_importance_of_depth(media, layers, CML_WINDOW_CELLS, importance, err));
+    const double worth = worth_of_light(scene, media, layers, depth, importance);
+    if (!(worth > LEAST_WORTH && worth < INFINITY))
+        return refuse(scene, aim, (int)strlen(aim), "light that gets there", err);
+    CML_TRY(
+        cml_depth_windows_create(importance, CML_WINDOW_CELLS, depth, worth, power_of(worth), windows, err));
+    windows->layers = layers;
+    windows->worth = worth;
+    return CML_OK;
+}
+
+/* media: of the flat twin. */
+static cml_status create(const char *aim, const struct cml_scene *scene,
+                         const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
+                         struct cml_aim *to, struct cml_error *err)
 {
     const struct cml_aim_level level = cml_aim_level_of(scene, surfaces);
-    char expected[128];
-    snprintf(expected, sizeof expected, "flat layers below all else, but %s", level.why ? level.why : "");
-    if (level.layer == 0) return refuse(scene, aim, (int)strlen(aim), expected, err);
-    CML_TRY(check_names(aim, scene, level.layer, err));
+    struct wanted wanted = {false, 0};
+    if (scene->backing.kind != CML_NO_BACKING) return refuse(scene, aim, (int)strlen(aim), "no backing", err);
+    for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
+        CML_TRY(add_name(name, scene, level.layer, &wanted, err));
+    if (wanted.layers > 0) CML_TRY(make_windows(aim, scene, media, wanted.layers, &to->windows, err));
+    return wanted.tail ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
+                       : CML_OK;
+}
+
+cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
+                          const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
+{
     const size_t count = (size_t)scene->num_layers + 2;
     struct cml_medium_def *media = malloc(count * sizeof *media);
+    *to = (struct cml_aim){0};
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "layers");
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; l <= scene->num_layers; l++)
         media[l].d = surfaces->item[l].depth - surfaces->item[l - 1].depth;
-    const cml_status status = cml_tail_create(media, scene->num_layers, level.layer, level.z, tail, err);
+    const cml_status status = create(aim, scene, surfaces, media, to, err);
     free(media);
+    if (status != CML_OK) cml_aim_clear(to);
     return status;
+}
+
+void cml_aim_clear(struct cml_aim *aim)
+{
+    cml_flat_tail_clear(&aim->tail);
+    cml_depth_windows_clear(&aim->windows);
+}
+
+double cml_windows_gain(double worth)
+{
+    const double V = 0.008 / worth, least = 7.4; /* below that the rule turns */
+    if (!(worth < 5e-3 && worth > 0)) return 0;
+    return V > least ? V / pow(log(V), 2) : 2;
 }

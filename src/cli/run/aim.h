@@ -1,8 +1,10 @@
 /* clustermcml run --aim: below all shapes, bodies and beams a scene is flat, and what becomes of light there
- * is known (P15 of kernels/README.md). SPDX-License-Identifier: MIT */
+ * is known (P15 of kernels/README.md); for what else is aimed at packets are split on their way (P19).
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_AIM_H
 #define CML_AIM_H
 
+#include "scene/depth_windows.h"
 #include "scene/flat_tail.h"
 #include "surface/surface.h"
 #include "tally/result.h"
@@ -21,11 +23,24 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result);
 
-/* Checks what --aim asks for, and computes what is expected of light below the level. CML_E_INPUT: the scene
- * has no level, or nothing below it is aimed at, "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC:
- * adding-doubling has no answer. On success the caller clears *tail. */
+/* In how much less time windows give Tt the same error, within a factor of 2, where this share of the light
+ * comes out: a packet of a plain flight has the relative variance V = 0.008 / worth, as it weighs little when
+ * it comes there. 0: in no less. */
+double cml_windows_gain(double worth);
+
+/* What --aim asks for: expected values below the level, where scores is not 0, windows where cells is not. */
+struct cml_aim {
+    struct cml_flat_tail tail;
+    struct cml_depth_windows windows;
+};
+
+/* Of the names NAME[,NAME...] Tt, Tt_r and A_l:N: the tail is for what lies below the level, windows for the
+ * rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC: adding-doubling has no answer.
+ * On success the caller clears *to. */
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                                        const struct cml_surface_set *surfaces, struct cml_flat_tail *tail,
+                                        const struct cml_surface_set *surfaces, struct cml_aim *to,
                                         struct cml_error *err);
+
+void cml_aim_clear(struct cml_aim *aim);
 
 #endif

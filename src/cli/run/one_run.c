@@ -179,7 +179,7 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
 
 static bool may_aim(const struct cml_run_setup *setup)
 {
-    return !setup->options.tail && strcmp(setup->engine->name, "opencl") != 0;
+    return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
 }
 
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
@@ -398,7 +398,7 @@ struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
     struct cml_twin twin;
-    struct cml_flat_tail tail;
+    struct cml_aim aim;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
 };
@@ -491,8 +491,12 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
-    if (options.aim) CML_TRY(cml_aim_create(options.aim, setup->scene, setup->surfaces, &run->tail, err));
-    if (options.aim) setup->options.tail = &run->tail;
+    if (options.aim) CML_TRY(cml_aim_create(options.aim, setup->scene, setup->surfaces, &run->aim, err));
+    if (run->aim.tail.scores > 0) setup->options.tail = &run->aim.tail;
+    if (run->aim.windows.cells > 0) setup->options.windows = &run->aim.windows;
+    if (setup->options.windows && (options.control || setup->options.derivatives))
+        return cml_fail(err, CML_E_INPUT, "--%s (expected no --aim beside it that splits packets)",
+                        options.control ? "control flat" : "derivatives");
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (call->row == 0 && cml_cluster_rank() == 0)
@@ -552,7 +556,7 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     if (status == CML_OK) status = fly(call, &run.setup, &run.twin, record, err);
     cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
-    cml_flat_tail_clear(&run.tail);
+    cml_aim_clear(&run.aim);
     free(run.checkpoint);
     free(run.identity);
     free(run.base_identity);

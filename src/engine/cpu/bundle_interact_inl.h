@@ -137,6 +137,30 @@ CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struc
     for (int i = 0; i < lanes; i++) depths[i] = cml_depth_bin(&setup, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
 }
 
+/* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
+ * any is. */
+CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct cml_bundle *b, int *outside)
+{
+    const struct cml_weight_windows windows = world->windows;
+    const real per_dz = world->setup.per_dz;
+    const real *restrict const bins = CML_OF_MEDIUM(b, bins);
+    _Alignas(64) int cell[CML_LANES];
+    _Alignas(64) cml_u32 low[CML_LANES];
+    int any = 0;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++) cell[i] = cml_window_cell(windows, per_dz, b->z[i], bins[i]);
+#pragma GCC unroll 8
+    for (int i = 0; i < CML_LANES; i++) low[i] = windows.low[cell[i]];
+#pragma omp simd reduction(| : any)
+    for (int i = 0; i < CML_LANES; i++) {
+        const cml_u32 w = b->w[i];
+        const int out = (b->task[i] == CML_LANE_INTERACT) & ((w < low[i]) | cml_is_heavy(w, low[i]));
+        outside[i] = out;
+        any |= out;
+    }
+    return any;
+}
+
 /* Where absorption is tallied. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {

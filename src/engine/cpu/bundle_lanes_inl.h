@@ -46,6 +46,14 @@ static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
+/* P19: how many of a group's lanes hold branches. */
+static int cml_count_branches(const struct cml_bundle *b, int first, cml_u32 lanes)
+{
+    int count = 0;
+    for (; lanes; lanes &= lanes - 1) count += cml_is_branch(cml_lane_index(b, first + __builtin_ctz(lanes)));
+    return count;
+}
+
 /* P16: factors of the rows of the lane's packet. */
 static real *cml_lane_factors(const struct cml_flight *f, int i)
 {
@@ -268,9 +276,11 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     const int fate = terminated->fate[at], up = fate == CML_FATE_REFLECTED;
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
-    row[CML_TOTAL_SPECULAR] += setup->specular + (fate == CML_FATE_SPECULAR ? w : 0u);
+    const cml_u64 index = cml_lane_index(f->b, i);
+    row[CML_TOTAL_SPECULAR] +=
+        (cml_is_branch(index) ? 0u : setup->specular) + (fate == CML_FATE_SPECULAR ? w : 0u);
     if (f->tally->detected) {
-        cml_score_split_off(f->world, cml_terminated_index(terminated, at), 1, row + places.detector, NULL);
+        cml_score_split_off(f->world, index, 1, row + places.detector, NULL);
         cml_tally_detectors(f->world, terminated, at, trail, row + places.detector, NULL);
     }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];

@@ -297,10 +297,44 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (b->trail_length) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
-/* New packets for lanes of a group, from as many fillings of the queue as it takes; lanes for which there are
- * none are parked. */
+/* P19: the last branch that waits, into a lane. It stands on a surface only as a packet within rounding of a
+ * mesh does. */
+static void cml_launch_branch(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_packet packet = {.trail = cml_lane_trail(b, i)};
+    cml_take_branch(f->world, f->to.branches, &packet);
+    const int batch = (int)(packet.index % CML_NUM_BATCHES), first = i / CML_GROUP * CML_GROUP;
+    cml_next_flight(f->world, &packet);
+    cml_launch_like(f, &packet, first, 1u << (i - first));
+    b->index_low[i] = (cml_u32)packet.index;
+    b->index_high[i] = (cml_u32)(packet.index >> 32);
+    b->draw1[i] = packet.draw.w[1];
+    b->draw2[i] = packet.draw.w[2];
+    b->tau[i] = packet.tau;
+    b->interactions[i] = packet.interactions;
+    b->interactions_at_hit[i] = packet.on_boundary < 0 ? ~0u : packet.interactions;
+    b->off_x[i] = packet.off.x;
+    b->off_y[i] = packet.off.y;
+    b->off_z[i] = packet.off.z;
+    b->mark[i] = packet.mark;
+    b->here[i] = packet.here;
+    b->low[i] = packet.low;
+    b->before[i] = packet.before;
+    b->deepest[i] = packet.trail.deepest;
+    f->late &= ~CML_LANE_BIT(i);
+    if (batch == f->batch) return;
+    f->late |= CML_LANE_BIT(i);
+    f->late_profiles[i] = cml_tally_late(f->tally, batch);
+}
+
+/* New packets for lanes of a group, branches before photons, from as many fillings of the queue as it takes;
+ * lanes for which there are none are parked. */
 static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
 {
+    if (f->to.branches)
+        for (; f->to.branches->count > 0 && lanes; lanes &= lanes - 1)
+            cml_launch_branch(f, first + __builtin_ctz(lanes));
     while (lanes && cml_fill_queue(f)) {
         const cml_u32 now = cml_first_bits(lanes, f->queue.end - f->queue.first);
         cml_launch_from_queue(f, first, now);

@@ -125,6 +125,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
         memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));
     }
     if (setup->keeps_paths) cml_group_pack(b->path + first, exits, terminated->path + at);
+    if (f->world->windows.cells) terminated->branches += cml_count_branches(b, first, exits);
     cml_group_pack(b->w + first, exits, terminated->w + at);
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
@@ -155,15 +156,15 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* P8, by cml_roulette. The draw is that of the interaction the packet has just had; its block is computed
- * again for its fourth word, which the loops do not keep, since few packets get here. */
-static void cml_lane_roulette(struct cml_flight *f, int i)
+/* P8, or P19, by cml_roulette. The draw is that of the interaction the packet has just had; its block is
+ * computed again for its fourth word, which the loops do not keep, since few packets get here. */
+static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule rule)
 {
     struct cml_bundle *b = f->b;
     struct cml_packet packet = {.w = b->w[i]};
     packet.draw =
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
-    cml_roulette(f->world->setup.roulette, &packet);
+    cml_roulette(rule, &packet);
     cml_tally_events(&packet, f->tally);
     b->interactions[i]++; /* which the next pass counts */
     cml_flush_deposits(f, i);
@@ -176,6 +177,44 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     if (packet.fate == CML_FATE_ALIVE) return;
     b->interactions[i]++;
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
+}
+
+static void cml_lane_roulette(struct cml_flight *f, int i)
+{
+    cml_lane_plays(f, i, f->world->setup.roulette);
+}
+
+/* P19, as cml_weigh, of a lane that has interacted, and is outside of its window: it has not drawn for its
+ * next interaction, which is what its branches are counted by. */
+static void cml_weigh_lane(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_weight_windows windows = f->world->windows;
+    const int cell = cml_window_cell(windows, f->world->setup.per_dz, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
+    const cml_u32 low = windows.low[cell], target = cml_target_weight(low);
+    const struct cml_roulette_rule rule = {low, target};
+    struct cml_packet packet;
+    if (b->w[i] < low) {
+        cml_lane_plays(f, i, rule);
+        return;
+    }
+    cml_flush_deposits(f, i);
+    b->interactions[i]++;
+    cml_lane_packet(b, i, &packet);
+    b->interactions[i]--;
+    cml_split(f->world, f->to.branches, &packet, target);
+    b->w[i] = b->flushed_w[i] = packet.w;
+}
+
+/* P19: the lanes that have interacted and are outside of their windows. */
+static void cml_weigh_lanes(struct cml_flight *f)
+{
+    _Alignas(64) int outside[CML_LANES];
+    uint64_t mask = 0;
+    if (!cml_bundle_find_outside(f->world, f->b, outside)) return;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP)
+        mask |= (uint64_t)cml_group_equal(outside + first, 1) << first;
+    cml_for_lanes(f, mask & f->live, cml_weigh_lane);
 }
 
 /* Where facets are asked for: what lanes have met at planes. A reflected lane has its new direction already,
@@ -419,7 +458,10 @@ static void cml_flight_interact(struct cml_flight *f)
         if (f->late) cml_scatter_late(f);
         if (f->to.A_xyz) cml_scatter_volume(f);
     }
-    if (low) cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
+    if (f->world->windows.cells)
+        cml_weigh_lanes(f);
+    else if (low)
+        cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
 }
 
 /* Lanes in the tail, without those that hold no packet. Such a lane draws like the others, so its optical
@@ -452,12 +494,12 @@ static void cml_flight_pass(struct cml_flight *f)
     if (f->ended) cml_refill(f);
 }
 
-/* Before the first pass. f holds world, bundle (all 0), tally, media and source, all else is 0: finds out
- * what all packets have in common, and launches the first ones. */
+/* Before the first pass. f holds world, bundle (all 0), tally, media, source and branches, all else is 0:
+ * finds out what all packets have in common, and launches the first ones. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
-    f->to = cml_deposits_of(f->tally);
+    f->to = cml_deposits_of(f->tally, f->to.branches);
     f->curves = setup->backing.kind != CML_BACKING_NONE;
     for (int i = 0; i <= setup->num_layers; i++) {
         const struct cml_surface *surface = &f->world->surfaces[i];
@@ -502,7 +544,7 @@ static void cml_flight_run(struct cml_flight *f)
  * for the arrays that threads share. media: [num_layers + 2]; factors: as in cml_flight. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, real *factors,
-                                   struct cml_tally *tally)
+                                   struct cml_branches *branches, struct cml_tally *tally)
 {
     struct cml_bundle bundle = {0};
     struct cml_gathered gathered = {0};
@@ -514,10 +556,12 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                            .tally = tally,
                            .media = media,
                            .source = source,
-                           .factors = factors};
+                           .factors = factors,
+                           .to = {.branches = branches}};
     cml_regions_begin(world, &regions);
     cml_flight_begin(&f);
     cml_flight_run(&f);
+    cml_tally_unsplit(branches, tally);
 }
 
 #endif

@@ -20,6 +20,7 @@ struct cpu_engine {
     struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
                                     * share */
     real *factors; /* [threads][CML_LANES][cml_row_factors], of packets under way (P16); NULL without rows */
+    struct cml_branches *branches; /* [threads] */
     int threads, num_tallies;
     uint64_t chunk;
 };
@@ -32,6 +33,8 @@ static void cpu_close(void *self)
     free(cpu->tallies);
     free(cpu->media);
     free(cpu->factors);
+    for (int i = 0; cpu->branches && i < cpu->threads; i++) cml_branches_free(&cpu->branches[i]);
+    free(cpu->branches);
     cml_owned_world_free(&cpu->owned);
     free(cpu);
 }
@@ -83,6 +86,16 @@ static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
     return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
 }
 
+static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
+{
+    cpu->branches = calloc((size_t)cpu->threads, sizeof *cpu->branches);
+    if (!cpu->branches)
+        return cml_fail_memory(err, cpu->threads * (double)sizeof *cpu->branches, "packets that wait");
+    for (int i = 0; i < cpu->threads; i++)
+        CML_TRY(cml_branches_create(&cpu->owned.world, &cpu->branches[i], err));
+    return CML_OK;
+}
+
 /* What is asked for, 0 for as many as OpenMP would use, within OMP_THREAD_LIMIT. */
 static int choose_threads(int asked)
 {
@@ -101,6 +114,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
     if (status == CML_OK) status = create_factors(cpu, err);
+    if (status == CML_OK) status = create_branches(cpu, err);
     if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
     if (status != CML_OK)
         cpu_close(cpu);
@@ -153,7 +167,7 @@ static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work
     real *const factors = cpu->factors ? cpu->factors + (size_t)number * num_factors(cpu) : NULL;
     struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
     const struct cml_range_source source = {next_photons, note_batch, gives_up, &supply};
-    cml_bundle_walk(&cpu->owned.world, cpu->media, &source, factors, tally);
+    cml_bundle_walk(&cpu->owned.world, cpu->media, &source, factors, &cpu->branches[number], tally);
     return !supply.given_up;
 }
 

@@ -156,9 +156,10 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     int count = 0;
     CML_TRY(refuse_meshes(scene, surfaces, err));
     CML_TRY(refuse_maps(scene, err));
-    if (options->tail)
+    if (options->tail || options->windows)
         return cml_fail(err, CML_E_INPUT,
-                        "--aim and --engine opencl, which scores no expected values (expected --engine cpu)");
+                        "--aim and --engine opencl, which scores no expected values and splits no packets "
+                        "(expected --engine cpu)");
     CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
     cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);

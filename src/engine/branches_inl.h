@@ -1,0 +1,44 @@
+/* Code, included by each engine on the host, as packets are of its precision: where branches wait (P19).
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BRANCHES_INL_H
+#define CML_BRANCHES_INL_H
+
+#include "base/status.h"
+#include "windows.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+/* Far more than ever wait in a scene whose windows are made for it: each packet in flight leaves some tens.
+ */
+#define CML_MOST_BRANCHES 16384
+
+static inline void cml_branches_free(struct cml_branches *branches)
+{
+    free(branches->item);
+    free(branches->length);
+    free(branches->interactions);
+    *branches = (struct cml_branches){0};
+}
+
+/* For one thread; empty where the world has no windows. CML_E_INPUT when memory runs out. */
+static inline cml_status cml_branches_create(const struct cml_world *world, struct cml_branches *to,
+                                             struct cml_error *err)
+{
+    const size_t media = (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies,
+                 most = CML_MOST_BRANCHES;
+    const bool trails = world->detection.num_detectors > 0;
+    *to = (struct cml_branches){0};
+    if (world->windows.cells == 0) return CML_OK;
+    to->item = calloc(most, sizeof *to->item);
+    if (trails) to->length = calloc(most * media, sizeof *to->length);
+    if (trails) to->interactions = calloc(most * media, sizeof *to->interactions);
+    if (!to->item || (trails && (!to->length || !to->interactions))) {
+        cml_branches_free(to);
+        return cml_fail_memory(err, (double)most * sizeof *to->item, "packets that wait");
+    }
+    to->most = CML_MOST_BRANCHES;
+    return CML_OK;
+}
+
+#endif

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "exact/importance.h"
+
+#include "exact/stack.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { ORDER = 16, TERMS = 2 * ORDER, PIECES = 96, MOST_DIRECTIONS = 320 };
+
+#define LEAST_ABSORPTION 1e-3 /* over all layers, so that fluence shows where nothing else absorbs */
+
+/* The layers upside down and in pieces, of which each tells the fluence in its middle by what it absorbs. */
+struct pieces {
+    int count;                    /* of layers between the outer media */
+    struct cml_medium_def *media; /* [count + 2] */
+    double *middle;               /* [count] depths, falling */
+    double *absorbed;             /* [count] */
+};
+
+static int pieces_of(double d, double depth)
+{
+    return 2 + (int)(PIECES * d / depth);
+}
+
+static void cut(const struct cml_medium_def *media, int layers, double depth, struct pieces *to)
+{
+    double bottom = depth;
+    to->media[0] = media[layers + 1];
+    for (int l = layers; l > 0; bottom -= media[l--].d) {
+        const int n = pieces_of(media[l].d, depth);
+        for (int i = 0; i < n; i++) {
+            struct cml_medium_def *piece = &to->media[++to->count];
+            *piece = media[l];
+            piece->d = media[l].d / n;
+            piece->mua = fmax(piece->mua, LEAST_ABSORPTION / depth);
+            to->middle[to->count - 1] = bottom - (i + 0.5) * piece->d;
+        }
+    }
+    to->media[to->count + 1] = media[0];
+}
+
+static cml_status solve(struct pieces *pieces, struct cml_error *err)
+{
+    const struct cml_exact_light light = {.diffuse = 1};
+    struct cml_directions directions;
+    double reflected, transmitted;
+    CML_TRY(cml_directions_create(pieces->media, pieces->count, false, &light, ORDER, &directions, err));
+    const cml_status status =
+        directions.count > MOST_DIRECTIONS
+            ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)
+            : cml_stack_shares(pieces->media, NULL, &directions, TERMS, &reflected, &transmitted,
+                               pieces->absorbed, err);
+    cml_directions_clear(&directions);
+    return status;
+}
+
+/* In the middle of piece i, counted from below, of a flux of 1, whose radiance is 1 / pi, and goes with the
+ * square of the index. */
+static double worth(const struct pieces *pieces, int i)
+{
+    const struct cml_medium_def *piece = &pieces->media[i + 1];
+    const double widened = piece->n / pieces->media[0].n;
+    return pieces->absorbed[i] / (piece->mua * piece->d) / (4 * widened * widened);
+}
+
+/* Between the middles of pieces logarithms are straight lines, beyond the last ones level. */
+static void interpolate(const struct pieces *pieces, double depth, int cells, double *value)
+{
+    for (int c = cells - 1, i = 0; c >= 0; c--) {
+        const double z = (c + 0.5) / cells * depth;
+        while (i < pieces->count - 1 && pieces->middle[i] > z) i++;
+        if (i == 0 || pieces->middle[i] > z) {
+            value[c] = worth(pieces, i);
+            continue;
+        }
+        const double part = (pieces->middle[i - 1] - z) / (pieces->middle[i - 1] - pieces->middle[i]);
+        value[c] = exp((1 - part) * log(worth(pieces, i - 1)) + part * log(worth(pieces, i)));
+    }
+}
+
+cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
+                                   struct cml_error *err)
+{
+    double depth = 0;
+    size_t count = 0;
+    for (int l = 1; l <= layers; l++) depth += media[l].d;
+    for (int l = 1; l <= layers; l++) count += (size_t)pieces_of(media[l].d, depth);
+    struct pieces pieces = {.media = calloc(count + 2, sizeof *pieces.media),
+                            .middle = calloc(count, sizeof *pieces.middle),
+                            .absorbed = calloc(count, sizeof *pieces.absorbed)};
+    cml_status status = cml_fail_memory(err, (double)count * sizeof *pieces.media, "pieces of layers");
+    if (pieces.media && pieces.middle && pieces.absorbed) {
+        cut(media, layers, depth, &pieces);
+        status = solve(&pieces, err);
+    }
+    if (status == CML_OK) interpolate(&pieces, depth, cells, value);
+    free(pieces.media);
+    free(pieces.middle);
+    free(pieces.absorbed);
+    return status;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/depth_windows.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+cml_status cml_depth_windows_create(const double *importance, int cells, double depth, double start,
+                                    double power, struct cml_depth_windows *to, struct cml_error *err)
+{
+    *to = (struct cml_depth_windows){.cells = cells, .depth = depth};
+    to->target = calloc((size_t)cells, sizeof *to->target);
+    if (!to->target) return cml_fail_memory(err, cells * (double)sizeof *to->target, "weight windows");
+    for (int i = 0; i < cells; i++) {
+        const double share = pow(start / importance[i], power);
+        to->target[i] = (uint32_t)fmax(0x1p31 * fmin(share, 1), CML_LEAST_TARGET);
+    }
+    return CML_OK;
+}
+
+void cml_depth_windows_clear(struct cml_depth_windows *windows)
+{
+    free(windows->target);
+    *windows = (struct cml_depth_windows){0};
+}

@@ -1,0 +1,132 @@
+/* What light at a depth is worth, where that is known without adding-doubling; and flights whose windows are
+ * made of it, or of what is wrong. SPDX-License-Identifier: MIT */
+#include "lib/bench.h"
+#include "lib/mci_case.h"
+
+#include "engine/engines.h"
+#include "exact/exact.h"
+#include "exact/importance.h"
+
+#include <math.h>
+
+enum { CELLS = 50, SEEDS = 16, PACKETS = 3000 };
+
+static const char *const slab = "1.0\n1\ns.mco A\n1000\n0.1 0.1\n1 1 1\n1\n1.0\n1.4 0.5 50 0.8 1.2\n1.0\n";
+
+/* Of light that is the same in all directions, behind the optical depth t: E2(t) / 2, by the rectangle rule.
+ */
+static double straight_share(double t)
+{
+    const int n = 100000;
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += exp(-t * n / (i + 0.5));
+    return sum / n / 2;
+}
+
+static void without_scattering_it_is_what_comes_straight_through(void **state)
+{
+    (void)state;
+    const struct cml_medium_def media[] = {
+        {.n = 1.4}, {.n = 1.4, .mua = 2, .d = 1}, {.n = 1.4, .mua = 5, .d = 0.5}, {.n = 1.4}};
+    double value[CELLS];
+    struct cml_error err;
+    require_ok(cml_importance_of_depth(media, 2, CELLS, value, &err), &err);
+    for (int i = 0; i < CELLS; i++) {
+        const double z = (i + 0.5) / CELLS * 1.5, t = z < 1 ? 2 * (1 - z) + 2.5 : 5 * (1.5 - z);
+        if (fabs(value[i] / straight_share(t) - 1) > 0.02)
+            fail_msg("z = %g: %g, not %g", z, value[i], straight_share(t));
+    }
+}
+
+/* All light leaves, above or below: both are worth 1 together. */
+static void without_absorption_it_is_shared_by_both_sides(void **state)
+{
+    (void)state;
+    const struct cml_medium_def media[] = {{.n = 1},
+                                           {.n = 1.4, .mus = 40, .g = 0.5, .d = 0.4},
+                                           {.n = 1.4, .mus = 10, .d = 0.2},
+                                           {.n = 1.2}},
+                                reversed[] = {media[3], media[2], media[1], media[0]};
+    double below[CELLS], above[CELLS];
+    struct cml_error err;
+    require_ok(cml_importance_of_depth(media, 2, CELLS, below, &err), &err);
+    require_ok(cml_importance_of_depth(reversed, 2, CELLS, above, &err), &err);
+    for (int i = 0; i < CELLS; i++)
+        if (fabs(below[i] + above[CELLS - 1 - i] - 1) > 0.02)
+            fail_msg("cell %d: %g and %g", i, below[i], above[CELLS - 1 - i]);
+}
+
+/* Relative standard error of Tt in all packets of all seeds together. off: of Rd and Tt from what they are,
+ * in errors. */
+static double fly(struct bench *bench, const char *name, const double truth[2], double *off)
+{
+    static const enum cml_balance_term terms[2] = {CML_BALANCE_REFLECTED, CML_BALANCE_TRANSMITTED};
+    const struct cml_engine *engine = cml_engine_find(name);
+    double sum[2] = {0}, squares[2] = {0}, error[2];
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        struct cml_error err;
+        struct cml_tally tally = empty_tally(bench);
+        bench->options.seed = seed;
+        void *self = open_engine(bench, engine);
+        require_ok(cml_engine_run_range(engine, self, 0, PACKETS, &tally, &err), &err);
+        engine->close(self);
+        for (int i = 0; i < 2; i++) {
+            const double share = (double)tally.balance[terms[i]] * CML_WEIGHT_UNIT / PACKETS;
+            sum[i] += share / SEEDS;
+            squares[i] += share * share / SEEDS;
+        }
+        assert_true(tally.count[CML_COUNT_BRANCHES] > 0 && tally.count[CML_COUNT_UNSPLIT] == 0);
+        assert_weight_balances(&tally, PACKETS);
+        cml_tally_free(&tally);
+    }
+    *off = 0;
+    for (int i = 0; i < 2; i++) {
+        error[i] = sqrt(fmax(0, squares[i] - sum[i] * sum[i]) / (SEEDS - 1));
+        *off = fmax(*off, fabs(sum[i] - truth[i]) / error[i]);
+    }
+    return error[1] / truth[1];
+}
+
+/* p = -0.3: deep packets shall weigh more, not less. */
+static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
+{
+    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11};
+    struct bench bench = {.options = bench_options(1)};
+    struct cml_exact exact;
+    struct cml_error err;
+    double importance[CML_WINDOW_CELLS], off[3];
+    case_read_ok(state, slab, &bench.list);
+    const struct cml_scene *scene = bench.list.scenes;
+    require_ok(cml_surfaces_create(scene, &(struct cml_surface_options){0}, &bench.surfaces, &err), &err);
+    require_ok(cml_exact_scene(scene, NULL, &aim, &exact, &err), &err);
+    require_ok(cml_importance_of_depth(scene->media, 1, CML_WINDOW_CELLS, importance, &err), &err);
+    const double truth[2] = {exact.value[CML_EXACT_RD], exact.value[CML_EXACT_TT]},
+                 most = importance[CML_WINDOW_CELLS - 1];
+    struct cml_depth_windows right, wrong;
+    require_ok(cml_depth_windows_create(importance, CML_WINDOW_CELLS, 1.2, 2 * truth[1], 0.8, &right, &err),
+               &err);
+    require_ok(cml_depth_windows_create(importance, CML_WINDOW_CELLS, 1.2, most, -0.3, &wrong, &err), &err);
+    bench.options.windows = &right;
+    const double error = fly(&bench, "cpu", truth, &off[0]), other = fly(&bench, "reference", truth, &off[1]);
+    bench.options.windows = &wrong;
+    const double worse = fly(&bench, "cpu", truth, &off[2]);
+    if (fmax(off[0], fmax(off[1], off[2])) > 4.5)
+        fail_msg("off by %g, %g, %g errors", off[0], off[1], off[2]);
+    if (!(worse > 1.2 * error && other < 1.2 * error))
+        fail_msg("errors %g, %g; wrong %g", error, other, worse);
+    cml_depth_windows_clear(&right);
+    cml_depth_windows_clear(&wrong);
+    cml_exact_clear(&exact);
+    tear_down(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_scattering_it_is_what_comes_straight_through),
+        cmocka_unit_test(without_absorption_it_is_shared_by_both_sides),
+        cmocka_unit_test_setup_teardown(windows_that_are_wrong_cost_errors_and_no_truth, case_setup,
+                                        case_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

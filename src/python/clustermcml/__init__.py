@@ -18,6 +18,7 @@ from .bodies import Body, Cylinder, Sphere
 from .commands import check, compare, crosscheck, exact, furnace, merge, mesh, plan, trace, version
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
+from .fit import Fit, fit
 from .phases import Phase
 from .photons import Saved, read_photons
 from .program import run
@@ -26,8 +27,8 @@ from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Saved", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace"]
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Saved", "Scene",
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace"]
 
 
 def __getattr__(name: str) -> str:

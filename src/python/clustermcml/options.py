@@ -96,6 +96,12 @@ class RunOptions(PlanOptions, total=False):
     derivatives: bool
 
 
+class FitOptions(_Photons, total=False):
+    sampling: Literal["lattice", "random"]
+    engine: Literal["cpu", "reference"]
+    patience: float
+
+
 class SweepOptions(RunOptions, total=False):
     reweight: bool
 

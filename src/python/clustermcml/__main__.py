@@ -1,0 +1,83 @@
+"""`python3 -m clustermcml fit scene.mci measured.csv layer1.mua=0.01:10 layer1.mus=10:500`: what mc.fit does, from a shell.
+
+Lines of the table: name, place, value, standard error; the place, in cm or rad, says which bin of a profile is meant, and is empty of totals.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from typing import Any
+
+import numpy as np
+
+from . import errors
+from .commands import check
+from .fit import PROFILES, fit
+
+
+def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
+    bounds = {}
+    for word in words:
+        name, _, limits = word.partition("=")
+        try:
+            low, high = map(float, limits.split(":"))
+        except ValueError:
+            raise errors.refuse("parameter", word, "NAME=LOW:HIGH, as layer1.mua=0.01:10") from None
+        bounds[name] = (low, high)
+    return bounds
+
+
+def _measured(path: str, scene: str) -> dict[str, Any]:
+    """The table, profiles in the bins of the scene."""
+    grid = check(scene)[0]["grid"]
+    measured: dict[str, Any] = {}
+    with open(errors.existing_file("measured", path), encoding="utf-8") as file:
+        for number, cells in enumerate(csv.reader(file), 1):
+            words = [cell.strip() for cell in cells]
+            if not "".join(words) or words[0].startswith("#") or words[0] == "name":
+                continue
+            try:
+                name, (place, value, error) = words[0], (float(word or "nan") for word in words[1:])
+            except ValueError:
+                raise errors.refuse(f"{path}:{number}", ",".join(cells), "name,place,value,error") from None
+            if name not in PROFILES:
+                if name in measured:
+                    raise errors.refuse(f"{path}:{number}", name, "each total once")
+                measured[name] = (value, error)
+                continue
+            count, width = (grid["nr"], grid["dr"]) if name.endswith("_r") else (grid["na"], np.pi / 2 / grid["na"])
+            if not 0 <= place < count * width:
+                raise errors.refuse(f"{path}:{number}: place", words[1], f"a number from 0 to below {count * width:g}, where {name} has bins")
+            values, sigmas = measured.setdefault(name, (np.full(count, np.nan), np.full(count, np.nan)))
+            values[int(place / width)], sigmas[int(place / width)] = value, error
+    return measured
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python3 -m clustermcml", description="Fits mua and mus of layers and bodies to what was measured.")
+    parser.add_argument("command", choices=["fit"])
+    parser.add_argument("scene", help="an .mci file with one run")
+    parser.add_argument("measured", help="a table, lines NAME,PLACE,VALUE,ERROR: Rd,,0.31,0.003 or Rd_r,0.05,1.2,0.1")
+    parser.add_argument("parameters", nargs="+", help="NAME=LOW:HIGH: layer1.mua=0.01:10")
+    parser.add_argument("--photons", type=float, help="of a flight, instead of the file's")
+    parser.add_argument("--seed", type=int)
+    parser.add_argument("--flights", type=int, default=6, help="at most so many, default 6")
+    words = parser.parse_args()
+    try:
+        found = fit(words.scene, _bounds(words.parameters), _measured(words.measured, words.scene), flights=words.flights,
+                    **{name: getattr(words, name) for name in ("photons", "seed") if getattr(words, name) is not None})
+    except errors.ClustermcmlError as error:
+        print(f"clustermcml: {error}", file=sys.stderr)
+        return error.exit_code
+    print(found)
+    for name, values in found.prediction.items():
+        print(f"model: {name} = {' '.join(f'{value:.6g}' for value in np.atleast_1d(values))}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,386 @@
+"""Which absorption and scattering explain what was measured of a scene.
+
+A flight gives every absorption at once, as weights of its packets (`--reweight`); flights at a few mus, with the same random numbers, are
+interpolated, and one is added where the solution lies, until it stays there.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+import warnings
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union
+
+import h5py
+import numpy as np
+
+from . import errors
+from .mco import read_mco
+from .options import FitOptions, Path, shown
+from .program import fly, option_words, scene_file, scratch_folder
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
+PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
+ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
+BRACKET = float(np.log(1.35))  # between the first flights, in ln mus
+CLOSE = 0.05  # flights closer together tell no slope
+SETTLED = 0.2  # standard errors between the solution and the flight that tells it
+NOISY = 0.7  # of the flights' noise, in errors of the data
+TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarithm
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """values, errors: of the parameters, standard errors. correlation: of these, in their order. chi2, degrees: of freedom. words: what
+    the data cannot tell, "" where they tell all. prediction, prediction_errors: what the model says of each name that was measured.
+    flights: how many were flown."""
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    correlation: Any
+    chi2: float
+    degrees: int
+    words: str
+    prediction: dict[str, Any]
+    prediction_errors: dict[str, Any]
+    flights: int
+
+    def __str__(self) -> str:
+        lines = [f"{name} = {value:.6g} +- {self.errors[name]:.2g}" for name, value in self.values.items()]
+        names = list(self.values)
+        lines += [f"correlation of {names[i]} and {names[k]}: {self.correlation[i, k]:+.3f}" for i in range(len(names)) for k in range(i)]
+        lines.append(f"chi square {self.chi2:.3g} with {self.degrees} degrees of freedom, {self.flights} flights")
+        return "\n".join(lines + ([self.words] if self.words else []))
+
+
+@dataclasses.dataclass(frozen=True)
+class _Data:
+    """Measured numbers one behind the other, and which of a name's numbers each is; -1 of a total."""
+
+    names: list[str]
+    places: list[int]
+    values: Any
+    errors: Any
+
+    def pick(self, of: Callable[[str], Any]) -> Any:
+        whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
+        return np.array([whole[name][max(place, 0)] for name, place in zip(self.names, self.places)], dtype=float)
+
+    def parted(self, numbers: Any) -> dict[str, Any]:
+        """The same by name: floats, and arrays of the bins that were measured."""
+        found: dict[str, Any] = {}
+        for name in dict.fromkeys(self.names):
+            own = numbers[[i for i, other in enumerate(self.names) if other == name]]
+            found[name] = own if name in PROFILES else float(own[0])
+        return found
+
+
+def _data(measured: Any) -> _Data:
+    if not isinstance(measured, Mapping) or not measured:
+        raise errors.refuse("measured", measured, 'a dict, {"Rd": (value, error), "Rd_r": (values, errors)}')
+    names: list[str] = []
+    places: list[int] = []
+    values: list[float] = []
+    sigmas: list[float] = []
+    for name, pair in measured.items():
+        if name not in TOTALS + PROFILES:
+            raise errors.refuse("measured", name, "names among " + " ".join(TOTALS + PROFILES))
+        try:
+            value, error = (np.atleast_1d(np.asarray(numbers, dtype=float)) for numbers in pair)
+            value, error = np.broadcast_arrays(value, error)
+        except (TypeError, ValueError):
+            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error, of profiles arrays, nan where nothing is known") from None
+        known = np.isfinite(value)
+        if value.ndim != 1 or (name in TOTALS) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
+            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
+        if name.endswith("_r"):
+            known[-1] = False  # the last bin of a result holds what lies beyond
+        for i in np.flatnonzero(known):
+            names.append(name)
+            places.append(-1 if name in TOTALS else int(i))
+            values.append(float(value[i]))
+            sigmas.append(float(error[i]))
+    for one, other in (("Rd", "R"), ("Rd_r", "Rd_a"), ("Tt_r", "Tt_a")):
+        if one in measured and other in measured:
+            raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
+    return _Data(names, places, np.array(values), np.array(sigmas))
+
+
+def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[float, float]]]:
+    """Names of mua and of mus, and logarithms of the bounds."""
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise errors.refuse("parameters", parameters, 'a dict of bounds, {"layer1.mua": (0.01, 10), "layer1.mus": (10, 500)}')
+    limits: dict[str, tuple[float, float]] = {}
+    for name, pair in parameters.items():
+        if not isinstance(name, str) or not re.fullmatch(r"(layer|body)\d+\.(mua|mus)", name):
+            raise errors.refuse("parameters", name, "names like layer1.mua, layer2.mus, body1.mua")
+        what = f"parameters[{name!r}]"
+        try:
+            low, high = (errors.above_zero(what, number) for number in pair)
+        except TypeError:
+            raise errors.refuse(what, pair, "a lower and an upper bound > 0") from None
+        if not low < high:
+            raise errors.refuse(what, pair, "a lower bound below the upper one")
+        limits[name] = (float(np.log(low)), float(np.log(high)))
+    mua = [name for name in limits if name.endswith(".mua")]
+    if len(mua) not in ROWS:
+        raise errors.refuse("parameters", mua, f"at most {max(ROWS)} mua")
+    return mua, [name for name in limits if name.endswith(".mus")], limits
+
+
+@dataclasses.dataclass(frozen=True)
+class _Flight:
+    """At one mus: all numbers that were measured, for a grid of mua. mus: logarithms."""
+
+    mus: Any
+    logs: Any  # [rows along each mua ..., numbers] of the model
+    covariance: Callable[[tuple[int, ...]], Any]  # of the model's noise, at a place of the grid
+
+
+def _bins(told: Mapping[str, Any], names: list[str]) -> Any:
+    """The profiles of a row, with errors and axes, and no more, as a flight has many rows."""
+    h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
+    wanted = [word for name in names if name in PROFILES for word in (name, name + "_se")]
+    if h5 is None:
+        result = read_mco(told["files"][0])
+        return {name: result[name].values for name in (*wanted, "r", "alpha") if name in result.variables}
+    with h5py.File(h5, "r") as file:
+        return {name: file[name][()] for name in (*wanted, "r", "alpha") if name in file}
+
+
+def _measures(data: _Data, result: Any) -> Any:
+    """By what numbers are multiplied to be shares of the light."""
+    def of(name: str) -> Any:
+        if name in TOTALS:
+            return 1.0
+        places = result["r" if name.endswith("_r") else "alpha"]
+        width = 2 * places[0]
+        return 2 * np.pi * (places * width if name.endswith("_r") else np.sin(places) * width)
+    return data.pick(of)
+
+
+def _noise(data: _Data, model: Any, sigma: Any, measures: Any, told: Mapping[str, float], photons: float) -> Any:
+    """The covariance of a model's numbers. A packet ends once: what has gone to one place is missing at all others. Of the totals, which
+    are spread more evenly than by chance, A tells it: what is left of Rd and Tt."""
+    shares, spread = model * measures, sigma * measures
+    covariance = -np.outer(shares, shares) / photons
+    inside = [(i, k) for i, name in enumerate(data.names) for k, other in enumerate(data.names)
+              if name in PROFILES and other in TOTALS and name[0] == other[0]]
+    for i, k in inside:  # all of the bin's light is the total's, too
+        covariance[i, k] += spread[i] ** 2 + shares[i] ** 2 / photons
+        covariance[k, i] = covariance[i, k]
+    up, down = ([i for i, name in enumerate(data.names) if name in names] for names in (("Rd", "R"), ("Tt",)))
+    for i in up:
+        for k in down:
+            covariance[i, k] = covariance[k, i] = (told["A_se"] ** 2 - told["Rd_se"] ** 2 - told["Tt_se"] ** 2) / 2
+    np.fill_diagonal(covariance, spread**2)
+    return covariance / np.outer(measures, measures)
+
+
+def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
+    """The model's numbers, and their errors, of one row."""
+    def of(name: str) -> Any:
+        if name in TOTALS:
+            return told["Rsp"] + told["Rd"] if name == "R" else told[name]
+        wanted, there = max(place for other, place in zip(data.names, data.places) if other == name) + 1, result[name].size
+        if wanted > there:
+            raise errors.refuse(f"measured[{name!r}]", f"{wanted} values", f"{there}, as many as the scene has bins")
+        return result[name]
+
+    def error_of(name: str) -> Any:
+        return told["Rd_se" if name == "R" else name + "_se"] if name in TOTALS else result[name + "_se"]
+    return data.pick(of), data.pick(error_of)
+
+
+def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: _Data, options: Mapping[str, Any]) -> _Flight:
+    columns = [*grids, *mus]
+    rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
+        if grids else [list(mus.values())]
+    with scratch_folder() as scratch, scene_file(scene, scratch) as file:
+        path = os.path.join(scratch, "sweep.csv")
+        with open(path, "w", encoding="utf-8") as table:
+            table.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
+            said = fly(file, scratch, ["--sweep", path, "--reweight", *option_words(options, FitOptions)], False, scratch, len(rows))
+        told = sorted(said, key=lambda row: int(row["row"]))
+        results = [_bins(row, data.names) for row in told]
+    numbers = [_numbers(data, row, result) for row, result in zip(told, results)]
+    shape = tuple(len(grid) for grid in grids.values())
+
+    def covariance(place: tuple[int, ...]) -> Any:
+        row = int(np.ravel_multi_index(place, shape)) if shape else 0
+        return _noise(data, *numbers[row], _measures(data, results[row]), told[row], told[row]["photons"])
+    logs = np.log(np.maximum([model for model, _ in numbers], TINY))
+    return _Flight(np.log(list(mus.values())), logs.reshape(*shape, -1), covariance)
+
+
+def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
+    """Of cubic interpolation on even places: the first of four, and their weights."""
+    t = (x - grid[0]) / (grid[1] - grid[0])
+    first = int(np.clip(np.floor(t) - 1, 0, len(grid) - 4))
+    s = t - first
+    return first, np.array([np.prod([(s - m) / (k - m) for m in range(4) if m != k]) for k in range(4)])
+
+
+class _Model:
+    """Logarithms of the numbers at any mua and mus, from the flights so far. The last of them is right where it was flown; the others
+    tell slopes, and, where they are enough, curvatures along each mus."""
+
+    def __init__(self, grids: Mapping[str, Any], flights: list[_Flight]) -> None:
+        self.grids, self.flights = list(grids.values()), flights
+        self.last = flights[-1]
+        apart = [flight.mus - self.last.mus for flight in flights]
+        near = sorted((i for i, d in enumerate(apart) if np.abs(d).max(initial=0) > CLOSE), key=lambda i: float(np.abs(apart[i]).max()))
+        dims = len(self.last.mus)
+        self.used = near[:2 * dims]
+        steps = np.array([apart[i] for i in self.used]).reshape(len(self.used), dims)
+        self.curved = 0 < len(self.used) == 2 * dims and np.linalg.matrix_rank(np.hstack([steps, steps**2])) == 2 * dims
+        self.inverse = np.linalg.pinv(np.hstack([steps, steps**2]) if self.curved else steps) if self.used else None
+
+    def along(self, flight: _Flight, mua: Any) -> Any:
+        logs = flight.logs
+        for grid, x in zip(self.grids, mua):
+            first, weights = _lagrange(grid, x)
+            logs = np.tensordot(weights, logs[first:first + 4], 1)
+        return logs
+
+    def __call__(self, u: Any) -> Any:
+        mua, mus = u[:len(self.grids)], u[len(self.grids):]
+        here = self.along(self.last, mua)
+        if self.inverse is None:
+            return here
+        differences = np.array([self.along(self.flights[i], mua) - here for i in self.used])
+        step = mus - self.last.mus
+        return here + np.concatenate([step, step**2] if self.curved else [step]) @ (self.inverse @ differences)
+
+
+def _jacobian(residual: Callable[[Any], Any], u: Any) -> Any:
+    h = 1e-4
+    return np.stack([(residual(u + h * e) - residual(u - h * e)) / (2 * h) for e in np.eye(len(u))], axis=1)
+
+
+def _minimum(residual: Callable[[Any], Any], u: Any, low: Any, high: Any) -> Any:
+    """Least squares within bounds, by steps of Levenberg and Marquardt; what a bound stops stays there for a step."""
+    damping, r = 1e-3, residual(u)
+    for _ in range(200):
+        J = _jacobian(residual, u)
+        gradient = J.T @ r
+        free = ~(((u <= low) & (gradient > 0)) | ((u >= high) & (gradient < 0)))
+        if not free.any() or damping > 1e10:
+            break
+        A = J[:, free].T @ J[:, free]
+        step = np.zeros(len(u))
+        step[free] = -np.linalg.lstsq(A + damping * np.diag(np.diag(A) + 1e-12), gradient[free], rcond=None)[0]
+        there = np.clip(u + step, low, high)
+        trial = residual(there)
+        if trial @ trial <= r @ r:
+            moved = np.abs(there - u).max()
+            u, r, damping = there, trial, damping / 5
+            if moved < 1e-7:
+                break
+        else:
+            damping *= 5
+    return u
+
+
+def _start(residual: Callable[[Any], Any], low: Any, high: Any) -> Any:
+    """The best of an even net of places."""
+    n = {1: 41, 2: 17}.get(len(low), 7)
+    net = np.stack(np.meshgrid(*[np.linspace(a, b, n) for a, b in zip(low, high)], indexing="ij"), -1).reshape(-1, len(low))
+    return min(net, key=lambda u: float(np.sum(residual(u) ** 2)))
+
+
+def _errors(J: Any) -> tuple[Any, Any]:
+    """Of logarithms: the covariance, and which parameters the data leave open."""
+    _, s, v = np.linalg.svd(J)
+    s = np.concatenate([s, np.zeros(len(v) - len(s))])
+    lost = s <= 1e-6 * max(float(s[0]), TINY)
+    covariance = (v.T[:, ~lost] / s[~lost] ** 2) @ v[~lost]
+    return covariance, (np.abs(v[lost]) > 0.1).any(axis=0)
+
+
+def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, data: _Data, noise: Any, settled: bool) -> str:
+    """What the user should know before he believes the numbers."""
+    told = []
+    together = [name for name, lost in zip(names, open_) if lost]
+    if together:
+        told.append(f"The data do not tell {' and '.join(together)}: {len(data.values)} number{'s' * (len(data.values) > 1)} for {len(names)} parameters, "
+                    "many of whose values explain them as well.")
+    vague = [f"{name} (a factor of {np.exp(min(s, 9.0)):.2g})" for name, s, lost in zip(names, sigma, open_) if s > 0.5 and not lost]
+    if vague:
+        told.append(f"The data hardly tell {' and '.join(vague)}.")
+    stopped = [f"{name} at {np.exp(x):.4g}" for name, x, a, b in zip(names, u, low, high) if min(x - a, b - x) < 1e-6]
+    if stopped:
+        told.append(f"A bound stopped {' and '.join(stopped)}: its standard error is that without it.")
+    ratio = float(np.sqrt(np.mean((noise / data.errors) ** 2)))
+    if ratio > NOISY and any(name in PROFILES for name in data.names):
+        told.append(f"The noise of the flights is {ratio:.2g} times the errors of the data, and makes slopes of profiles too steep: more photons, for "
+                    "values and errors to be trusted.")
+    if not settled:
+        told.append("The last flight still moved the solution: more `flights` would settle it.")
+    return " ".join(told)
+
+
+@shown
+def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, flights: int = 6,
+        **options: Unpack[FitOptions]) -> Fit:
+    """The absorption and scattering of layers and bodies that explain best, by least squares, what was measured.
+
+    parameters: {name: (least, greatest)}, names as `--set` takes them: layer1.mua, layer2.mus, body1.mua; up to three mua.
+    measured: {name: (value, standard error)} of Rd, R = Rsp + Rd and Tt, {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the
+    units of results and with their bins, nan where nothing is known. The last bin over r, which holds what lies beyond, is left out.
+    flights: at most so many. All else is as for `run`: photons=1e5, seed=2. More photons make the model's own noise, which the errors
+    have in them, smaller.
+
+    >>> fit("scene.mci", {"layer1.mua": (0.1, 10)}, {"Rd": (0.3, 0)})
+    Traceback (most recent call last):
+    ...
+    clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
+    """
+    mua, mus, limits = _bounds(parameters)
+    data = _data(measured)
+    most = errors.whole("flights", flights, len(mus) + 1, 1000)
+    names = mua + mus
+    low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))
+    grids = {name: np.linspace(*limits[name], ROWS[len(mua)]) for name in mua}
+
+    def fly_at(x: Any) -> _Flight:
+        return _fly(scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
+    middle = (low[len(mua):] + high[len(mua):]) / 2
+    flown = [fly_at(middle + np.minimum(BRACKET, high[len(mua):] - middle) * e) for e in np.eye(len(mus))] + [fly_at(middle)]
+    u: Optional[Any] = None
+    while True:
+        model, last = _Model(grids, flown), flown[-1]
+
+        def factor_of(place: tuple[int, ...]) -> Any:
+            expected = np.sqrt(np.clip(data.values / np.exp(last.logs[place]), 0.25, 4))
+            return np.linalg.cholesky(np.diag(data.errors**2) + last.covariance(place) * np.outer(expected, expected))
+
+        def residual(u: Any) -> Any:
+            return np.linalg.solve(factor, np.exp(model(u)) - data.values)
+        factor = np.diag(data.errors)
+        u = _minimum(residual, _start(residual, low, high) if u is None else u, low, high)
+        place = tuple(int(np.abs(grid - x).argmin()) for grid, x in zip(grids.values(), u))
+        factor = factor_of(place)
+        u = _minimum(residual, u, low, high)
+        covariance, lost = _errors(_jacobian(residual, u))
+        sigma = np.sqrt(np.diag(covariance))
+        settled = bool(np.all(np.abs(u[len(mua):] - last.mus) <= np.maximum(SETTLED * sigma[len(mua):], 1e-3)))
+        if settled or len(flown) >= most:
+            break
+        flown.append(fly_at(u[len(mua):]))
+    r, values, noise = residual(u), np.exp(u), np.sqrt(np.diag(last.covariance(place)))
+    sigma = np.where(lost, np.inf, sigma)
+    spread = np.sqrt(np.diag(covariance))
+    return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
+               correlation=covariance / np.outer(spread, spread), chi2=float(r @ r), degrees=len(data.values) - len(names),
+               words=_words(names, u, low, high, sigma, lost, data, noise, settled), prediction=data.parted(np.exp(model(u))),
+               prediction_errors=data.parted(noise), flights=len(flown))

@@ -1,0 +1,113 @@
+"""Fits of mua and mus: flat ones against an inversion of adding-doubling, rough ones against what was put in, and what the data cannot tell
+is said. With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles; fits are unbiased, and
+95 % intervals hold 95 +- 3 %."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import mc, np  # noqa: E402
+
+BOUNDS = {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}
+TRUTH = {"layer1.mua": 0.5, "layer1.mus": 100}
+HILL = mc.Heightfield(r=[0, 0.05, 0.1, 0.15], h=[0.03, -0.02, 0.02, 0])
+
+
+def slab(top=None, **values):
+    return mc.Scene([mc.Layer(n=1.4, mua=0.5, mus=100, g=0.9, d=0.2, top=top)], photons=20000, **{"nr": 10, "dr": 0.03, **values})
+
+
+def inverted(measured, start):
+    """mua and mus whose Rd and Tt, by adding-doubling, are these: Newton's steps in logarithms."""
+    def totals(u):
+        found = mc.exact(slab(), set=dict(zip(TRUTH, np.exp(u))))[0]
+        return np.log([found["Rd"], found["Tt"]])
+    u = np.log(list(start))
+    for _ in range(3):
+        here = totals(u)
+        slopes = np.stack([(totals(u + 0.01 * e) - here) / 0.01 for e in np.eye(2)], axis=1)
+        u = u + np.linalg.solve(slopes, np.log(measured) - here)
+    return np.exp(u)
+
+
+class Fits(unittest.TestCase):
+    def test_a_flat_slab_is_that_of_adding_doubling(self):
+        """The flights' noise alone is between them: within 4 of its errors, which are those of 1 % of noise in the data."""
+        measured = [0.30, 0.36]
+        fit = mc.fit(slab(), BOUNDS, {"Rd": (measured[0], 1e-5), "Tt": (measured[1], 1e-5)}, photons=1e5)
+        for name, value in zip(TRUTH, inverted(measured, fit.values.values())):
+            self.assertLess(abs(fit.values[name] - value), 4 * fit.errors[name], name)
+            self.assertLess(fit.errors[name], 0.03 * value)
+        self.assertEqual((fit.degrees, fit.words), (0, ""))
+        self.assertLess(fit.chi2, 1e-6)
+        self.assertAlmostEqual(fit.prediction["Rd"], measured[0], 4)
+        self.assertLessEqual(fit.flights, 6)
+        self.assertLess(fit.correlation[0, 1], 0)
+
+    def test_what_was_put_into_a_rough_slab_comes_out(self):
+        """Of R, of Tt and of a profile, whose last bin is left out; seven numbers tell two parameters, and chi square is theirs."""
+        scene = slab(top=HILL)
+        truth = mc.run(scene, seed=5, photons=2e5)
+        fit = mc.fit(scene, BOUNDS, {"R": (float(truth.Rd + truth.Rsp), 0.01), "Tt": (float(truth.Tt), 0.01)})
+        profile = np.where(np.arange(10) < 6, truth.Rd_r, np.nan)
+        again = mc.fit(scene, BOUNDS, {"Rd_r": (profile, 0.05 * truth.Rd_r), "Tt": (float(truth.Tt), 0.01)})
+        for found, degrees in ((fit, 0), (again, 5)):
+            for name, value in TRUTH.items():
+                self.assertLess(abs(found.values[name] - value), 4 * found.errors[name], name)
+                self.assertLess(found.errors[name], 0.2 * value, name)
+            self.assertEqual(found.degrees, degrees)
+        self.assertLess(again.chi2, 22)  # of 5 degrees of freedom: one in 2000 is above
+        self.assertEqual(again.prediction["Rd_r"].shape, (6,))
+
+    def test_what_the_data_cannot_tell_is_said(self):
+        fit = mc.fit(slab(), BOUNDS, {"Rd": (0.33, 0.003)}, photons=2000, flights=2)
+        self.assertRegex(fit.words, "do not tell layer1.mua and layer1.mus: 1 number for 2 parameters")
+        self.assertEqual(fit.errors["layer1.mua"], np.inf)
+        self.assertRegex(str(mc.fit(slab(), {"layer1.mua": (1, 2)}, {"Tt": (0.35, 0.001)}, photons=2000)), "A bound stopped layer1.mua at 1:")
+
+    def test_refusals(self):
+        for parameters, measured, text in (
+                ({"layer1.g": (0, 1)}, {"Rd": (0.3, 0.01)}, "names like layer1.mua"), ({"layer1.mua": (2, 1)}, {"Rd": (0.3, 0.01)}, "below the upper"),
+                ({"layer1.mua": 1}, {"Rd": (0.3, 0.01)}, "a lower and an upper bound"), (BOUNDS, {"Rd": 0.3}, "a value and its standard error"),
+                (BOUNDS, {"A": (0.3, 0.01)}, "names among"), (BOUNDS, {"Rd_r": ([1, 2], 0)}, "standard error > 0"), (BOUNDS, {}, "measured = {}"),
+                (BOUNDS, {"Rd": (0.3, 0.1), "R": (0.3, 0.1)}, "one of them"), (BOUNDS, {"Rd_r": (np.ones(99), 1)}, "as many as the scene has bins"),
+                ({f"layer{i}.mua": (1, 2) for i in range(1, 5)}, {"Rd": (0.3, 0.01)}, "at most 3 mua"),
+                ({"layer2.mua": (1, 2)}, {"Rd": (0.3, 0.01)}, "layer2.mua")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                mc.fit(slab(), parameters, measured, photons=100)
+
+
+# name: scene, what is measured, photons of a flight
+STUDY = {
+    "flat": (slab(), ("Rd", "Tt"), 2e4),
+    "flat, oblique": (mc.Scene([mc.Layer(n=1.4, mua=0.5, mus=100, g=0.9, d=0.2)], beam=mc.Beam("pencil", angle=45)), ("R", "Tt"), 2e4),
+    "rough": (slab(top=HILL), ("Rd", "Tt"), 2e4),
+    "rough, disk": (slab(top=HILL, beam=mc.Beam("disk", radius=0.2)), ("R", "Tt"), 2e4),
+    "flat, profile": (slab(), ("Rd_r", "Tt"), 1e5),
+    "rough, profile": (slab(top=HILL), ("Rd_r", "Tt"), 1e5),
+}
+
+
+def study(name, cases, noise=0.02):
+    """Shares of intervals of one and 1.96 errors that hold the truth, and the mean of z, of both parameters; flights, mean and most."""
+    scene, kinds, photons = STUDY[name]
+    result = mc.run(scene, photons=4e6, seed=1000)
+    true = {"R": result.Rd + result.Rsp, **{kind: result[kind] for kind in kinds if kind != "R"}}
+    dice, z, flights = np.random.default_rng(1), [], []
+    for case in range(cases):
+        measured = {kind: (of * (1 + noise * dice.standard_normal(of.shape)), noise * of) for kind, of in ((k, np.asarray(true[k])) for k in kinds)}
+        fit = mc.fit(scene, BOUNDS, measured, photons=photons, seed=case)
+        z.append([(fit.values[key] - value) / fit.errors[key] for key, value in TRUTH.items()])
+        flights.append(fit.flights)
+    z = np.array(z)
+    inside = [100 * np.mean(np.abs(z) <= limit, axis=0) for limit in (1, 1.96)]
+    print(f"{name}: {cases} fits, within 1 and 1.96 errors mua {inside[0][0]:.0f} and {inside[1][0]:.0f} %, mus {inside[0][1]:.0f} and "
+          f"{inside[1][1]:.0f} %, mean z {z.mean(axis=0).round(2)}, flights {np.mean(flights):.1f}, at most {max(flights)}", flush=True)
+    within = 3 + 3 * 100 * (0.95 * 0.05 / cases) ** 0.5  # 3 errors of the count above the 3 % that are allowed
+    return np.all(np.abs(inside[1] - 95) <= within) and np.all(np.abs(z.mean(axis=0)) < 0.25 + 3 / cases**0.5) and max(flights) <= 6
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["long"]:
+        sys.exit(not all([study(name, int(sys.argv[2])) for name in STUDY]))
+    unittest.main()

@@ -28,6 +28,8 @@ struct head {
     double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA];
     int64_t num_expected;
     double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA];
+    int64_t num_detectors;
+    double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
@@ -99,6 +101,9 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     head.num_expected = record->num_expected;
     memcpy(head.expected, record->expected, sizeof head.expected);
     memcpy(head.expected_error, record->expected_error, sizeof head.expected_error);
+    head.num_detectors = record->num_detectors;
+    memcpy(head.detected, record->detected, sizeof head.detected);
+    memcpy(head.detected_error, record->detected_error, sizeof head.detected_error);
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, record->json, head.json_size);
@@ -368,7 +373,8 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     memcpy(record->error, head->error, sizeof head->error);
     if (head->num_layers < 0 || head->num_bodies < 0 || head->num_layers > CML_RECORD_MEDIA ||
         head->num_bodies > CML_RECORD_MEDIA - head->num_layers || head->num_expected < 0 ||
-        head->num_expected > 1 + head->num_layers)
+        head->num_expected > 1 + head->num_layers || head->num_detectors < 0 ||
+        head->num_detectors > CML_RECORD_MEDIA)
         return fail_damaged(source, "its record", err);
     record->num_layers = head->num_layers;
     record->num_bodies = head->num_bodies;
@@ -377,6 +383,9 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     record->num_expected = head->num_expected;
     memcpy(record->expected, head->expected, sizeof head->expected);
     memcpy(record->expected_error, head->expected_error, sizeof head->expected_error);
+    record->num_detectors = head->num_detectors;
+    memcpy(record->detected, head->detected, sizeof head->detected);
+    memcpy(record->detected_error, head->detected_error, sizeof head->detected_error);
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 

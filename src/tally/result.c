@@ -493,6 +493,13 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : NAN;
 }
 
+void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)
+{
+    const int n = result->grid.detectors;
+    *value = cml_result_bin_sum(result->detector, n, k) * (CML_WEIGHT_UNIT / (double)result->photons);
+    *error = cml_result_bin_error(result, result->detector, n, k);
+}
+
 void cml_result_expected(const struct cml_result *result, int score, double *value, double *error)
 {
     const int n = result->grid.scores;

@@ -116,6 +116,9 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
 
+/* What detector k has seen, as a share of the launched weight, and its standard error. */
+void cml_result_detected(const struct cml_result *result, int k, double *value, double *error);
+
 /* Expected value number `score`, as a share of the launched weight, and its standard error. */
 void cml_result_expected(const struct cml_result *result, int score, double *value, double *error);
 

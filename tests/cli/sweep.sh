@@ -141,4 +141,19 @@ expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (ex
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"
+# What detectors have seen stands in both tables, behind the names of the scene, as the rows' own records say, also of rows that were finished before.
+printf '1.0\n1\nseen.mco A\n2000\n0.1 0.1\n5 5 5\ndetector disk 0.2\ndetector ring 0.2 1 name=far\n1\n1\n1.4 1 50 0.8 0.2\n1\n' >"$work/seen.mci"
+printf 'detector1.x,layer1.mua\n0,1\n0.3,1\n0.3,2\n' >"$work/seen.csv"
+mkdir "$work/seen"
+expect_code 0 "$work/seen.mci" --sweep "$work/seen.csv" -o "$work/seen" --json --resume
+cp "$work/out" "$work/seen/json"
+cp "$work/seen/seen.sweep.csv" "$work/seen/once"
+expect_code 0 "$work/seen.mci" --sweep "$work/seen.csv" -o "$work/seen" --quiet --resume
+cmp -s "$work/seen/once" "$work/seen/seen.sweep.csv" || complain "detectors: another table with --resume"
+for name in detector_1 detector_1_se detector_far detector_far_se; do
+    awk -F, -v name=$name 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) column = i } NR > 1 { printf "%.10g\n", $column }' \
+        "$work/seen/seen.sweep.csv" >"$work/a"
+    sed "s/.*\"$name\":\([^,]*\),.*/\1/" "$work/seen/json" | awk '{ printf "%.10g\n", $1 }' >"$work/b"
+    test "$(sort -u "$work/a" | wc -l)" -ge 2 && cmp -s "$work/a" "$work/b" || complain "$name: $(cat "$work/a") in the table, $(cat "$work/b") of the rows"
+done
 finish

@@ -9,12 +9,13 @@
 #include <zlib.h>
 
 /* Bytes: of a file, of its head, which ends with the numbers of a record. */
-enum { MOST = 1 << 16, HEAD = 136 + 16 * (CML_NUM_TOTALS + CML_RECORD_MEDIA + 1 + CML_RECORD_MEDIA) };
+enum { MOST = 1 << 16, HEAD = 160 + 16 * (CML_NUM_TOTALS + 1 + 3 * CML_RECORD_MEDIA) };
 enum {
     IDENTITY_SIZE = 48,
     JSON_SIZE = 56,
     NUM_RANGES = 64,
-    END = 88
+    NUM_SAVED = 80,
+    END = 104
 }; /* where in the head these numbers are */
 
 /* That of the checkpoints which tests/fuzz/corpus.sh makes. */
@@ -51,10 +52,11 @@ static void repair(struct file *file, size_t cells)
     const size_t size = file->size;
     if (size < HEAD) return;
     const uint64_t identity = number_at(file, IDENTITY_SIZE), ranges = number_at(file, NUM_RANGES);
-    const uint64_t json = number_at(file, JSON_SIZE);
-    if (identity > MOST || json > MOST || ranges > MOST / sizeof(struct cml_range)) return;
+    const uint64_t json = number_at(file, JSON_SIZE), saved = number_at(file, NUM_SAVED);
+    if (identity > MOST || json > MOST || saved > MOST || ranges > MOST / sizeof(struct cml_range)) return;
     const size_t place = HEAD + identity + json + ranges * sizeof(struct cml_range),
-                 whole = place + sizeof(struct cml_summary) + cells * sizeof(cml_u128);
+                 whole = place + sizeof(struct cml_summary) + cells * sizeof(cml_u128) +
+                         saved * cml_saved_row_bytes(grid.saved.media);
     if (whole > MOST || size > whole) return;
     memset(file->data + size, 0, whole - size);
     file->size = whole;

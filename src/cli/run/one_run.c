@@ -61,6 +61,14 @@ static void record_expected(const struct cml_result *result, struct cml_record *
         cml_result_expected_layer(result, l, &record->expected[l], &record->expected_error[l]);
 }
 
+static void record_detected(const struct cml_result *result, struct cml_record *record)
+{
+    const int n = result->grid.detectors;
+    record->num_detectors = n <= CML_RECORD_MEDIA ? n : 0;
+    for (int k = 0; k < record->num_detectors; k++)
+        cml_result_detected(result, k, &record->detected[k], &record->detected_error[k]);
+}
+
 /* What the run leaves behind when its tallies are gone. */
 static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
                               struct cml_error *err)
@@ -83,6 +91,7 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
         record->absorbed_error[l] = cml_result_absorbed_error(result, medium);
     }
     record_expected(result, record);
+    record_detected(result, record);
     FILE *out = open_memstream(&record->json, &size);
     return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
 }

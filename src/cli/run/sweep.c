@@ -192,6 +192,9 @@ static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *e
     const size_t rows = (size_t)sweep->table.num_rows, columns = (size_t)sweep->table.num_columns;
     char **files = calloc(rows, sizeof *files);
     const char **names = calloc(columns, sizeof *names);
+    const char *detectors[CML_RECORD_MEDIA];
+    for (int k = 0; k < base->num_detectors && k < CML_RECORD_MEDIA; k++)
+        detectors[k] = base->detectors[k].name;
     uint64_t *seeds = calloc(rows, sizeof *seeds);
     cml_status status =
         files && names && seeds ? CML_OK : cml_fail_memory(err, 16.0 * (double)rows, "the rows");
@@ -213,7 +216,8 @@ static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *e
                                               .cell = sweep->table.cell,
                                               .seed = seeds,
                                               .file = files,
-                                              .record = sweep->rows.record};
+                                              .record = sweep->rows.record,
+                                              .detector = detectors};
     if (status == CML_OK) status = write_tables(sweep, &results, err);
     for (size_t i = 0; files && i < rows; i++) free(files[i]);
     free(files);

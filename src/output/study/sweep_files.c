@@ -43,8 +43,9 @@ bool cml_sweep_is_of_results(const char *name)
         if (strncmp(name, total, own) == 0 && is_ending(name + own)) return true;
     }
     /* call: a group of the .h5 */
-    return is_of_every_row(name) || is_of_media(name) || strcmp(name, "row") == 0 ||
-           strcmp(name, "lost") == 0 || strcmp(name, "file") == 0 || strcmp(name, "call") == 0;
+    return is_of_every_row(name) || is_of_media(name) || strncmp(name, "detector_", 9) == 0 ||
+           strcmp(name, "row") == 0 || strcmp(name, "lost") == 0 || strcmp(name, "file") == 0 ||
+           strcmp(name, "call") == 0;
 }
 
 /* ---- .csv ---- */
@@ -70,6 +71,11 @@ static int count_expected(const struct cml_sweep_results *r)
     return (int)most;
 }
 
+static int count_detectors(const struct cml_sweep_results *r)
+{
+    return r->num_rows > 0 ? (int)r->record->num_detectors : 0;
+}
+
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -93,6 +99,8 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
         snprintf(name, sizeof name, l == 0 ? "Tt_expected" : "layer%d.A_expected", l);
         fprintf(out, ",%s,%s_se", name, name);
     }
+    for (int k = 0; k < count_detectors(r); k++)
+        fprintf(out, ",detector_%s,detector_%s_se", r->detector[k], r->detector[k]);
     fputs(",lost,file\n", out);
 }
 
@@ -111,6 +119,8 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
         fprintf(out, ",%.17g,%.17g", record->absorbed[m], record->absorbed_error[m]);
     for (int l = 0; l < count_expected(r); l++)
         fprintf(out, ",%.17g,%.17g", record->expected[l], record->expected_error[l]);
+    for (int k = 0; k < count_detectors(r); k++)
+        fprintf(out, ",%.17g,%.17g", record->detected[k], record->detected_error[k]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -257,10 +267,9 @@ static bool has_axis(const struct grid *grid, const char *name)
 
 /* A quantity, and its errors behind it: errors[size of the quantity]. */
 static double *add_with_errors(struct fields *list, const struct cml_axis *last, enum cml_quantity quantity,
-                               double **errors)
+                               const char *name, double **errors)
 {
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    double *value = add_over(list, last, info->name, info->long_name, "1");
+    double *value = add_over(list, last, name, cml_quantities[quantity].long_name, "1");
     *errors = add_over(list, last, "", "", "1");
     struct cml_field *field = &list->field[list->count - 1];
     cml_quantity_name_errors(field, field - 1);
@@ -269,18 +278,24 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *last,
 
 /* Numbers of rows' records, those that begin in one at these two of its members, and their errors; over an
  * axis, NULL: one of each. */
-static void fill_numbers(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
-                         size_t number, size_t number_error)
+static void fill_named(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
+                       const char *name, size_t number, size_t number_error)
 {
     const struct grid *grid = list->grid;
     const size_t n = axis ? axis->n : 1;
     if (n == 0) return;
-    double *error, *value = add_with_errors(list, axis, quantity, &error);
+    double *error, *value = add_with_errors(list, axis, quantity, name, &error);
     for (int i = 0; i < grid->results->num_rows; i++, value += n, error += n) {
         const char *record = (const char *)&grid->results->record[grid->row[i]];
         memcpy(value, record + number, n * sizeof *value);
         memcpy(error, record + number_error, n * sizeof *error);
     }
+}
+
+static void fill_numbers(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
+                         size_t number, size_t number_error)
+{
+    fill_named(list, axis, quantity, cml_quantities[quantity].name, number, number_error);
 }
 
 #define RECORDED(member, i) offsetof(struct cml_record, member) + (size_t)(i) * sizeof(double)
@@ -300,6 +315,12 @@ static void fill_all_numbers(struct fields *list)
     if (expected > 1)
         fill_numbers(list, &list->layer, CML_QUANTITY_A_l_expected, RECORDED(expected, 1),
                      RECORDED(expected_error, 1));
+    for (int k = 0; k < count_detectors(r); k++) {
+        char name[64];
+        snprintf(name, sizeof name, "detector_%s", r->detector[k]);
+        fill_named(list, NULL, CML_QUANTITY_detector, name, RECORDED(detected, k),
+                   RECORDED(detected_error, k));
+    }
 }
 
 /* What there is of every row beside its totals. */
@@ -371,7 +392,9 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
     const size_t layers = rows > 0 ? (size_t)results->record->num_layers : 0,
                  bodies = rows > 0 ? (size_t)results->record->num_bodies : 0,
-                 most = 2 * ((size_t)results->num_totals + 3 + 2 * layers + bodies) + columns + 4;
+                 most = 2 * ((size_t)results->num_totals + 3 + 2 * layers + bodies +
+                             (size_t)count_detectors(results)) +
+                        columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {.grid = &grid,
                           .field = calloc(most, sizeof *list.field),

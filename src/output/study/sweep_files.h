@@ -20,14 +20,15 @@ struct cml_sweep_results {
     const uint64_t *seed;            /* [num_rows] */
     char *const *file;               /* [num_rows] main results */
     const struct cml_record *record; /* [num_rows] */
+    const char *const *detector;     /* their names, as many as the rows' records have; NULL: none */
 };
 
 /* Whether a column of every table is called so. */
 bool cml_sweep_is_of_results(const char *name);
 
 /* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
- * standard error, what layers and bodies absorb likewise, expected values where rows have them, lost packets,
- * the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
+ * standard error, what layers and bodies absorb likewise, expected values where rows have them, what
+ * detectors have seen, lost packets, the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
 CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                              struct cml_error *err);
 

@@ -190,7 +190,8 @@ enum {
     AT_SECONDS = 112,
     AT_NUM_LAYERS = 136 + 16 * CML_NUM_TOTALS,
     AT_NUM_EXPECTED = AT_NUM_LAYERS + 8 + 16 * CML_RECORD_MEDIA,
-    AT_RANGES = AT_NUM_EXPECTED + 8 + 16 * (1 + CML_RECORD_MEDIA) + sizeof identity - 1,
+    AT_NUM_DETECTORS = AT_NUM_EXPECTED + 8 + 16 * (1 + CML_RECORD_MEDIA),
+    AT_RANGES = AT_NUM_DETECTORS + 8 + 16 * CML_RECORD_MEDIA + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -255,12 +256,14 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_NUM_LAYERS, 0xffffffffu, 4}, /* -1 */
         {AT_NUM_EXPECTED, CML_RECORD_MEDIA + 2, 8},
         {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 */
-        {AT_RANGES, 127, 8},              /* {127, 5}: beyond the end */
-        {AT_RANGES, UINT64_MAX - 2, 8},   /* first + count wraps */
-        {AT_RANGES, 63, 8},               /* before the round */
-        {AT_RANGES, 70, 8},               /* overlaps {70, 2} */
-        {AT_RANGES + 8, 0, 8},            /* empty */
-        {AT_RANGES + 8, 4, 8},            /* one index neither flown nor open */
+        {AT_NUM_DETECTORS, CML_RECORD_MEDIA + 1, 8},
+        {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 */
+        {AT_RANGES, 127, 8},               /* {127, 5}: beyond the end */
+        {AT_RANGES, UINT64_MAX - 2, 8},    /* first + count wraps */
+        {AT_RANGES, 63, 8},                /* before the round */
+        {AT_RANGES, 70, 8},                /* overlaps {70, 2} */
+        {AT_RANGES + 8, 0, 8},             /* empty */
+        {AT_RANGES + 8, 4, 8},             /* one index neither flown nor open */
         {AT_PHOTONS, END - 6, 8},
         {AT_LOST_COUNT, 1u << 20, 4},
         {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 */

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
 # curves (figures/*.csv) dashed beside them, the maps of samples/skinmap.mci, furrows.mci, vein.mci and pattern.mci, the runs
-# of samples/two_runs.mci and pulse.mci, the fluence of head.mci, and the beams of fibre.mci, lamp.mci and glow.mci:
+# of samples/two_runs.mci and pulse.mci, the fluence of head.mci, what sees gloss.mci, camera.mci and fibres.mci, and the beams of fibre.mci, lamp.mci and glow.mci:
 #     figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
 # by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 # SPDX-License-Identifier: MIT
@@ -16,11 +16,15 @@ need_program
 need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise two_runs pulse furrows vein pattern head; do
+    shapes/hinoise two_runs pulse furrows vein pattern head gloss; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
 # a map has as many pixels as a profile has bins, squared
-"$program" "$root/samples/skinmap.mci" --photons "${photons}0" --ignore-absorption --quiet -o "$out"
+for scene in skinmap camera; do
+    "$program" "$root/samples/$scene.mci" --photons "${photons}0" --ignore-absorption --quiet -o "$out"
+done
+awk 'BEGIN { print "detector2.x"; for (i = 2; i <= 9; i++) print i * 0.05 }' >"$out/distances.csv"
+"$program" "$root/samples/fibres.mci" --sweep "$out/distances.csv" --photons "$((photons / 3))" --ignore-absorption --quiet -o "$out"
 
 flat="Solid: this program, $photons packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of \
 the program of 2019, read from its graphics, where its flat scenes are sound: they agree within print and noise."
@@ -60,4 +64,11 @@ draw pulse "Diffuse reflectance of a pulse by time, $photons packets each, over 
     pulse.mco pulse_even.mco --of Rd_t --label "darker below 0.8 cm" --label "even"
 draw head "Fluence in a head at 800 nm, $photons packets, bins of 0.5 mm. Between 1 and 1.2 cm of depth lies the clear fluid around the brain, which guides light." \
     head.mco --of phi_rz --label "Scalp, skull, clear fluid, grey and white matter"
+draw gloss "Gloss of a white tile with a wavy glaze, weight per sr, under light that comes down towards +x at 45 degrees, $photons packets." gloss.mco --of Rsp_dir --log \
+    --label "Gloss"
+draw white "What comes back from inside the same tile." gloss.mco --of Rd_dir --linear --percentile 99 --label "Diffuse part"
+draw camera "A hill 0.2 cm high as a camera sees it that stands at -x and looks down at 45 degrees, NA 0.3, focused half way up; light from the other side, 60 degrees \
+from the vertical, ${photons}0 packets. On the focused plane a pixel is 0.25 mm." camera.h5 --of detector_cam_map --percentile 99.9 --linear --label "A hill, seen at 45 degrees"
+draw fibres "Share of the light of one fibre on furrowed skin that comes into another, both 0.06 cm wide, NA 0.39, by the distance between their axes, $((photons / 3)) packets." \
+    fibres.sweep.csv --of detector_far --over detector2.x --log --label "Two fibres on skin"
 for figure in figure5 figure6 figure7 figure8 figure9 figure10 hill pulse; do python3 -B "$lib/shrink_svg.py" "$out/$figure.svg"; done

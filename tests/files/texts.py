@@ -133,6 +133,8 @@ def tutorial_numbers():
     yield (r"that of a plane, (\S+), to within 2 % .* twice that: (\S+) \+- (\S+)\. At 60 degrees a plane mirrors (\S+)\. Low furrows "
            r"mirror more, (\S+) \+- (\S+) at .* less, (\S+) \+- (\S+) as they are and (\S+) \+- (\S+) at twice",
            (at[0, 0], at[0, 2], (at[0, 2][1], 0), at[60, 0], *(pair for h in (0.5, 1, 2) for pair in (at[60, h], (at[60, h][1], 0)))))
+    fibres = cml.read_sections("fibres.mco")
+    yield r"all of its way, (\S+) cm, lies in the dermis", ((fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]),)
     deep = cml.read_sections("deep.mco")
     yield r"gives Tt as (\S+) \+- (\S+) millionths", ((1e6 * deep["Tt_expected"][0], 0), (1e6 * deep["se_Tt_expected"][0], 0))
 

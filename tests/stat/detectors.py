@@ -4,13 +4,18 @@
   and rectangles at several levels and axes on both sides; all of it to the digits that a trace has.
 - Shapes that tile the plane: their sums are Rsp + Rd or Tt, in units of weight.
 - Hundreds of them, and a table of one by one, give the same numbers.
+- Gates of what detectors see, times exp(-x c t / n), summed, are what they see with x more absorption in all layers, of flights of their own.
+- A camera that is focused on one of three points of light along a slope sees it in one pixel, and the others where their cones cross that level, on paper.
+- Fibres over a hill, furrows that go on for ever and a mesh that overhangs: light that comes from one disk with the cosine law into another, over the area of that, is the same the other
+  way round. With an argument N so many packets (`long.detectors`).
 - A detector's error, and a pixel's, covers the mean over other runs in 68 % of cases, where split-off light comes into it, too.
-Statistic: exact; the last one the share within one error."""
+Statistic: exact; z-scores; the last one the share within one error."""
 import concurrent.futures
 import math
 import os
 import random
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -18,7 +23,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-PACKETS, UNIT = 300, 2.0**31
+PACKETS, UNIT, LIGHT = 300, 2.0**31, 0.0299792458  # cm/ps
 HILL = {"layers": ["1.4 1 40 0.7 0.2", "1.5 0.5 20 0.5 0.3"], "surfaces": {0: "b 3  0.25 0.1  0.1 0.4  0 1"}, "n_below": 1.3}
 SLAB = {"layers": ["1.4 1 40 0.7 0.2"]}
 NUMBER = r"[-+0-9.e]+"
@@ -167,6 +172,66 @@ def hundreds(verdict):
         verdict.check(f"hundreds, {name}", many[name] == alone[name] and many[name + "_se"] == alone[name + "_se"], "differs alone")
 
 
+def laplace(verdict):
+    """Both media have the index of the light's clock, and nothing is outside: gates of 0.1 ps, 280 of them a cm of path."""
+    n, width, lines = 1.4, 0.1, ["detector disk 0.2 na=0.8 name=near", "detector ring 0.2 0.6 name=far"]
+    layers = lambda x: [f"{n} {0.5 + x} 40 0.7 0.2", f"{n} {0.2 + x} 60 0.8 0.4"]  # noqa: E731
+    with tempfile.TemporaryDirectory() as folder:
+        cml.run(cml.mci(layers(0), photons=100000, extra=[f"time {2000 * width} 2000", *lines]), keep=folder)
+        sections = cml.read_sections(os.path.join(folder, "out.mco"))
+    for x in (0.3, 1, 3):
+        darker = cml.run(cml.mci(layers(x), photons=100000, extra=lines), "--seed", 2)[0]
+        kernel = [math.exp(-x * LIGHT * (i + 0.5) * width / n) * width for i in range(2000)]
+        for name in ("near", "far"):
+            value = sum(map(float.__mul__, kernel, sections[f"detector_{name}_t"]))
+            error = math.hypot(*map(float.__mul__, kernel, sections[f"se_detector_{name}_t"]))
+            verdict.z(f"{name}, gates with {x} 1/cm more", value, error, darker[f"detector_{name}"], darker[f"detector_{name}_se"])
+
+
+def focus(verdict):
+    """Points of light that shine upwards by the cosine law; a cone of half angle t about an axis at 45 degrees has sin^2 t cos 45 of it."""
+    points, na, pixel, photons = [(-0.3, -0.31, -0.2), (0.0, 0.01, -0.4), (0.3, 0.33, -0.6)], 0.2, 0.02, 60000
+    lines = [f"beam pencil at={x},{y} z={z} angle=180 light=lambertian" for x, y, z in points]
+    lines += [f"detector map 100 60 {pixel} {pixel} at=0.01,0 z={z} na={na} angle=45 name=c{k}" for k, (_, _, z) in enumerate(points)]
+    with tempfile.TemporaryDirectory() as folder:
+        record = cml.run(cml.mci(["1 100 0 0 0.1"], photons=photons, extra=lines), keep=folder)[0]
+        share = na**2 * math.cos(math.pi / 4)
+        for k, (_, _, level) in enumerate(points):
+            verdict.z(f"camera on {level}", record[f"detector_c{k}"], math.sqrt(share * (1 - share) / photons), share)
+            seen, left = picture(os.path.join(folder, f"out.detector_c{k}.vti"), pixel), record[f"detector_c{k}"]
+            for x, y, z in points:
+                low, high = (x + (z - level) * math.tan(math.pi / 4 + s * math.asin(na)) for s in ((-1, 1) if z >= level else (1, -1)))
+                reach = abs(z - level) * na / math.cos(math.pi / 4 + math.asin(na)) + pixel
+                inside = {place: w for place, w in seen.items() if low - pixel / 2 <= place[0] <= high + pixel / 2 and abs(place[1] - y) <= reach}
+                expected = 1 if z == level else abs(z - level) / pixel  # pixels across
+                verdict.check(f"camera on {level}, point {z}", len(inside) == 1 if expected == 1 else len(inside) > expected, f"{len(inside)} pixels")
+                verdict.z(f"camera on {level}, point {z}", sum(inside.values()), math.sqrt(share / 3 / photons), share / 3)
+                left -= sum(inside.values())
+            verdict.check(f"camera on {level}", abs(left) < 1e-6, f"{left} elsewhere")
+
+
+def picture(path, pixel):
+    """{(x, y): weight} of the pixels of a detector's .vti that have seen anything, in scene coordinates."""
+    with open(path, "rb") as file:
+        data = file.read()
+    begin = data.index(b"_", data.index(b"<AppendedData")) + 1
+    values = struct.unpack_from(f"<{struct.unpack_from('<Q', data, begin)[0] // 4}f", data, begin + 8)
+    nx = int(re.search(rb'WholeExtent="0 (\d+)', data)[1])
+    x0, y0 = map(float, re.search(rb'Origin="(\S+) (\S+)', data).groups())
+    return {(x0 + (i % nx + 0.5) * pixel, y0 + (i // nx + 0.5) * pixel): value * pixel**2 for i, value in enumerate(values) if value > 0}
+
+
+def reciprocity(verdict, photons):
+    top, radii, places = os.path.join(os.path.dirname(cml.SAMPLES), "meshes"), (0.2, 0.12), ("-0.15,0.05", "0.15,-0.1")
+    for name, surface in (("hill", "b 3  0.25 0.1  0.1 0.4  0 1"), ("furrows", f'm "{top}/furrows.gsf" tile'), ("overhang", f'm "{top}/overhang.obj"')):
+        ways = []
+        for here, there in ((0, 1), (1, 0)):
+            lines = [f"beam disk {radii[here]} at={places[here]} light=lambertian", f"detector disk {radii[there]} at={places[there]} name=it"]
+            record = cml.run(cml.mci(["1.4 0.3 40 0.7 0.3"], n_below=1.4, photons=photons, surfaces={0: surface}, extra=lines), "--seed", 5 + here)[0]
+            ways += [record["detector_it"] / radii[there] ** 2, record["detector_it_se"] / radii[there] ** 2]
+        verdict.z(f"{name}, there and back", *ways)
+
+
 def coverage(verdict):
     """Ring by ring of a slab that splits off 0.028 of every packet into the first one."""
     runs, edges = 60, [0, 0.05, 0.1, 0.2, 0.4]
@@ -186,10 +251,15 @@ def coverage(verdict):
 
 def main():
     verdict, dice = cml.Verdict("detectors"), random.Random(7)
+    reciprocity(verdict, int(sys.argv[1]) if len(sys.argv) > 1 else 50000)
+    if len(sys.argv) > 1:
+        verdict.finish()
     brute_force(verdict, "hill", HILL, "beam disk 0.5 angle=20 azimuth=30", "reference", dice)
     brute_force(verdict, "slab", SLAB, "beam disk 0.5", "cpu", dice)
     tiles(verdict)
     hundreds(verdict)
+    laplace(verdict)
+    focus(verdict)
     coverage(verdict)
     verdict.finish()
 

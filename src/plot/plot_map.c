@@ -35,7 +35,7 @@ enum {
     TITLE_BELOW = 48,
     BAR_GAP = 22,
     BAR = 18,
-    BAR_TITLE = 82
+    BAR_TITLE = 92
 };
 
 /* gnuplot's labels. */

@@ -28,7 +28,7 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
     for (size_t i = 0; i < cml_outcome_size(sums, of); i++) {
-        o->value[quantity][i * columns + (size_t)k] = scale * sums->value[of][i];
+        o->value[quantity][i * columns + (size_t)k] = scale * sums->value[of][i] + 0.0; /* not -0 */
         o->error[quantity][i * columns + (size_t)k] = fabs(scale) * sums->error[of][i];
     }
     return CML_OK;

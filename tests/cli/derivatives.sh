@@ -64,6 +64,14 @@ first() { awk -v key="$2" '$1 == key { getline; print $1; exit }' "$1"; }
 awk -v a="$(first "$work/three/two.mco" dTt_dmua)" -v b="$(first "$work/stopped/two.mco" dTt_dmua)" -v m="$(first "$work/merged.mco" dTt_dmua)" \
     'BEGIN { exit !(m < 0 && (m - (a + b) / 2) ^ 2 < 1e-14) }' || complain "merge: $(first "$work/merged.mco" dTt_dmua)"
 
+# What is not known is nan, null in JSON, and stays so.
+printf '1.0\n1\nglass.mco A\n100\n0.02 0.02\n5 5 3\n1\n1\n1.5 0 0 0 0.1\n1\n' >"$work/glass.mci"
+expect_code 0 "$work/glass.mci" --derivatives -o "$work/one" --quiet
+expect_code 0 "$work/glass.mci" --derivatives --seed 2 -o "$work/three" --json
+grep -q '"dRd_dmus":\[null\]' "$work/out" || complain "--json: $(cat "$work/out")"
+expect_code 0 merge "$work/one/glass.mco" "$work/three/glass.mco" --output "$work/merged.mco"
+test "$(first "$work/merged.mco" dRd_dmua)" = NAN || complain "merged: $(first "$work/merged.mco" dRd_dmua)"
+
 # Refused.
 printf 'layer1.mua\n1\n' >"$work/t.csv"
 for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv"; do

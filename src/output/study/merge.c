@@ -113,8 +113,9 @@ static cml_status merge_quantities(const struct cml_merge_input *inputs, int cou
 static cml_status check_numbers(const struct cml_merge_input *input, const char *name, const double *numbers,
                                 size_t count, size_t place, double least, struct cml_error *err)
 {
-    const bool mean = cml_outcome_may_be_none(name),
-               unknown = (strncmp(name, "se_", 3) == 0 && input->outcome->photons == 1) || mean;
+    const bool errors = strncmp(name, "se_", 3) == 0,
+               unknown = (errors && input->outcome->photons == 1) ||
+                         cml_outcome_may_be_none(errors ? name + 3 : name);
     const double most = CML_MERGE_MOST;
     for (size_t i = 0; i < count; i++)
         if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))

@@ -83,8 +83,8 @@ STUDY = {
     "flat, oblique": (mc.Scene([mc.Layer(n=1.4, mua=0.5, mus=100, g=0.9, d=0.2)], beam=mc.Beam("pencil", angle=45)), ("R", "Tt"), 2e4),
     "rough": (slab(top=HILL), ("Rd", "Tt"), 2e4),
     "rough, disk": (slab(top=HILL, beam=mc.Beam("disk", radius=0.2)), ("R", "Tt"), 2e4),
-    "flat, profile": (slab(), ("Rd_r", "Tt"), 1e5),
-    "rough, profile": (slab(top=HILL), ("Rd_r", "Tt"), 1e5),
+    "flat, profile": (slab(), ("Rd_r", "Tt"), 4e5),
+    "rough, profile": (slab(top=HILL), ("Rd_r", "Tt"), 4e5),
 }
 
 

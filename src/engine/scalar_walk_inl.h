@@ -123,6 +123,7 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
                               .tally = tally,
                               .to = cml_deposits_of(tally, branches),
                               .rows = {.sums = cml_row_sums_of(world, tally), .factor = factor}};
+    branches->count = 0; /* of a piece that was given up */
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
         cml_begin_walk(world, &walk.to, piece->first + CML_NUM_BATCHES * i, &packet);

@@ -87,6 +87,7 @@ def check_flat(verdict, name, layers, above, below_all, beam):
 def check_windows(verdict, name, layers, above, below_all, beam):
     text = cml.mci(layers, photons=10000, n_above=above, n_below=below_all, extra=[f"beam {beam}"])
     record, truth = fly(verdict, f"{name}, windows", text, "--aim", "Tt_r", "--seed", 8, "--photons", 20000), exact(text)
+    verdict.check(name, record["unsplit"] == 0, "unsplit")
     for key in ("Rd", "A", "Tt"):
         verdict.z(f"{name}, windows, {key}", record[key], record[key + "_se"], truth[key], truth[key + "_error"])
 

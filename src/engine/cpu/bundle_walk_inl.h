@@ -558,6 +558,7 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                            .source = source,
                            .factors = factors,
                            .to = {.branches = branches}};
+    branches->count = 0; /* of a flight that was given up */
     cml_regions_begin(world, &regions);
     cml_flight_begin(&f);
     cml_flight_run(&f);

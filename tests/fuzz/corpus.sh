@@ -94,7 +94,7 @@ run=$!
 until test -e "$scratch/plane.mco.checkpoint" || ! kill -0 $run; do sleep 0.05; done
 kill -KILL $run
 wait $run 2>/dev/null || true
-head -c 1200 "$scratch/plane.mco.checkpoint" >"$out/checkpoint/partial"
+head -c 2300 "$scratch/plane.mco.checkpoint" >"$out/checkpoint/partial"
 
 # Command lines: what the help text names, and the examples in the manual's words.
 printf 'run\nscene.mci\n--photons\n1e7\n--seed=2\n-o\nresults\n' >"$out/options/run"

@@ -73,9 +73,13 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
 
 /* ---- what is said ---- */
 
-/* Two digits: the error of an error is 9 %. */
+/* Two digits: the error of an error is 9 %. A dash where pilots have seen nothing. */
 static void print_time(double seconds)
 {
+    if (!isfinite(seconds)) {
+        printf(" %7s %-3s", "-", "");
+        return;
+    }
     static const struct {
         double seconds;
         const char *name;
@@ -102,7 +106,10 @@ static void print_row(const struct plan *plan, int engine, int lattice)
     printf("  %-10s %-9s %9.2g", engine_names[engine], sampling_names[lattice], speed);
     for (int goal = 0; goal < num_goals(plan, engine); goal++) {
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
-        printf("  %9.2g", photons);
+        if (isfinite(photons))
+            printf("  %9.2g", photons);
+        else
+            printf("  %9s", "-");
         print_time(photons / speed);
     }
     putchar('\n');

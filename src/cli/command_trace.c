@@ -70,8 +70,10 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     CML_TRY(options->engine->trace(engine, photon, print_event, &listener, &record, err));
     printf("# %s", cml_fate_name(record.fate));
     if (record.fate == CML_FATE_LOST) printf(" (%s)", cml_lost_cause_name(record.cause));
-    printf(" after %u interactions and %u boundary events, last outside contact at x = %.9g, y = %.9g cm\n",
-           record.interactions, record.boundary_events, record.exit[0], record.exit[1]);
+    printf(" after %u interactions and %u boundary events", record.interactions, record.boundary_events);
+    if (record.boundary_events > 0)
+        printf(", last outside contact at x = %.9g, y = %.9g cm", record.exit[0], record.exit[1]);
+    putchar('\n');
     return CML_OK;
 }
 

@@ -101,21 +101,39 @@ static bool is_spread(const struct cml_beam *beam)
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
 }
 
+/* Whether all of a beam's light comes down onto the planes, the first of which is z = 0. */
+static bool comes_from_above(const struct cml_scene *scene, int k)
+{
+    const struct cml_beam *beam = &scene->beams[k];
+    const double rounding = 1e-12, widest = cml_light_widest(&beam->light, scene->media[0].n);
+    return !beam->inside ||
+           (scene->boundaries[0].form == CML_FORM_PLANE && beam->z < 0 &&
+            beam->angle < CML_PI / 2 - rounding && beam->angle + widest <= CML_PI / 2 + rounding);
+}
+
+static bool all_come_from_above(const struct cml_scene *scene)
+{
+    int k = 0;
+    while (k < scene->num_beams && comes_from_above(scene, k)) k++;
+    return k == scene->num_beams;
+}
+
 static cml_status check_beams(const struct cml_scene *scene, struct cml_error *err)
 {
     char value[40];
     for (int k = 0; k < scene->num_beams; k++) {
         snprintf(value, sizeof value, "%g", scene->beams[k].z);
-        if (scene->beams[k].inside)
-            return cml_fail_field(err, scene->file, scene->beams[k].line, "beam: z", value,
-                                  "light from above: adding-doubling knows no other");
+        if (!comes_from_above(scene, k))
+            return cml_fail_field(
+                err, scene->file, scene->beams[k].line, "beam: z", value,
+                "light that comes down from above all layers: adding-doubling knows no other");
     }
     return CML_OK;
 }
 
 bool cml_exact_knows(const struct cml_scene *scene)
 {
-    return scene->backing.kind != CML_BACKED_BY_METAL && !cml_scene_starts_inside(scene);
+    return scene->backing.kind != CML_BACKED_BY_METAL && all_come_from_above(scene);
 }
 
 cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,

@@ -98,4 +98,21 @@ grep -qF "$work/clear.mci:5: beam 1 starts in layer 1, which is clear" "$work/er
 sed -i 's/^1.4 .*/&\nbacking 0.5/' "$work/clear.mci"
 expect_code 0 "$work/clear.mci" --json -o "$work"
 test ! -s "$work/err" && grep -q '"trapped":0,' "$work/out" || complain "a trap over a backing: $(cat "$work/err" "$work/out")"
+
+# A share too small for one photon is said; a lamp above flat layers is light from above for exact, too.
+printf '1.0\n1\nlamp.mco A\n20000\nbeam disk 0.1 share=1e-5 z=-0.5 light=na:0.2 angle=30\nbeam disk 0.3 z=-1 light=lambertian\n1 1\n1 1 1\n1\n1.0\n1.4 1 10 0.5 0.1\n1.0\n' >"$work/lamp.mci"
+expect_code 0 exact "$work/lamp.mci"
+cp "$work/out" "$work/with"
+sed 's/ z=[^ ]*//' "$work/lamp.mci" >"$work/above.mci"
+expect_code 0 exact "$work/above.mci"
+sed -i "s/above/lamp/" "$work/out"
+cmp -s "$work/out" "$work/with" || complain "exact of a lamp: $(cat "$work/out" "$work/with")"
+expect_code 0 "$work/lamp.mci" -o "$work"
+grep -q "note: beam 1 has none of the 20000 photons: its share is too small" "$work/err" || complain "no note of a dark beam: $(cat "$work/err")"
+grep -q '^  Rd .* exact 0' "$work/out" || complain "a lamp has no exact: $(cat "$work/out")"
+for beam in "beam pencil z=-0.5 angle=90" "beam disk 0.1 z=-0.5 light=na:0.6 angle=60" "beam pencil z=0.05" "beam pencil z=-1 light=isotropic"; do
+    sed -e "s/^beam disk 0.3.*/$beam/" "$work/lamp.mci" >"$work/aside.mci"
+    expect_code 2 exact "$work/aside.mci"
+    grep -q "aside.mci:6: beam: z = .* (expected light that comes down from above all layers" "$work/err" || complain "$beam: $(cat "$work/err")"
+done
 finish

@@ -53,4 +53,9 @@ END
         done
     done
 done
+
+# What no pilot sees has no plan, what all see alike takes the fewest photons.
+printf '1.0\n1\nx.mco A\n1000\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\nbacking metal 0.2 3\n1.0\n' >"$work/clear.mci"
+expect_code 0 plan "$work/clear.mci"
+grep -qE '^  cpu +lattice +[0-9.e+]+ +[0-9.e+]+ +[0-9.e-]+ s +- +- +- +- *$' "$work/out" || complain "plan of a clear layer: $(cat "$work/out")"
 finish

@@ -15,6 +15,7 @@
 #include "run/identity.h"
 #include "run/launcher.h"
 #include "run/stop.h"
+#include "tally/deal.h"
 #include "tally/row_result.h"
 
 #include <inttypes.h>
@@ -348,6 +349,22 @@ static void note_replaced(const struct cml_options *options, const struct cml_sc
     free(path);
 }
 
+/* Beams whose share is too small for one photon. */
+static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
+{
+    struct cml_error ignored;
+    char text[120];
+    uint64_t *number = calloc((size_t)scene->num_beams, sizeof *number);
+    if (number && cml_deal_numbers(scene->shares, scene->num_beams, photons, number, &ignored) == CML_OK)
+        for (int k = 0; k < scene->num_beams; k++) {
+            if (number[k] > 0) continue;
+            snprintf(text, sizeof text, "beam %d has none of the %g photons: its share is too small", k + 1,
+                     (double)photons);
+            cml_show_note(NULL, text);
+        }
+    free(number);
+}
+
 /* On rank 0. A run that is continued or finished has said so when it began. */
 static void note_before(const struct cml_run_call *call, const struct cml_run_setup *setup)
 {
@@ -357,6 +374,7 @@ static void note_before(const struct cml_run_call *call, const struct cml_run_se
     if (path && !resume) note_old_checkpoint(path, kind);
     if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE)) return;
     if (path && resume) note_no_checkpoint(path);
+    note_dark_beams(call->scene, setup->photons);
     if (!call->options->quiet) note_replaced(call->options, call->scene);
 }
 

@@ -10,6 +10,7 @@
 
 #include <jansson.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,20 +69,27 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     return medium;
 }
 
+/* Degrees as the file has them, of up to 14 digits: more is rounding, on the way to radians and back. */
+static double in_degrees(double angle)
+{
+    char digits[32];
+    snprintf(digits, sizeof digits, "%.14g", angle * (180 / acos(-1.0)));
+    return strtod(digits, NULL);
+}
+
 /* Sizes as behind the word. `z` is null where packets start above all surfaces. */
 static json_t *beam_json(const struct subject *subject, int k)
 {
     static const int sizes[] = {0, 1, 1, 2, 2, 2};
     const struct cml_beam *beam = &subject->scene->beams[k];
-    const double degrees = 180 / acos(-1.0);
     char name[CML_MEDIUM_NAME];
     json_t *size = json_array();
     for (int i = 0; i < sizes[beam->kind]; i++) json_array_append_new(size, json_real(beam->size[i]));
     json_t *object =
         json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
                   cml_beam_word(beam->kind), "size", size, "x", beam->x, "y", beam->y, "z",
-                  beam->inside ? json_real(beam->z) : json_null(), "angle", beam->angle * degrees, "azimuth",
-                  beam->azimuth * degrees, "light", cml_light_word(beam->light.kind), "na",
+                  beam->inside ? json_real(beam->z) : json_null(), "angle", in_degrees(beam->angle),
+                  "azimuth", in_degrees(beam->azimuth), "light", cml_light_word(beam->light.kind), "na",
                   beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
                   beam->radial, "share", subject->scene->shares[k], "photons", (json_int_t)subject->dealt[k]);
     if (!subject->starts) return object;
@@ -376,12 +384,11 @@ static json_t *map_json(const struct cml_map_def *map)
 static json_t *detector_json(const struct subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];
-    const double degrees = 180 / acos(-1.0);
     json_t *object =
         json_pack("{s:s, s:s, s:[f,f], s:i, s:i, s:f, s:f, s:f, s:s, s:f, s:f, s:b}", "name", d->name,
                   "shape", cml_detector_word(d), "size", d->size[0], d->size[1], "nx", d->nx, "ny", d->ny,
                   "x", d->x, "y", d->y, "z", d->z, "side", d->below ? "bottom" : "top", "angle",
-                  d->angle * degrees, "azimuth", d->azimuth * degrees, "diffuse", d->diffuse);
+                  in_degrees(d->angle), "azimuth", in_degrees(d->azimuth), "diffuse", d->diffuse);
     json_object_set_new(object, "na", d->aimed ? json_real(d->na) : json_null());
     return object;
 }

@@ -74,8 +74,7 @@ first = {"shape": "ring", "size": [0.1, 0.2], "x": 1, "y": -2, "z": None, "angle
          "radial": False, "share": 1, "photons": 29}  # 100 / 3.5 = 28.57: by largest remainder
 second = {"shape": "disk", "size": [0.3], "x": 0, "y": 0, "z": 0.1, "angle": 0, "azimuth": 0, "light": "na", "na": 0.5, "radial": False,
           "share": 2.5, "photons": 71}
-near = [{**beam, **{key: round(beam[key], 9) for key in ("angle", "azimuth")}} for beam in lit["beams"]]
-assert [beam.pop("medium") for beam in near] == [None, "layer 1"] and near == [first, second], lit["beams"]
+assert [beam.pop("medium") for beam in lit["beams"]] == [None, "layer 1"] and lit["beams"] == [first, second], lit["beams"]
 flown, = read("flown")
 assert [beam["photons"] for beam in flown["beams"]] == [3, 6] and flown["backing"] == lit["backing"], flown["beams"]
 many, = read("many")

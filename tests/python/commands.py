@@ -2,6 +2,7 @@
 import inspect
 import json
 import os
+import pathlib
 import re
 import subprocess
 import sys
@@ -13,6 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from python_package import TOP, mc, np, xr  # noqa: E402
 from clustermcml import options  # noqa: E402
 from clustermcml.program import NO_ARGUMENTS, find_program  # noqa: E402
+from clustermcml.surface_files import write_gsf  # noqa: E402
 
 SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
 RIDGES = os.path.join(TOP, "samples", "ridges.mci")
@@ -149,6 +151,44 @@ class Meshes(unittest.TestCase):
         self.assertEqual((np.shape(mesh.vertices), np.shape(mesh.faces)), ((5, 3), (4, 3)))
         told = mc.check(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, top=mesh)]))[0]["boundaries"][0]
         self.assertEqual((told["kind"], told["primitives"]), ("mesh", 4))
+
+
+class Light(unittest.TestCase):
+    def setUp(self):
+        """In a folder with a table and an image, whose names need quotes."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder.name)
+        pathlib.Path("a led.txt").write_text("0 1\n20 0\n", encoding="utf-8")
+        write_gsf("a row.gsf", np.array([[1, 2], [0, 4]]), 0.1, 0.1)
+
+    def test_files_by_relative_names(self):
+        """Of the folder in which Python is, wherever the scene lies."""
+        scene = mc.Scene([SLAB], photons=50, beam=[mc.Beam("disk", 0.1, light="a led.txt"),
+                                                   mc.Beam("image", file=pathlib.Path("a row.gsf"), light=pathlib.Path("a led.txt"), angle=60, azimuth=-30)])
+        os.mkdir("sub")
+        scene.write("sub/w.mci")
+        for told in mc.check(scene), mc.check("sub/w.mci"):
+            self.assertEqual([tuple(beam[key] for key in ("shape", "light", "angle", "azimuth")) for beam in told[0]["beams"]],
+                             [("disk", "table", 0, 0), ("image", "table", 60, -30)])
+        xr.testing.assert_equal(mc.run(scene), mc.run("sub/w.mci"))
+        self.assertEqual(mc.sweep(scene, {"layer1.mua": [1, 2]}).Rd.shape, (2,))
+        self.assertEqual((mc.trace(scene, 0).what[0], mc.exact(scene)), ("launch", mc.exact(mc.Scene([SLAB], beam=scene.beam))))
+
+    def test_refusals(self):
+        words = "parallel, lambertian, isotropic, na:N or the path of a file that is there"
+        for call, text in ((lambda: mc.Beam(light="lambert"), f"Beam.light = 'lambert' (expected {words})"),
+                           (lambda: mc.Beam(light=pathlib.Path("lambertian")), f"Beam.light = 'lambertian' (expected {words})"),
+                           (lambda: mc.Beam("image", file="b.gsf"), "Beam.file = 'b.gsf' (expected the path of a file that is there)"),
+                           (lambda: mc.Phase("table", angles=[0, 180], densities=[1, 2, 3]), "Phase.densities = [1, 2, 3] (expected 2 finite numbers, one for each angle)"),
+                           (lambda: mc.Phase("table", angles=[[0], [180]], densities=[[1], [2]]), "Phase.angles = [[0], [180]] (expected a list of finite angles)"),
+                           (lambda: mc.check(mc.Scene([mc.Layer(1.4, 1, 9, 0.5, 1, phase=mc.Phase("hg2", g1=0.5, g2=0, w=1.5))])), "Scene: layer 1: phase: w = 1.5 (expected a share of 0..1)")):
+            with self.assertRaisesRegex(mc.InputError, re.escape(text)):
+                call()
+        pathlib.Path('a"b').touch()
+        with self.assertRaisesRegex(mc.InputError, "Beam.light = .*expected a path without quotation marks"):
+            mc.Beam(light='a"b')
 
 
 class Files(unittest.TestCase):

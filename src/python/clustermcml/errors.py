@@ -113,13 +113,21 @@ def array(name: str, value: Any, kinds: str, expected: str) -> Any:
     return numbers
 
 
-def existing_file(name: str, value: Any) -> str:
+def existing_file(name: str, value: Any, expected: str = "the path of a file that is there") -> str:
     """The path of a file that is there, absolute."""
     if not isinstance(value, (str, os.PathLike)):
-        raise refuse(name, value, "the path of a file")
+        raise refuse(name, value, expected)
     if not os.path.isfile(value):
-        raise refuse(name, os.fspath(value), "the path of a file that is there")
+        raise refuse(name, os.fspath(value), expected)
     return os.path.abspath(os.fspath(value))
+
+
+def quoted_file(name: str, value: Any, expected: str = "the path of a file that is there") -> str:
+    """The path of a file that is there as a word of an `.mci` in any folder: absolute, in quotes."""
+    path = existing_file(name, value, expected)
+    if re.search('["\r\n]', path):
+        raise refuse(name, path, "a path without quotation marks and ends of lines")
+    return f'"{path}"'
 
 
 def folder(name: str, value: Any) -> str:

@@ -49,13 +49,21 @@ class Phase:
         tables = (self.path is not None) + (self.angles is not None and self.densities is not None)
         if tables != (self.kind == "table"):
             raise errors.refuse("Phase.path", self.path, "a file, or angles and densities, for a table, and for nothing else")
+        if self.angles is not None and self.densities is not None:
+            expected = "a list of finite angles"
+            angles = errors.array("Phase.angles", self.angles, "iuf", expected)
+            if angles.ndim != 1:
+                raise errors.refuse("Phase.angles", self.angles, expected)
+            expected = f"{angles.size} finite numbers, one for each angle"
+            if errors.array("Phase.densities", self.densities, "iuf", expected).shape != angles.shape:
+                raise errors.refuse("Phase.densities", self.densities, expected)
 
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci` in that directory; writes DIRECTORY/STEM.phase.txt where the table is no file."""
         if self.kind != "table":
             return " ".join(["phase", self.kind, *(shortest(getattr(self, name)) for name in NUMBERS[self.kind])])
         if self.path is not None:
-            return f'phase table "{errors.existing_file("Phase.path", self.path)}"'
+            return "phase table " + errors.quoted_file("Phase.path", self.path)
         path = stem + ".phase.txt"
         rows: npt.NDArray[Any] = np.column_stack([np.asarray(self.angles), np.asarray(self.densities)])
         np.savetxt(os.path.join(directory, path), rows, "%.17g")

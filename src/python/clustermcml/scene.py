@@ -57,6 +57,8 @@ class Layer:
 
 
 SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": ()}
+LIGHTS = ("parallel", "lambertian", "isotropic")  # besides na:N, and files
+LIGHT_EXPECTED = ", ".join(LIGHTS) + ", na:N or the path of a file that is there"
 
 
 @dataclass
@@ -64,7 +66,7 @@ class Beam:
     """How light arrives. kind: "pencil", "disk" (of `radius` cm), "gaussian" (1/e2 radius), "ring" (between `r1` and `r2`), "rectangle"
     (`width` by `height`) or "image" (of a .gsf `file`). at: x, y [cm] where the axis meets z = 0. z: None, light starts above all
     surfaces; or the depth [cm] where it starts. angle: degrees between the axis and z; azimuth: degrees from x towards y. light: "parallel",
-    "lambertian", "isotropic", "na:0.22", or the name of a table of angles and intensities. share: of the light of several beams.
+    "lambertian", "isotropic", "na:0.22", or the path of a table of angles and intensities. share: of the light of several beams.
     radial: r in results counts from `at`.
 
     >>> Beam("disk", 0.5, angle=60).line()
@@ -79,13 +81,13 @@ class Beam:
     angle: float = 0.0
     azimuth: float = 0.0
     z: Optional[float] = None
-    light: str = "parallel"
+    light: Union[str, os.PathLike[str]] = "parallel"
     share: float = 1.0
     r1: Optional[float] = None
     r2: Optional[float] = None
     width: Optional[float] = None
     height: Optional[float] = None
-    file: Optional[str] = None
+    file: Optional[Union[str, os.PathLike[str]]] = None
     radial: bool = False
 
     def __post_init__(self) -> None:
@@ -96,8 +98,10 @@ class Beam:
                 raise errors.refuse("Beam." + name, value, f"None for a {self.kind} beam")
             if name in SHAPES[self.kind]:
                 (errors.at_least_zero if name == "r1" else errors.above_zero)("Beam." + name, value)
-        if (self.kind == "image") != isinstance(self.file, str):
-            raise errors.refuse("Beam.file", self.file, "the name of a .gsf file for an image, else None")
+        if (self.kind == "image") != (self.file is not None):
+            raise errors.refuse("Beam.file", self.file, "the path of a .gsf file for an image, else None")
+        if self.file is not None:
+            errors.existing_file("Beam.file", self.file)
         vector("Beam.at", self.at, 2)
         if self.z is not None:
             errors.finite("Beam.z", self.z)
@@ -105,20 +109,25 @@ class Beam:
         if not 0 <= angle <= 180 or (self.z is None and angle >= 90):
             raise errors.refuse("Beam.angle", self.angle, "degrees, 0 <= angle < 90" if self.z is None else "degrees, 0 <= angle <= 180")
         errors.finite("Beam.azimuth", self.azimuth)
-        if not isinstance(self.light, str) or not self.light or '"' in self.light:
-            raise errors.refuse("Beam.light", self.light, "parallel, lambertian, isotropic, na:N or the name of a file")
+        self._light_word()
         errors.above_zero("Beam.share", self.share)
         errors.flag("Beam.radial", self.radial)
 
+    def _light_word(self) -> str:
+        """A word as it is, a file by its absolute path."""
+        if isinstance(self.light, str) and (self.light in LIGHTS or re.fullmatch(r"na:\S+", self.light)):
+            return self.light
+        return errors.quoted_file("Beam.light", self.light, LIGHT_EXPECTED)
+
     def line(self) -> str:
+        """The line of the `.mci`; files by absolute paths."""
         words = ["beam", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
-        words += [f'"{self.file}"'] if self.file is not None else []
+        words += [errors.quoted_file("Beam.file", self.file)] if self.file is not None else []
         if tuple(self.at) != (0.0, 0.0):
             words.append("at=" + ",".join(shortest(value) for value in self.at))
         words += [] if self.z is None else [f"z={shortest(self.z)}"]
         words += [f"{name}={shortest(getattr(self, name))}" for name in ("angle", "azimuth") if getattr(self, name) != 0]
-        known = self.light in ("parallel", "lambertian", "isotropic") or self.light.startswith("na:")
-        words += [] if self.light == "parallel" else ["light=" + (self.light if known else f'"{self.light}"')]
+        words += [] if self.light == "parallel" else ["light=" + self._light_word()]
         words += [] if self.share == 1 else [f"share={shortest(self.share)}"]
         return " ".join(words + (["radial=beam"] if self.radial else []))
 

@@ -183,15 +183,12 @@ class Mesh:
 
     def words(self, directory: str, stem: str) -> tuple[str, list[str]]:
         """The file's name in quotes, and the options. Writes DIRECTORY/STEM.obj where the mesh is no file."""
-        path = stem + ".obj"
+        name = f'"{stem}.obj"' if self.path is None else errors.quoted_file("Mesh.path", self.path)
         if self.path is None:
-            write_obj(os.path.join(directory, path), np.asarray(self.vertices), np.asarray(self.faces))
-        else:
-            path = errors.existing_file("Mesh.path", self.path)
-        names = ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile")
-        options = {name: getattr(self, name) for name in names}
+            write_obj(os.path.join(directory, stem + ".obj"), np.asarray(self.vertices), np.asarray(self.faces))
+        options = {key: getattr(self, key) for key in ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile")}
         options["shift"] = tuple(self.shift)
-        return f'"{path}"', _option_words(options)
+        return name, _option_words(options)
 
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci` in that directory."""

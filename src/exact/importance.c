@@ -89,11 +89,12 @@ cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layer
     struct pieces pieces = {.media = calloc(count + 2, sizeof *pieces.media),
                             .middle = calloc(count, sizeof *pieces.middle),
                             .absorbed = calloc(count, sizeof *pieces.absorbed)};
-    cml_status status = cml_fail_memory(err, (double)count * sizeof *pieces.media, "pieces of layers");
+    cml_status status = CML_OK;
     if (pieces.media && pieces.middle && pieces.absorbed) {
         cut(media, layers, depth, &pieces);
         status = solve(&pieces, err);
-    }
+    } else
+        status = cml_fail_memory(err, (double)count * sizeof *pieces.media, "pieces of layers");
     if (status == CML_OK) interpolate(&pieces, depth, cells, value);
     free(pieces.media);
     free(pieces.middle);

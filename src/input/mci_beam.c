@@ -69,8 +69,8 @@ static cml_status fail_row(const struct table *table, const char *field, const c
 static cml_status make_room(struct table *table)
 {
     struct cml_light *light = table->light;
+    if (light->rows == MOST_ROWS) return fail_row(table, "row", "10001", "at most 10000 rows");
     if ((size_t)light->rows < table->capacity) return CML_OK;
-    if (light->rows == MOST_ROWS) return fail_row(table, "row", NULL, "at most 10000 rows");
     const size_t capacity = table->capacity ? 2 * table->capacity : 64;
     double *t = realloc(light->t, capacity * sizeof *t);
     if (t) light->t = t;

@@ -115,4 +115,11 @@ for beam in "beam pencil z=-0.5 angle=90" "beam disk 0.1 z=-0.5 light=na:0.6 ang
     expect_code 2 exact "$work/aside.mci"
     grep -q "aside.mci:6: beam: z = .* (expected light that comes down from above all layers" "$work/err" || complain "$beam: $(cat "$work/err")"
 done
+# A table of light has a most of rows; adding-doubling would take minutes for more.
+seq 0 0.005 50 | awk '{ print $1, 1 }' >"$work/many.txt"
+sed -e 6d -e 's/^beam disk.*/beam disk 0.1 light="many.txt"/' "$work/lamp.mci" >"$work/many.mci"
+expect_code 2 check "$work/many.mci"
+grep -q "many.txt:10001: row = 10001 (expected at most 10000 rows)" "$work/err" || complain "a long table: $(cat "$work/err")"
+sed -i '$d' "$work/many.txt"
+expect_code 0 check "$work/many.mci"
 finish

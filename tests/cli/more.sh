@@ -125,4 +125,16 @@ expect_error 2 "$kept" samples/thick.mci --photons 200 --resume --no-clobber -o 
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
 expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two"
 grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"
+# No file of a run is replaced, also that of saved packets, whose name is not the result's.
+sed -e '6a map 4 4 0.1 0.1' -e '6a photons "saved"' samples/thick.mci >"$work/saved.mci"
+if "$program" --version | grep -q 'HDF5 yes'; then
+    for name in saved.photons.h5 thick.h5 thick.map.vti; do
+        mkdir "$work/$name.d"
+        echo precious >"$work/$name.d/$name"
+        expect_error 2 "--no-clobber: $work/$name.d/$name is there (expected no result that would be replaced)" "$work/saved.mci" --photons 200 --no-clobber -o "$work/$name.d"
+        test "$(cat "$work/$name.d/$name")" = precious || complain "$name was replaced"
+    done
+    expect_code 0 "$work/saved.mci" --photons 200 -o "$work/saved.photons.h5.d"
+    grep -q "note: replaces $work/saved.photons.h5.d/saved.photons.h5\$" "$work/err" || complain "no word of saved packets replaced: $(cat "$work/err")"
+fi
 finish

@@ -337,7 +337,7 @@ static void note_replaced(const struct cml_options *options, const struct cml_sc
 {
     struct cml_outcome before;
     struct cml_error ignored;
-    char *path = NULL, text[512];
+    char *path = NULL, *saved = NULL, text[512];
     if (result_path(options, scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
         !cml_file_is_device(path)) {
         const bool ours = cml_result_read(path, &before, &ignored) == CML_OK;
@@ -346,6 +346,12 @@ static void note_replaced(const struct cml_options *options, const struct cml_sc
         cml_show_note(NULL, text);
         if (ours) cml_outcome_clear(&before);
     }
+    if (scene->saved.limit && path && cml_report_saved_path(scene, path, &saved, &ignored) == CML_OK &&
+        access(saved, F_OK) == 0) {
+        snprintf(text, sizeof text, "replaces %.400s", saved);
+        cml_show_note(NULL, text);
+    }
+    free(saved);
     free(path);
 }
 

@@ -55,7 +55,7 @@ cml_status cml_check_overwrite(const char *command, const char *output, char *co
 
 /* ---- what a run writes ---- */
 
-static cml_status add(struct cml_outputs *outputs, const char *path, int run, bool is_main,
+static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
     if (outputs->count == outputs->capacity) {
@@ -66,18 +66,18 @@ static cml_status add(struct cml_outputs *outputs, const char *path, int run, bo
         outputs->capacity = capacity;
     }
     struct cml_output_file *file = &outputs->file[outputs->count];
-    *file = (struct cml_output_file){.run = run, .is_main = is_main};
+    *file = (struct cml_output_file){.run = run, .kind = kind};
     CML_TRY(resolve(path, &file->name, err));
     outputs->count++;
     return CML_OK;
 }
 
 static cml_status add_beside(struct cml_outputs *outputs, const char *path, const char *suffix, int run,
-                             bool is_main, struct cml_error *err)
+                             enum cml_output_kind kind, struct cml_error *err)
 {
     char *name = NULL;
     CML_TRY(cml_report_path(path, suffix, &name, err));
-    const cml_status status = add(outputs, name, run, is_main, err);
+    const cml_status status = add(outputs, name, run, kind, err);
     free(name);
     return status;
 }
@@ -88,25 +88,27 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
 {
     char suffix[64];
     const bool only_fields = scene->format == 'B';
-    CML_TRY(only_fields ? CML_OK : add(outputs, path, run, true, err));
-    if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, only_fields, err));
-    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, false, err));
-    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, false, err));
+    CML_TRY(only_fields ? CML_OK : add(outputs, path, run, CML_OUTPUT_MAIN, err));
+    if (cml_report_wants_fields(scene))
+        CML_TRY(
+            add_beside(outputs, path, ".h5", run, only_fields ? CML_OUTPUT_MAIN : CML_OUTPUT_BESIDE, err));
+    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, CML_OUTPUT_BESIDE, err));
+    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, CML_OUTPUT_BESIDE, err));
     for (int k = 0; k < scene->num_detectors; k++) {
         if (scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
         snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
-        CML_TRY(add_beside(outputs, path, suffix, run, false, err));
+        CML_TRY(add_beside(outputs, path, suffix, run, CML_OUTPUT_BESIDE, err));
     }
     for (int b = 0; scene->facets && b <= scene->num_layers; b++) {
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
-        CML_TRY(add_beside(outputs, path, suffix, run, false, err));
+        CML_TRY(add_beside(outputs, path, suffix, run, CML_OUTPUT_BESIDE, err));
     }
     if (scene->facets && scene->num_bodies > 0)
-        CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, false, err));
+        CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, CML_OUTPUT_BESIDE, err));
     if (!scene->saved.limit) return CML_OK;
     char *name = NULL;
     CML_TRY(cml_report_saved_path(scene, path, &name, err));
-    const cml_status status = add(outputs, name, run, false, err);
+    const cml_status status = add(outputs, name, run, CML_OUTPUT_BESIDE, err);
     free(name);
     return status;
 }
@@ -116,7 +118,7 @@ static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, 
 {
     char *checkpoint = NULL;
     CML_TRY(cml_checkpoint_path(path, &checkpoint, err));
-    const cml_status status = add(outputs, checkpoint, run, false, err);
+    const cml_status status = add(outputs, checkpoint, run, CML_OUTPUT_CHECKPOINT, err);
     free(checkpoint);
     return status;
 }
@@ -290,7 +292,8 @@ static cml_status check_clobber(const struct cml_options *options, const struct 
 {
     for (size_t i = 0; options->no_clobber && i < outputs->count; i++) {
         const struct cml_output_file *file = &outputs->file[i];
-        if (file->is_main && access(file->name, F_OK) == 0 && !stays(options, &list->scenes[file->run]))
+        if (file->kind != CML_OUTPUT_CHECKPOINT && access(file->name, F_OK) == 0 &&
+            !stays(options, &list->scenes[file->run]))
             return cml_fail(err, CML_E_INPUT,
                             "--no-clobber: %.400s is there (expected no result that would be replaced)",
                             file->name);
@@ -307,7 +310,8 @@ static void note_elsewhere(const struct cml_options *options, const struct cml_o
         const char *name = outputs->file[i].name;
         const size_t length = strlen(folder);
         char text[512];
-        if (!outputs->file[i].is_main || (strncmp(name, folder, length) == 0 && name[length] == '/'))
+        if (outputs->file[i].kind != CML_OUTPUT_MAIN ||
+            (strncmp(name, folder, length) == 0 && name[length] == '/'))
             continue;
         snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->directory);
         note(NULL, text);

@@ -7,10 +7,13 @@
 #include "base/input_files.h"
 #include "cli/options/options.h"
 
+/* What a run leaves: the file that the input file names, those beside it, and what it needs to go on. */
+enum cml_output_kind { CML_OUTPUT_MAIN, CML_OUTPUT_BESIDE, CML_OUTPUT_CHECKPOINT };
+
 struct cml_output_file {
-    char *name;   /* without links and dots, so that equal names are equal files */
-    int run;      /* of the file, from 0 */
-    bool is_main; /* the one that the input file names */
+    char *name; /* without links and dots, so that equal names are equal files */
+    int run;    /* of the file, from 0 */
+    enum cml_output_kind kind;
 };
 
 /* Zeroed: nothing is claimed. */

@@ -405,12 +405,13 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     grid.value = calloc(rows * columns, sizeof *grid.value);
     grid.places = calloc(rows * columns, sizeof *grid.places);
     grid.row = calloc(rows, sizeof *grid.row);
-    cml_status status = cml_fail_memory(err, 16.0 * (double)(rows * columns), "the results of a sweep");
+    cml_status status = CML_OK;
     if (list.field && list.value && grid.value && grid.places && grid.row) {
         for (size_t i = 0; i < rows * columns; i++) grid.value[i] = strtod(results->cell[i], NULL);
         arrange(&grid);
         status = write_h5(path, &grid, &list, err);
-    }
+    } else
+        status = cml_fail_memory(err, 16.0 * (double)(rows * columns), "the results of a sweep");
     free(list.field);
     free(list.value);
     free(grid.value);

@@ -94,8 +94,7 @@ static cml_status write(const struct cml_report *report, struct cml_outcome *out
     struct cml_field fields[NUM_PROPERTIES];
     struct column columns[NUM_PROPERTIES];
     int n = cml_h5_attributes(outcome, &more, attributes);
-    attributes[n++] =
-        (struct cml_attribute){"covers", NULL, (double)cml_saved_covers(sums->saved, sums->photons)};
+    attributes[n++] = (struct cml_attribute){"covers", NULL, (double)cml_report_covers(report)};
     attributes[n++] = (struct cml_attribute){"found", NULL, (double)kept->found};
     attributes[n++] = (struct cml_attribute){"limit", NULL, (double)saved->limit};
     attributes[n++] = (struct cml_attribute){"detected", NULL, saved->detected};
@@ -148,4 +147,12 @@ double cml_saved_file_bytes(const struct cml_saved_kind *kind)
     for (int i = 0; i < NUM_PROPERTIES; i++)
         row += (properties[i].whole ? 8.0 : 4.0) * (properties[i].of_medium ? (double)kind->media : 1);
     return (double)kind->limit * row;
+}
+
+uint64_t cml_report_covers(const struct cml_report *report)
+{
+    const struct cml_result *sums = report->sums;
+    const struct cml_saved_sums kept = cml_saved_sort(sums->saved);
+    const bool partial = kept.found > kept.kept;
+    return partial && report->scene->num_beams > 1 ? 0 : cml_saved_covers(sums->saved, sums->photons);
 }

@@ -172,6 +172,9 @@ def limits(verdict):
     verdict.check("limit", len(part.index) == 3000 and (part.index == whole.index[:3000]).all() and (np.diff(whole.index) > 0).all(), "not the first rows")
     verdict.check("limit", (part.path == whole.path[:3000]).all() and part.attributes["found"] == (whole.index < 1 << 15).sum(), "other rows")
     verdict.check("limit", part.attributes["covers"] == part.index[-1] + 1 and whole.attributes["covers"] == 1 << 17, f"covers {part.attributes['covers']}")
+    with tempfile.TemporaryDirectory() as folder:
+        cml.run(scene(saved='photons "exits" limit=1000', extra=["beam disk 0.1", "beam pencil z=0.09 light=isotropic"]), keep=folder)
+        verdict.check("several beams", Rows(os.path.join(folder, "exits.photons.h5")).attributes["covers"] == 0, "rows of the first beam are a sample")
 
 
 def detected(verdict):

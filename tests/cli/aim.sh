@@ -74,8 +74,8 @@ file=$work/x.mci:3
 expect_error 2 "--aim Rd (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Rd
 expect_error 2 "--aim Tt,A_l:0 (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
 expect_error 2 "--aim Tt, (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,
-expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3)" "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
-expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3)" "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
+expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
+expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
 if "$program" devices 2>/dev/null | grep -q '^0'; then
     expect_code 2 "$work/x.mci" --aim Tt --engine opencl --boundaries cone --quiet -o "$work/d"
     grep -q -- '--aim and --engine opencl' "$work/err" || complain "opencl: $(cat "$work/err")"
@@ -102,6 +102,42 @@ scene "1\n1.0\n1.4 100 60 0.8 30\n"
 expect_error 2 "$file: --aim Tt_r (expected light that gets there)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
+
+
+# Of all rows and runs, before the first flies.
+unflown() { # MESSAGE ARGUMENTS
+    rm -rf "$work/none"
+    mkdir "$work/none"
+    message=$1
+    shift
+    expect_error 2 "$message" "$@" --quiet -o "$work/none"
+    test -z "$(ls "$work/none")" || complain "$message: wrote $(ls "$work/none")"
+}
+grid='100\n0.01 0.01\n20 20 3\n'
+scene "2\n1.0\n1.4 1 50 0.8 0.2\n1.5 2 30 0.7 0.2\n${hill}"
+expect_error 2 "$file: --aim A_l:1 (expected layer 2, with another above it)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
+printf 'layer2.mua\n2\n1e5\n' >"$work/t.csv"
+for aim in Tt Tt_r; do
+    unflown "$work/t.csv:3: row 2, layer2.mua = 1e5: $file: --aim $aim (expected light that gets there)" "$work/x.mci" --sweep "$work/t.csv" --aim $aim
+done
+printf 'layer1.d\n0.2\n1e8\n' >"$work/t.csv"
+unflown "$work/t.csv:3: row 2, layer1.d = 1e8: $file: --aim A_l:2 (expected light that gets there)" "$work/x.mci" --sweep "$work/t.csv" --aim A_l:2
+{ sed 's/^1$/2/' "$work/x.mci" && sed -n '3,$p' "$work/x.mci" | sed 's/x.mco/y.mco/; s/^1.5 2/1.5 1e5/'; } >"$work/y.mci"
+unflown "$work/y.mci:13: --aim Tt (expected light that gets there)" "$work/y.mci" --aim Tt
+# What only the flight finds is said of the row, and is no result.
+awk -v mci="$work/m.mci" -v csv="$work/t.csv" 'BEGIN {
+    n = 60
+    printf "1.0\n1\nm.mco A\n100\n0.01 0.01\n10 10 3\n%d\n1.0\nb 3 0.001 0.05 0.0 0.05 0.0005 0.1\n", n >mci
+    for (i = 1; i <= n; i++) print "1.4 0.1 5 0.8 0.02" >mci
+    print "1.0" >mci
+    for (r = 0; r < 3; r++)
+        for (i = 1; i <= n; i++) printf "%s%s", r == 0 ? "layer" i ".n" : r == 2 ? 1 + 0.02 * i : 1.4, i < n ? "," : "\n" >csv
+}'
+expect_code 2 "$work/m.mci" --sweep "$work/t.csv" --aim Tt --quiet -o "$work/d"
+grep -q "^clustermcml: $work/t.csv:3: row 2, layer1.n = 1.02, .*: $work/m.mci:3: --aim Tt: adding-doubling takes more than 640 directions$" "$work/err" ||
+    complain "found in flight: $(cat "$work/err")"
+test ! -e "$work/d/m.sweep.csv" || complain "found in flight: wrote a table"
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 
 # Windows: by name, where a shape reaches down, or for a layer that the level does not lie above.
 windows() { # OPTIONS: in force, without expected values, and the same bytes on any threads

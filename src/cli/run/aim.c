@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/aim.h"
 
+#include "cli/load/scenes.h"
 #include "exact/importance.h"
 #include "exact/tail_response.h"
 #include "scene/phase.h"
@@ -92,7 +93,11 @@ static cml_status add_name(const char *name, const struct cml_scene *scene, int 
               layer = name[0] == 'A' ? atoi(name + strlen("A_l:")) : last + 1;
     const bool reached = level > 0 && layer > level && strncmp(name, "Tt_r", 4) != 0;
     char expected[64];
-    snprintf(expected, sizeof expected, last > 1 ? "a layer from 2 to %d" : "Tt: there is one layer", last);
+    snprintf(expected, sizeof expected,
+             last > 2   ? "a layer from 2 to %d, with others above it"
+             : last > 1 ? "layer 2, with another above it"
+                        : "Tt: there is one layer",
+             last);
     if (name[0] == 'A' && (layer < 2 || layer > last)) return refuse(scene, name, length, expected, err);
     if (reached)
         wanted->tail = true;
@@ -171,10 +176,11 @@ static cml_status make_windows(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-/* media: of the flat twin. */
+/* media: of the flat twin. tail: it is wanted, too, which takes longest, and which no scene is refused for
+ * but by its numbers. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
-                         struct cml_aim *to, struct cml_error *err)
+                         bool tail, struct cml_aim *to, struct cml_error *err)
 {
     const struct cml_aim_level level = cml_aim_level_of(scene, surfaces);
     struct wanted wanted = {false, 0};
@@ -182,12 +188,14 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
         CML_TRY(add_name(name, scene, level.layer, &wanted, err));
     if (wanted.layers > 0) CML_TRY(make_windows(aim, scene, media, wanted.layers, &to->windows, err));
-    return wanted.tail ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
-                       : CML_OK;
+    return wanted.tail && tail
+               ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
+               : CML_OK;
 }
 
-cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                          const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
+static cml_status create_of(const char *aim, const struct cml_scene *scene,
+                            const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                            struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
     struct cml_medium_def *media = malloc(count * sizeof *media);
@@ -196,9 +204,54 @@ cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; l <= scene->num_layers; l++)
         media[l].d = surfaces->item[l].depth - surfaces->item[l - 1].depth;
-    const cml_status status = create(aim, scene, surfaces, media, to, err);
+    const cml_status status = create(aim, scene, surfaces, media, tail, to, err);
     free(media);
     if (status != CML_OK) cml_aim_clear(to);
+    return status;
+}
+
+cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
+                          const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
+{
+    return create_of(aim, scene, surfaces, true, to, err);
+}
+
+/* Without adding-doubling's answer nothing flies, so it is the scene that is refused. */
+static cml_status create_for(const struct cml_options *options, const struct cml_scene *scene,
+                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                             struct cml_error *err)
+{
+    *to = (struct cml_aim){0};
+    const cml_status status = options->aim ? create_of(options->aim, scene, surfaces, tail, to, err) : CML_OK;
+    if (status == CML_E_NUMERIC) {
+        const struct cml_error why = *err;
+        return cml_fail(err, CML_E_INPUT, "%s:%d: --aim %s: %.400s", scene->file, scene->line, options->aim,
+                        why.text);
+    }
+    if (to->windows.cells == 0 || !(options->control || options->engine_options.derivatives)) return status;
+    cml_aim_clear(to);
+    return cml_fail(err, CML_E_INPUT, "--%s (expected no --aim beside it that splits packets)",
+                    options->control ? "control flat" : "derivatives");
+}
+
+cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
+                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
+{
+    return create_for(options, scene, surfaces, true, to, err);
+}
+
+cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
+                         const struct cml_surface_set *known, struct cml_error *err)
+{
+    struct cml_options mine = *options;
+    struct cml_surface_set surfaces;
+    struct cml_aim aim;
+    if (!options->aim) return CML_OK;
+    mine.surface.known = known;
+    CML_TRY(cml_choose_surfaces(&mine, scene, &surfaces, err));
+    const cml_status status = create_for(options, scene, &surfaces, false, &aim, err);
+    cml_surfaces_free(&surfaces);
+    if (status == CML_OK) cml_aim_clear(&aim);
     return status;
 }
 

@@ -4,6 +4,7 @@
 #ifndef CML_AIM_H
 #define CML_AIM_H
 
+#include "cli/options/options.h"
 #include "scene/depth_windows.h"
 #include "scene/flat_tail.h"
 #include "surface/surface.h"
@@ -40,6 +41,18 @@ struct cml_aim {
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
                                         struct cml_error *err);
+
+/* That of the options, nothing without --aim. CML_E_INPUT also where adding-doubling has no answer, and for
+ * windows beside an option that knows none. */
+CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
+                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
+                                         struct cml_error *err);
+
+/* Whether that is refused, before anything flies, but for a tail without an answer, which is found in
+ * flight. known: of shapes that the scene has borrowed; NULL: none. With windows it costs their computing,
+ * some 0.05 s. */
+CML_NODISCARD cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
+                                       const struct cml_surface_set *known, struct cml_error *err);
 
 void cml_aim_clear(struct cml_aim *aim);
 

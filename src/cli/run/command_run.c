@@ -6,6 +6,7 @@
 #include "base/version.h"
 #include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
+#include "cli/run/aim.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
@@ -37,6 +38,8 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
     for (int i = 1; status == CML_OK && i < list->count; i++)
         status = cml_check_starts(&list->scenes[i], &session->options->surface, err);
+    for (int i = 1; status == CML_OK && i < list->count; i++)
+        status = cml_aim_check(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
         status = cml_outputs_claim(session->options, list, list->count, inputs, cml_show_note,
                                    &session->outputs, err);

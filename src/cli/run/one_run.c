@@ -524,12 +524,9 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
-    if (options.aim) CML_TRY(cml_aim_create(options.aim, setup->scene, setup->surfaces, &run->aim, err));
+    CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
     if (run->aim.tail.scores > 0) setup->options.tail = &run->aim.tail;
     if (run->aim.windows.cells > 0) setup->options.windows = &run->aim.windows;
-    if (setup->options.windows && (options.control || setup->options.derivatives))
-        return cml_fail(err, CML_E_INPUT, "--%s (expected no --aim beside it that splits packets)",
-                        options.control ? "control flat" : "derivatives");
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (call->row == 0 && cml_cluster_rank() == 0)

@@ -5,6 +5,7 @@
 #include "base/version.h"
 #include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
+#include "cli/run/aim.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep_flights.h"
@@ -42,6 +43,7 @@ static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct c
     how.known = &sweep->surfaces;
     cml_status status = cml_check_memory(sweep->options, &list.scenes[0], NULL, err);
     if (status == CML_OK) status = cml_check_starts(&list.scenes[0], &how, err);
+    if (status == CML_OK) status = cml_aim_check(sweep->options, &list.scenes[0], &sweep->surfaces, err);
     cml_scene_list_clear(&list);
     return cml_sweep_name_row(sweep, row, status, err);
 }
@@ -160,6 +162,7 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
                                       .pending = &sweep->pending,
                                       .stays = true};
     status = cml_run_one(&call, record, err);
+    if (status == CML_E_INPUT) status = cml_sweep_name_row(sweep, row, status, err);
     status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
     if (status == CML_OK || status == CML_E_NUMERIC) cml_sweep_print_row(sweep, row, record);
     cml_scene_list_clear(&list);

@@ -81,8 +81,9 @@ for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv
     esac
     expect_error 2 "--derivatives (expected no $name beside it)" "$work/two.mci" --derivatives $option
 done
-for line in "time 5 1000:time" "detector ring 0 0.1:detectors" 'photons "exits":a photons line'; do
-    scene two.mco 9 "${line%:*}" >"$work/more.mci"
-    expect_error 2 "--derivatives: two.mco has ${line#*:} (expected a scene without)" "$work/more.mci" --derivatives
+for line in "time 5 1000" "detector ring 0 0.1" 'photons "exits"'; do
+    scene two.mco 9 "fluence
+$line" >"$work/more.mci"
+    expect_error 2 "$work/more.mci:6: a ${line%% *} line and --derivatives (expected no such line)" "$work/more.mci" --derivatives
 done
 finish

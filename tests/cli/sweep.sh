@@ -99,6 +99,10 @@ wrong ":2: the line of names is missing (expected layer1.mua, photons or others)
 wrong ":2: column 1, seed = -3 (expected a whole number from 0 to 9007199254740992)" 'seed\n-3\n'
 wrong ":2: column 1, seed = 9007199254740993 (expected a whole number from 0 to 9007199254740992)" 'seed\n9007199254740993\n'
 wrong ":3: column 1, boundary0.scale = 0 (expected a number of 1e-30..1e30)" 'boundary0.scale\n1\n0\n'
+wrong ":1: label = a_b (expected a name that no other column has, with _ for /)" 'layer1.mua,"a/b","a_b"\n1,2,3\n'
+wrong ":1: label = a/b (expected a name that no other column has, with _ for /)" '"a_b",layer1.mua,"a/b"\n1,2,3\n'
+wrong ":2: label = . (expected a name other than .)" '# names\nlayer1.mua,"."\n1,2\n'
+wrong ":1: label = detector/1 (expected a name that the table of results has not already)" '"detector/1",layer1.mua\n1,2\n'
 printf 'layer1.x\n1\n' >"$work/wrong.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
 grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that the run in line [0-9]* knows: photons, " "$work/err" ||

@@ -95,13 +95,35 @@ static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_identity_inputs(&files, &sweep->identity, err);
 }
 
-/* Their columns in the results have names of their own. */
+/* Whether a column before this one has the name in the .h5. */
+static bool is_taken(const struct cml_sweep_table *table, int column, const char *name)
+{
+    char other[CML_SETTING_NAME];
+    for (int c = 0; c < column; c++) {
+        strcpy(other, table->name[c]);
+        cml_sweep_h5_name(other);
+        if (strcmp(other, name) == 0) return true;
+    }
+    return false;
+}
+
+/* Their columns in the results have names of their own, and in the .h5, where . is the file itself. */
 static cml_status check_labels(const struct cml_sweep_table *table, struct cml_error *err)
 {
-    for (int c = 0; c < table->num_columns; c++)
-        if (table->label[c] && cml_sweep_is_of_results(table->name[c]))
-            return cml_fail_field(err, table->text.path, 0, "label", table->name[c],
-                                  "a name that the table of results has not already");
+    char name[CML_SETTING_NAME];
+    for (int c = 0; c < table->num_columns; c++) {
+        strcpy(name, table->name[c]);
+        cml_sweep_h5_name(name);
+        const char *expected = !table->label[c] ? NULL
+                               : cml_sweep_is_of_results(name)
+                                   ? "a name that the table of results has not already"
+                               : strcmp(name, ".") == 0   ? "a name other than ."
+                               : is_taken(table, c, name) ? "a name that no other column has, with _ for /"
+                                                          : NULL;
+        if (expected)
+            return cml_fail_field(err, table->text.path, table->names_line, "label", table->name[c],
+                                  expected);
+    }
     return CML_OK;
 }
 

@@ -122,6 +122,7 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
 {
     char *line = next_line(&table->text);
     if (!line) return fail_at(&table->text, "the line of names", NULL, "layer1.mua, photons or others", err);
+    table->names_line = table->text.line;
     table->name = calloc(CML_MOST_SETTINGS, sizeof *table->name);
     table->label = calloc(CML_MOST_SETTINGS, sizeof *table->label);
     if (!table->name || !table->label)

@@ -12,6 +12,7 @@
 struct cml_sweep_table {
     struct cml_text text; /* what the cells point into */
     int num_columns, num_rows;
+    int names_line;                 /* of the file, from 1 */
     char (*name)[CML_SETTING_NAME]; /* [num_columns] */
     bool *label;                    /* [num_columns] carried along, not set */
     char **cell;                    /* [num_rows][num_columns] none empty */

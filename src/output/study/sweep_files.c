@@ -48,6 +48,11 @@ bool cml_sweep_is_of_results(const char *name)
            strcmp(name, "call") == 0;
 }
 
+void cml_sweep_h5_name(char *name)
+{
+    while ((name = strchr(name, '/'))) *name = '_';
+}
+
 /* ---- .csv ---- */
 
 /* Names with a comma or a quotation mark, after RFC 4180, and what stood in quotation marks. */
@@ -360,7 +365,7 @@ static void fill(struct fields *list)
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
                                  : add(list, r->name[c], "what was swept", cml_setting_unit(r->name[c]));
-        for (char *name = list->field[list->count - 1].name; (name = strchr(name, '/'));) *name = '_';
+        cml_sweep_h5_name(list->field[list->count - 1].name);
         for (int i = 0; i < r->num_rows; i++)
             to[i] = grid->value[(size_t)grid->row[i] * (size_t)r->num_columns + (size_t)c];
     }

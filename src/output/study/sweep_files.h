@@ -26,6 +26,9 @@ struct cml_sweep_results {
 /* Whether a column of every table is called so. */
 bool cml_sweep_is_of_results(const char *name);
 
+/* Turns the name of a label into that of its array in the .h5: with _ for /, which parts groups there. */
+void cml_sweep_h5_name(char *name);
+
 /* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
  * standard error, what layers and bodies absorb likewise, expected values where rows have them, what
  * detectors have seen, lost packets, the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "cli/load/scenes.h"
 #include "cli/run/outputs.h"
 #include "output/study/merge.h"
 #include "base/text.h"
@@ -44,12 +45,26 @@ static cml_status write_merged(const struct cml_options *options, const struct c
     return CML_OK;
 }
 
+/* What a mean over all packets cannot be had of. */
+static cml_status note_left_out(const struct cml_merge_input *inputs, int count,
+                                const struct cml_outcome *merged, struct cml_error *err)
+{
+    char *names, text[1024];
+    CML_TRY(cml_merge_left_out(inputs, count, merged, &names, err));
+    if (!names) return CML_OK;
+    snprintf(text, sizeof text, "merge: left out what not all results have: %.900s", names);
+    cml_show_note(NULL, text);
+    free(names);
+    return CML_OK;
+}
+
 static cml_status merge(const struct cml_options *options, const struct cml_merge_input *inputs, int count,
                         struct cml_error *err)
 {
     struct cml_outcome merged;
     CML_TRY(cml_merge(inputs, count, name_of(options->output), &merged, err));
-    const cml_status status = write_merged(options, inputs, count, &merged, err);
+    cml_status status = write_merged(options, inputs, count, &merged, err);
+    if (status == CML_OK) status = note_left_out(inputs, count, &merged, err);
     cml_outcome_clear(&merged);
     return status;
 }

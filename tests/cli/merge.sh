@@ -189,6 +189,27 @@ for key in ("RAT", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
 END
 python3 spread.py 2>texts || complain "errors of single packets: $(cat texts)"
 
+# What not all have is left out, and a note says so; where all have it, there is none.
+scene '' '' '' >a.mci
+expect_code 0 a.mci --photons 100 --seed 1 --quiet --aim Tt -o .
+mv s.mco aimed.mco
+expect_code 0 a.mci --photons 100 --seed 2 --quiet --derivatives -o .
+mv s.mco scored.mco
+expect_code 0 a.mci --photons 100 --seed 3 --quiet -o .
+left="clustermcml: note: merge: left out what not all results have:"
+expect_code 0 merge aimed.mco s.mco -o left.mco --quiet
+test "$(cat err)" = "$left Tt_expected" || complain "left out of an aimed run: $(cat err)"
+expect_code 0 merge s.mco scored.mco -o left.mco --quiet
+grep -q "^$left dRd_dmua, .*, dTt_a_dmus$" err && test "$(wc -l <err)" -eq 1 || complain "left out of derivatives: $(cat err)"
+cp s.mco plain.mco
+for file in aimed scored plain; do
+    case $file in aimed) options="--aim Tt" ;; scored) options=--derivatives ;; *) options= ;; esac
+    expect_code 0 a.mci --photons 100 --seed 4 --quiet $options -o .
+    expect_code 0 merge $file.mco s.mco -o left.mco --quiet
+    test ! -s err || complain "left out of two alike: $(cat err)"
+done
+expect_code 0 a.mci --photons 3 --seed 4 --quiet -o .
+
 # Numbers that no run writes.
 damaged() { # SED MESSAGE
     sed "$1" one2.mco >damaged.mco

@@ -226,6 +226,32 @@ cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char
     return status;
 }
 
+static bool any_has(const struct cml_merge_input *inputs, int count, int quantity)
+{
+    for (int k = 0; k < count; k++)
+        if (inputs[k].outcome->value[quantity]) return true;
+    return false;
+}
+
+cml_status cml_merge_left_out(const struct cml_merge_input *inputs, int count,
+                              const struct cml_outcome *merged, char **names, struct cml_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return cml_fail_memory(err, 1, "names");
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (!merged->value[i] && any_has(inputs, count, i))
+            fprintf(out, "%s%s", ftell(out) > 0 ? ", " : "", cml_quantities[i].name);
+    const bool failed = fclose(out) != 0;
+    if (failed || size == 0) {
+        free(text);
+        text = NULL;
+    }
+    *names = text;
+    return failed ? cml_fail_memory(err, (double)size, "names") : CML_OK;
+}
+
 /* ---- files ---- */
 
 cml_status cml_merge_write_h5(const char *path, const struct cml_outcome *merged,

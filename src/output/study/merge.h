@@ -21,6 +21,12 @@ struct cml_merge_input {
 CML_NODISCARD cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char *title,
                                    struct cml_outcome *merged, struct cml_error *err);
 
+/* The names of what some of these inputs have and their merged result has not, with commas; NULL: nothing,
+ * else the caller's to free. CML_E_INPUT: out of memory. */
+CML_NODISCARD cml_status cml_merge_left_out(const struct cml_merge_input *inputs, int count,
+                                            const struct cml_outcome *merged, char **names,
+                                            struct cml_error *err);
+
 /* Writes the result that cml_merge has made of these inputs as .h5: what an .mco file holds, under the names
  * of a run's .h5, and where all inputs are .h5 files the means of all else that they hold: maps, volumes,
  * facets. Atomic; CML_E_IO, and CML_E_INPUT when an input cannot be read. */

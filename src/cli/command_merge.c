@@ -4,6 +4,7 @@
 
 #include "cli/load/scenes.h"
 #include "cli/run/outputs.h"
+#include "output/report.h"
 #include "output/study/merge.h"
 #include "base/text.h"
 #include "result/h5.h"
@@ -23,8 +24,9 @@ static void print_summary(const struct cml_outcome *merged, const char *path, in
     printf("%d results, %llu photons\n", count, (unsigned long long)merged->photons);
     for (int i = 0; i < cml_merged_totals(merged); i++) {
         const enum cml_quantity total = cml_quantity_of_total(i);
-        printf("  %-4s %.6f +- %.6f\n", cml_quantities[total].name, merged->value[total][0],
-               merged->error[total][0]);
+        printf("  %-4s", cml_quantities[total].name);
+        cml_report_estimate(stdout, merged->value[total][0], merged->error[total][0]);
+        putchar('\n');
     }
     printf("  -> %s\n", path);
 }

@@ -4,10 +4,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Six decimals leave nothing of what is small. */
-static void print_estimate(FILE *stream, double value, double error)
+/* Decimals leave little of what is small. */
+static bool is_small(double value)
 {
-    const bool small = value > 0 && value < 1e-4;
+    return value > 0 && value < 1e-4;
+}
+
+void cml_report_estimate(FILE *stream, double value, double error)
+{
+    const bool small = is_small(value);
     fprintf(stream, small ? " %.3e " : " %.6f ", value);
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);
@@ -26,13 +31,14 @@ static double shown_limit(double error)
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
 {
     fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total((int)total)].name);
-    print_estimate(stream, cml_result_total(report->sums, total), cml_result_error(report->sums, total));
+    cml_report_estimate(stream, cml_result_total(report->sums, total), cml_result_error(report->sums, total));
     if (report->control)
         fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
                 report->control[total].error);
     if (report->exact)
-        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[total],
-                shown_limit(report->exact->error[total]));
+        fprintf(stream,
+                is_small(report->exact->value[total]) ? "   exact %.4e +- %.1g" : "   exact %.7f +- %.1g",
+                report->exact->value[total], shown_limit(report->exact->error[total]));
     fputc('\n', stream);
 }
 
@@ -51,8 +57,8 @@ static void print_absorbed(FILE *stream, const struct cml_report *report)
             return;
         }
         fprintf(stream, "  A of %s %d", k < layers ? "layer" : "body", k < layers ? k + 1 : k - layers + 1);
-        print_estimate(stream, cml_result_absorbed(report->sums, medium),
-                       cml_result_absorbed_error(report->sums, medium));
+        cml_report_estimate(stream, cml_result_absorbed(report->sums, medium),
+                            cml_result_absorbed_error(report->sums, medium));
         fputc('\n', stream);
     }
 }
@@ -68,10 +74,10 @@ static void print_detected(FILE *stream, const struct cml_report *report)
             return;
         }
         fprintf(stream, "  detector %s", report->scene->detectors[k].name);
-        print_estimate(stream,
-                       cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT /
-                           (double)result->photons,
-                       cml_result_bin_error(result, result->detector, detectors, k));
+        cml_report_estimate(stream,
+                            cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT /
+                                (double)result->photons,
+                            cml_result_bin_error(result, result->detector, detectors, k));
         fputc('\n', stream);
     }
 }
@@ -105,7 +111,8 @@ void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const str
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
     for (int i = 0; i < cml_num_totals(scene->backing.kind != CML_NO_BACKING); i++)
-        fprintf(stream, " %s %.7f", cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
+        fprintf(stream, is_small(exact->value[i]) ? " %s %.4e" : " %s %.7f",
+                cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 

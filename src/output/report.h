@@ -90,6 +90,9 @@ const char *cml_backing_word(enum cml_backing_form kind);
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader);
 
+/* " 0.318400 +- 0.000300", " 1.234e-07 +- 1.1e-08" of what is small. */
+void cml_report_estimate(FILE *stream, double value, double error);
+
 /* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 

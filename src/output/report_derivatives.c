@@ -73,8 +73,9 @@ cml_status cml_report_derivatives(const struct cml_report *report, bool all, str
 /* "  layer 2: dRd_dmua -0.1 +- 0.002, dTt_dmua ..." */
 static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
 {
-    static const enum cml_quantity shown[] = {CML_QUANTITY_dRd_dmua, CML_QUANTITY_dTt_dmua,
-                                              CML_QUANTITY_dRd_dmus, CML_QUANTITY_dTt_dmus};
+    const enum cml_quantity shown[] = {
+        CML_QUANTITY_dRd_dmua, o->backed ? CML_QUANTITY_dA_backing_dmua : CML_QUANTITY_dTt_dmua,
+        CML_QUANTITY_dRd_dmus, o->backed ? CML_QUANTITY_dA_backing_dmus : CML_QUANTITY_dTt_dmus};
     const bool body = k >= o->num_layers;
     fprintf(stream, "  %s %d:", body ? "body" : "layer", body ? k - o->num_layers + 1 : k + 1);
     for (size_t i = 0; i < sizeof shown / sizeof *shown; i++)
@@ -88,7 +89,8 @@ cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *r
     enum { MOST = 16 }; /* the files have them all */
     struct cml_outcome o = {.photons = report->sums->photons,
                             .num_layers = report->scene->num_layers,
-                            .num_bodies = report->scene->num_bodies};
+                            .num_bodies = report->scene->num_bodies,
+                            .backed = report->scene->backing.kind != CML_NO_BACKING};
     const int media = report->sums->grid.derivatives ? o.num_layers + o.num_bodies : 0;
     const cml_status status = cml_report_derivatives(report, false, &o, err);
     for (int k = 0; status == CML_OK && k < media && k < MOST; k++) print_medium(stream, &o, k);

@@ -70,4 +70,13 @@ grep -qi 'exact\b.*adding' "$work/mcml_sample.mco" && complain "exact totals sta
 
 expect_error 2 "usage: clustermcml exact scene.mci (try clustermcml help exact)" exact
 expect_code 2 exact "$work/missing.mci"
+# what is small keeps its digits, in a summary, check and rows of a sweep
+printf '1.0\n1\nsmall.mco A\n20000\n0.01 0.01\n20 20 10\n1\n1.0\n1.4 5 100 0.8 0.6\n1.0\n' >"$work/small.mci"
+expect_code 0 "$work/small.mci" -o "$work"
+shows "summary" '^  Tt .*   exact 1\.2944e-05 \+- [0-9.e-]+$'
+expect_code 0 check "$work/small.mci"
+shows "check" ' Tt 1\.2944e-05,'
+printf 'layer1.mua\n5\n' >"$work/small.csv"
+expect_code 0 "$work/small.mci" --sweep "$work/small.csv" -o "$work"
+shows "sweep" ' Tt [0-9.]+e-0[56] \+- [0-9.]+e-0[56]$'
 finish

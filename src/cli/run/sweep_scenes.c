@@ -93,8 +93,8 @@ void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struc
     const char *before = "  ";
     for (int t = 0; t < cml_num_totals(sweep->base->scenes[0].backing.kind != CML_NO_BACKING); t++) {
         if (t == CML_TOTAL_SPECULAR && !(record->value[t] > 0)) continue;
-        printf("%s%s %.6f +- %.6f", before, cml_quantities[cml_quantity_of_total(t)].name, record->value[t],
-               record->error[t]);
+        printf("%s%s", before, cml_quantities[cml_quantity_of_total(t)].name);
+        cml_report_estimate(stdout, record->value[t], record->error[t]);
         before = ", ";
     }
     putchar('\n');

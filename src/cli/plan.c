@@ -15,6 +15,13 @@ static double expected_error(const struct cml_result *result)
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
+/* Of a pilot none where all batches saw the same: light is certain to go where it goes. */
+static double error_of(const struct cml_result *result, enum cml_total total)
+{
+    const bool certain = cml_result_total(result, total) > 0 && cml_result_error(result, total) == 0;
+    return certain ? 0 : cml_result_relative_error(result, total);
+}
+
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;
@@ -22,7 +29,7 @@ static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot 
     CML_TRY(cml_run(setup, &run, err));
     round->photons = setup->photons;
     for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
-        round->error[i] = cml_result_relative_error(&run.result, cml_goals[i]);
+        round->error[i] = error_of(&run.result, cml_goals[i]);
     if (cml_cluster_rank() == 0) round->error[CML_PILOT_EXPECTED] = expected_error(&run.result);
     pilot->photons_per_s = (double)setup->photons / run.timing.seconds;
     pilot->threads = run.timing.threads;

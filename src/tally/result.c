@@ -450,7 +450,7 @@ const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
 {
     const double value = cml_result_total(result, total), error = cml_result_error(result, total);
-    return value > 0 && error >= 0 ? error / value : INFINITY;
+    return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error)

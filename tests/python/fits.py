@@ -65,6 +65,15 @@ class Fits(unittest.TestCase):
         self.assertEqual(fit.errors["layer1.mua"], np.inf)
         self.assertRegex(str(mc.fit(slab(), {"layer1.mua": (1, 2)}, {"Tt": (0.35, 0.001)}, photons=2000)), "A bound stopped layer1.mua at 1:")
 
+    def test_noise_of_slopes_does_not_pass_for_what_the_data_tell(self):
+        """Data of 7 % hardly tell a thin layer's mua from the mus below; flights of as much noise seem to, with mua 3.4 +- 1.0 for 1."""
+        scene = mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.03), mc.Layer(n=1.4, mua=1, mus=50, g=0.9, d=0.5)], nr=12, dr=0.015, photons=5e4)
+        seen = mc.run(scene, seed=103).Rd_r.values
+        fit = mc.fit(scene, {"layer1.mua": (0.1, 10), "layer1.mus": (25, 400), "layer2.mus": (12, 200)}, {"Rd_r": (seen, 0.07 * seen)}, seed=3, flights=4)
+        for name, value in {"layer1.mua": 1, "layer1.mus": 100, "layer2.mus": 50}.items():
+            self.assertLess(abs(fit.values[name] - value), 2 * fit.errors[name], name)
+        self.assertRegex(fit.words, "seem to tell of layer1.mua and .*layer2.mus is noise of the flights' slopes: more photons")
+
     def test_refusals(self):
         for parameters, measured, text in (
                 ({"layer1.g": (0, 1)}, {"Rd": (0.3, 0.01)}, "names like layer1.mua"), ({"layer1.mua": (2, 1)}, {"Rd": (0.3, 0.01)}, "below the upper"),

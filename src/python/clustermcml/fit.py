@@ -30,9 +30,9 @@ TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
 BRACKET = float(np.log(1.35))  # between the first flights, in ln mus
-CLOSE = 0.05  # flights closer together tell no slope
+CURVED = 0.01  # noise of logarithms that hides a curvature of 1
 SETTLED = 0.2  # standard errors between the solution and the flight that tells it
-NOISY = 0.7  # of the flights' noise, in errors of the data
+NOISY = 0.3  # of what the slopes seem to tell of a parameter, what may be their noise
 TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarithm
 
 
@@ -231,19 +231,17 @@ def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
 
 
 class _Model:
-    """Logarithms of the numbers at any mua and mus, from the flights so far. The last of them is right where it was flown; the others
-    tell slopes, and, where they are enough, curvatures along each mus."""
+    """Logarithms of the numbers at any mua and mus, from the flights so far. The last of them is right where it was flown; all others
+    tell slopes and, where these exceed the noise, curvatures along each mus, by least squares. So one close by, whose difference is but
+    noise, counts little; as does one far away, where more than curvature matters."""
 
     def __init__(self, grids: Mapping[str, Any], flights: list[_Flight]) -> None:
-        self.grids, self.flights = list(grids.values()), flights
-        self.last = flights[-1]
-        apart = [flight.mus - self.last.mus for flight in flights]
-        near = sorted((i for i, d in enumerate(apart) if np.abs(d).max(initial=0) > CLOSE), key=lambda i: float(np.abs(apart[i]).max()))
+        self.grids, self.others, self.last = list(grids.values()), flights[:-1], flights[-1]
         dims = len(self.last.mus)
-        self.used = near[:2 * dims]
-        steps = np.array([apart[i] for i in self.used]).reshape(len(self.used), dims)
-        self.curved = 0 < len(self.used) == 2 * dims and np.linalg.matrix_rank(np.hstack([steps, steps**2])) == 2 * dims
-        self.inverse = np.linalg.pinv(np.hstack([steps, steps**2]) if self.curved else steps) if self.used else None
+        steps = np.array([flight.mus - self.last.mus for flight in self.others]).reshape(len(self.others), dims)
+        terms = np.hstack([steps, steps**2])
+        weighted = terms.T / (1 + (np.abs(steps).max(axis=1, initial=0) / (2 * BRACKET)) ** 4)
+        self.inverse = np.linalg.solve(weighted @ terms + np.diag([0.0] * dims + [CURVED**2] * dims), weighted)
 
     def along(self, flight: _Flight, mua: Any) -> Any:
         logs = flight.logs
@@ -255,11 +253,14 @@ class _Model:
     def __call__(self, u: Any) -> Any:
         mua, mus = u[:len(self.grids)], u[len(self.grids):]
         here = self.along(self.last, mua)
-        if self.inverse is None:
-            return here
-        differences = np.array([self.along(self.flights[i], mua) - here for i in self.used])
-        step = mus - self.last.mus
-        return here + np.concatenate([step, step**2] if self.curved else [step]) @ (self.inverse @ differences)
+        differences = np.array([self.along(flight, mua) - here for flight in self.others]).reshape(-1, len(here))
+        return here + self.shares(u)[:-1] @ differences
+
+    def shares(self, u: Any) -> Any:
+        """What each flight, the last behind the others, counts at a place."""
+        step = u[len(self.grids):] - self.last.mus
+        others = np.concatenate([step, step**2]) @ self.inverse
+        return np.append(others, 1 - others.sum())
 
 
 def _jacobian(residual: Callable[[Any], Any], u: Any) -> Any:
@@ -298,16 +299,19 @@ def _start(residual: Callable[[Any], Any], low: Any, high: Any) -> Any:
     return min(net, key=lambda u: float(np.sum(residual(u) ** 2)))
 
 
-def _errors(J: Any) -> tuple[Any, Any]:
-    """Of logarithms: the covariance, and which parameters the data leave open."""
+def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
+    """Of logarithms: the covariance, which parameters the data leave open, and of which slopes' noise passes for what the data tell. noise:
+    what the slopes' noise adds to J^T J, flights counted as independent. It is taken away, at most 99 % in any direction."""
     _, s, v = np.linalg.svd(J)
     s = np.concatenate([s, np.zeros(len(v) - len(s))])
     lost = s <= 1e-6 * max(float(s[0]), TINY)
-    covariance = (v.T[:, ~lost] / s[~lost] ** 2) @ v[~lost]
-    return covariance, (np.abs(v[lost]) > 0.1).any(axis=0)
+    root = v.T[:, ~lost] / s[~lost]
+    share, axes = np.linalg.eigh(root.T @ noise @ root)
+    honest = root @ axes / np.sqrt(1 - np.minimum(share, 0.99))
+    return honest @ honest.T, (np.abs(v[lost]) > 0.1).any(axis=0), np.sum(root**2, axis=1) < (1 - NOISY) * np.sum(honest**2, axis=1)
 
 
-def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, data: _Data, noise: Any, settled: bool) -> str:
+def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, noisy: Any, data: _Data, settled: bool) -> str:
     """What the user should know before he believes the numbers."""
     told = []
     together = [name for name, lost in zip(names, open_) if lost]
@@ -320,10 +324,9 @@ def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any
     stopped = [f"{name} at {np.exp(x):.4g}" for name, x, a, b in zip(names, u, low, high) if min(x - a, b - x) < 1e-6]
     if stopped:
         told.append(f"A bound stopped {' and '.join(stopped)}: its standard error is that without it.")
-    ratio = float(np.sqrt(np.mean((noise / data.errors) ** 2)))
-    if ratio > NOISY and any(name in PROFILES for name in data.names):
-        told.append(f"The noise of the flights is {ratio:.2g} times the errors of the data, and makes slopes of profiles too steep: more photons, for "
-                    "values and errors to be trusted.")
+    if noisy.any():
+        told.append(f"Much of what the data seem to tell of {' and '.join(name for name, much in zip(names, noisy) if much)} is noise of the "
+                    "flights' slopes: more photons, for values and errors to be trusted.")
     if not settled:
         told.append("The last flight still moved the solution: more `flights` would settle it.")
     return " ".join(told)
@@ -360,18 +363,18 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     while True:
         model, last = _Model(grids, flown), flown[-1]
 
-        def factor_of(place: tuple[int, ...]) -> Any:
-            expected = np.sqrt(np.clip(data.values / np.exp(last.logs[place]), 0.25, 4))
-            return np.linalg.cholesky(np.diag(data.errors**2) + last.covariance(place) * np.outer(expected, expected))
-
         def residual(u: Any) -> Any:
             return np.linalg.solve(factor, np.exp(model(u)) - data.values)
         factor = np.diag(data.errors)
         u = _minimum(residual, _start(residual, low, high) if u is None else u, low, high)
         place = tuple(int(np.abs(grid - x).argmin()) for grid, x in zip(grids.values(), u))
-        factor = factor_of(place)
+        expected = np.sqrt(np.clip(data.values / np.exp(last.logs[place]), 0.25, 4))
+        flown_noise = last.covariance(place) * np.outer(expected, expected)
+        both = np.diag(data.errors**2) + flown_noise
+        factor = np.linalg.cholesky(both)
         u = _minimum(residual, u, low, high)
-        covariance, lost = _errors(_jacobian(residual, u))
+        turns = _jacobian(model.shares, u)
+        covariance, lost, noisy = _errors(_jacobian(residual, u), np.trace(np.linalg.solve(both, flown_noise)) * turns.T @ turns)
         sigma = np.sqrt(np.diag(covariance))
         settled = bool(np.all(np.abs(u[len(mua):] - last.mus) <= np.maximum(SETTLED * sigma[len(mua):], 1e-3)))
         if settled or len(flown) >= most:
@@ -382,5 +385,5 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     spread = np.sqrt(np.diag(covariance))
     return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
                correlation=covariance / np.outer(spread, spread), chi2=float(r @ r), degrees=len(data.values) - len(names),
-               words=_words(names, u, low, high, sigma, lost, data, noise, settled), prediction=data.parted(np.exp(model(u))),
+               words=_words(names, u, low, high, sigma, lost, noisy, data, settled), prediction=data.parted(np.exp(model(u))),
                prediction_errors=data.parted(noise), flights=len(flown))

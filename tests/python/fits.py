@@ -2,7 +2,9 @@
 is said. With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles; fits are unbiased, and
 95 % intervals hold 95 +- 3 %."""
 import os
+import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
@@ -65,6 +67,10 @@ class Fits(unittest.TestCase):
         self.assertEqual(fit.errors["layer1.mua"], np.inf)
         self.assertRegex(str(mc.fit(slab(), {"layer1.mua": (1, 2)}, {"Tt": (0.35, 0.001)}, photons=2000)), "A bound stopped layer1.mua at 1:")
 
+    def test_data_that_no_parameter_explains_are_said_to_be_so(self):
+        fit = mc.fit(slab(), {"layer1.mua": (0.1, 2)}, {"Rd": (0.5, 0.002), "Tt": (0.36, 0.002)}, photons=2000)
+        self.assertRegex(fit.words, "does not explain the data: chi square .* is no chance")
+
     def test_noise_of_slopes_does_not_pass_for_what_the_data_tell(self):
         """Data of 7 % hardly tell a thin layer's mua from the mus below; flights of as much noise seem to, with mua 3.4 +- 1.0 for 1."""
         scene = mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.03), mc.Layer(n=1.4, mua=1, mus=50, g=0.9, d=0.5)], nr=12, dr=0.015, photons=5e4)
@@ -79,11 +85,41 @@ class Fits(unittest.TestCase):
                 ({"layer1.g": (0, 1)}, {"Rd": (0.3, 0.01)}, "names like layer1.mua"), ({"layer1.mua": (2, 1)}, {"Rd": (0.3, 0.01)}, "below the upper"),
                 ({"layer1.mua": 1}, {"Rd": (0.3, 0.01)}, "a lower and an upper bound"), (BOUNDS, {"Rd": 0.3}, "a value and its standard error"),
                 (BOUNDS, {"A": (0.3, 0.01)}, "names among"), (BOUNDS, {"Rd_r": ([1, 2], 0)}, "standard error > 0"), (BOUNDS, {}, "measured = {}"),
+                (BOUNDS, {"Rd_r": ([1, 2, 3], [1, 1, 1])}, r"3 values' \(expected 10, as many as the scene has bins"),
+                (BOUNDS, {"Rd_r": ([np.nan] * 9 + [1], 1)}, "other bins than the last"),
                 (BOUNDS, {"Rd": (0.3, 0.1), "R": (0.3, 0.1)}, "one of them"), (BOUNDS, {"Rd_r": (np.ones(99), 1)}, "as many as the scene has bins"),
                 ({f"layer{i}.mua": (1, 2) for i in range(1, 5)}, {"Rd": (0.3, 0.01)}, "at most 3 mua"),
                 ({"layer2.mua": (1, 2)}, {"Rd": (0.3, 0.01)}, "layer2.mua")):
             with self.assertRaisesRegex(mc.InputError, text):
                 mc.fit(slab(), parameters, measured, photons=100)
+
+
+class Shell(unittest.TestCase):
+    def fit(self, table):
+        """Exit code and what is said of slab's fit to a table."""
+        with tempfile.TemporaryDirectory() as folder:
+            scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
+            slab().write(scene)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(table)
+            words = [sys.executable, "-m", "clustermcml", "fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3"]
+            done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
+            return done.returncode, done.stdout + done.stderr.replace(folder, "")
+
+    def test_a_table_gives_the_fit_of_its_numbers(self):
+        code, said = self.fit("name,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n")
+        same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3)
+        self.assertEqual(code, 0, said)
+        self.assertTrue(said.startswith(str(same)), said)
+
+    def test_tables_that_do_not_fit(self):
+        for table, text in (("Rd,,0.3\n", ":1 = 'Rd,,0.3' (expected name,place,value,error)"), ("Rd,,0.3,0.1\nRd,,0.3,0.1\n", ":2 = 'Rd' (expected each total once)"),
+                            ("Rd,0.1,0.3,0.1\n", ":1: place = '0.1' (expected none of a total)"),
+                            ("Rd_r,0.07,1,1\nRd_r,0.08,1,1\n", ":2: place = '0.08' (expected each bin once)"),
+                            ("Rd_r,0.28,1,1\n", ":1: place = '0.28' (expected a number from 0 to below 0.27")):
+            code, said = self.fit(table)
+            self.assertEqual((code, said.count("\n")), (2, 1), said)
+            self.assertIn(text, said)
 
 
 # name: scene, what is measured, photons of a flight

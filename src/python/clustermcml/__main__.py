@@ -37,8 +37,8 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
     measured: dict[str, Any] = {}
     with open(errors.existing_file("measured", path), encoding="utf-8") as file:
         for number, cells in enumerate(csv.reader(file), 1):
-            words = [cell.strip() for cell in cells]
-            if not "".join(words) or words[0].startswith("#") or words[0] == "name":
+            words = [cell.strip() for cell in ",".join(cells).partition("#")[0].split(",")]
+            if not "".join(words) or words[0] == "name":
                 continue
             try:
                 name, (place, value, error) = words[0], (float(word or "nan") for word in words[1:])
@@ -47,12 +47,17 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
             if name not in PROFILES:
                 if name in measured:
                     raise errors.refuse(f"{path}:{number}", name, "each total once")
+                if np.isfinite(place):
+                    raise errors.refuse(f"{path}:{number}: place", words[1], "none of a total")
                 measured[name] = (value, error)
                 continue
             count, width = (grid["nr"], grid["dr"]) if name.endswith("_r") else (grid["na"], np.pi / 2 / grid["na"])
-            if not 0 <= place < count * width:
-                raise errors.refuse(f"{path}:{number}: place", words[1], f"a number from 0 to below {count * width:g}, where {name} has bins")
+            most = (count - name.endswith("_r")) * width  # the last over r holds what lies beyond
+            if not 0 <= place < most:
+                raise errors.refuse(f"{path}:{number}: place", words[1], f"a number from 0 to below {most:g}, where {name} has bins")
             values, sigmas = measured.setdefault(name, (np.full(count, np.nan), np.full(count, np.nan)))
+            if not np.isnan(values[int(place / width)]):
+                raise errors.refuse(f"{path}:{number}: place", words[1], "each bin once")
             values[int(place / width)], sigmas[int(place / width)] = value, error
     return measured
 

@@ -68,6 +68,7 @@ class _Data:
     places: list[int]
     values: Any
     errors: Any
+    sizes: dict[str, int]  # how many numbers each name was given
 
     def pick(self, of: Callable[[str], Any]) -> Any:
         whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
@@ -89,6 +90,7 @@ def _data(measured: Any) -> _Data:
     places: list[int] = []
     values: list[float] = []
     sigmas: list[float] = []
+    sizes: dict[str, int] = {}
     for name, pair in measured.items():
         if name not in TOTALS + PROFILES:
             raise errors.refuse("measured", name, "names among " + " ".join(TOTALS + PROFILES))
@@ -100,8 +102,11 @@ def _data(measured: Any) -> _Data:
         known = np.isfinite(value)
         if value.ndim != 1 or (name in TOTALS) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
             raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
+        sizes[name] = value.size
         if name.endswith("_r"):
             known[-1] = False  # the last bin of a result holds what lies beyond
+            if not known.any():
+                raise errors.refuse(f"measured[{name!r}]", pair, "values of other bins than the last, which holds what lies beyond")
         for i in np.flatnonzero(known):
             names.append(name)
             places.append(-1 if name in TOTALS else int(i))
@@ -110,7 +115,7 @@ def _data(measured: Any) -> _Data:
     for one, other in (("Rd", "R"), ("Rd_r", "Rd_a"), ("Tt_r", "Tt_a")):
         if one in measured and other in measured:
             raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
-    return _Data(names, places, np.array(values), np.array(sigmas))
+    return _Data(names, places, np.array(values), np.array(sigmas), sizes)
 
 
 def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[float, float]]]:
@@ -189,9 +194,9 @@ def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, An
     def of(name: str) -> Any:
         if name in TOTALS:
             return told["Rsp"] + told["Rd"] if name == "R" else told[name]
-        wanted, there = max(place for other, place in zip(data.names, data.places) if other == name) + 1, result[name].size
-        if wanted > there:
-            raise errors.refuse(f"measured[{name!r}]", f"{wanted} values", f"{there}, as many as the scene has bins")
+        given, there = data.sizes[name], result[name].size
+        if given != there:
+            raise errors.refuse(f"measured[{name!r}]", f"{given} values", f"{there}, as many as the scene has bins, nan where nothing is known")
         return result[name]
 
     def error_of(name: str) -> Any:
@@ -311,7 +316,13 @@ def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
     return honest @ honest.T, (np.abs(v[lost]) > 0.1).any(axis=0), np.sum(root**2, axis=1) < (1 - NOISY) * np.sum(honest**2, axis=1)
 
 
-def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, noisy: Any, data: _Data, settled: bool) -> str:
+def _unlikely(chi2: float, degrees: int) -> bool:
+    """Beyond 4 standard deviations, as E. B. Wilson and M. M. Hilferty (1931) make a normal number of a chi square."""
+    width = 2 / (9 * max(degrees, 1))
+    return bool((chi2 / max(degrees, 1)) ** (1 / 3) > 1 - width + 4 * width**0.5)
+
+
+def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, noisy: Any, data: _Data, settled: bool, chi2: float) -> str:
     """What the user should know before he believes the numbers."""
     told = []
     together = [name for name, lost in zip(names, open_) if lost]
@@ -327,6 +338,8 @@ def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any
     if noisy.any():
         told.append(f"Much of what the data seem to tell of {' and '.join(name for name, much in zip(names, noisy) if much)} is noise of the "
                     "flights' slopes: more photons, for values and errors to be trusted.")
+    if _unlikely(chi2, len(data.values) - len(names)):
+        told.append(f"The model does not explain the data: chi square {chi2:.3g} is no chance.")
     if not settled:
         told.append("The last flight still moved the solution: more `flights` would settle it.")
     return " ".join(told)
@@ -385,5 +398,5 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     spread = np.sqrt(np.diag(covariance))
     return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
                correlation=covariance / np.outer(spread, spread), chi2=float(r @ r), degrees=len(data.values) - len(names),
-               words=_words(names, u, low, high, sigma, lost, noisy, data, settled), prediction=data.parted(np.exp(model(u))),
+               words=_words(names, u, low, high, sigma, lost, noisy, data, settled, float(r @ r)), prediction=data.parted(np.exp(model(u))),
                prediction_errors=data.parted(noise), flights=len(flown))

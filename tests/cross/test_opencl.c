@@ -26,8 +26,7 @@ static const char *const scenes[] = {
               "i cylinder -1 -0.1 0.25 1 -0.1 0.3 0.05 1.3 5 20 0.9\n1\n",
     HEAD GRID "2\n1\n1.4 0.5 50 0.62 0.1\nphase hg2 0.9 -0.5 0.8\ni sphere 0.05 0 0.05 0.03 1.5 2 10 -0.9\n"
               "phase gk -0.9 0.5\n1.5 1 20 0.5 0.2\n1\n",
-    HEAD GRID
-    "1\n1\n1.4 0.5 50 0 0.5\nphase rayleigh\ni sphere 0.05 0 0.1 0.06 1.5 2 10 0\nphase rayleigh\n1\n",
+    HEAD GRID "1\n1\n1.4 0.5 50 0 0.5\nphase rayleigh\n1\n",
 };
 enum { num_scenes = sizeof scenes / sizeof *scenes };
 
@@ -90,10 +89,10 @@ static int count_differing(const struct bench *bench)
     return differ;
 }
 
-/* Packets of the scenes from `first` on. */
-static void compare_fates(const struct way *way, int first)
+/* Packets of the scenes from `first` on, every one or every so many. */
+static void compare_fates(const struct way *way, int first, int every)
 {
-    for (int s = first; s < num_scenes; s++) {
+    for (int s = first; s < num_scenes; s += every) {
         struct bench bench;
         set_up(scenes[s], &bench);
         go(way, &bench);
@@ -110,9 +109,9 @@ static void fates_are_those_of_the_cpu(void **state)
     (void)state;
     const struct way chosen = {"as chosen", 0, NULL, false}, groups = {"groups", 32, NULL, false},
                      poor = {"groups, words, loose division", 32, "-D CML_TWO_WORDS", true};
-    compare_fates(&chosen, 0);
-    compare_fates(&groups, 0);
-    compare_fates(&poor, 6);
+    compare_fates(&chosen, 0, 1);
+    compare_fates(&groups, 0, 1);
+    compare_fates(&poor, 2, 4); /* heightfields; bodies and phase functions */
 }
 
 /* Weight that lies in another cell than on the cpu, a share of all: packets that differ, and those that

@@ -122,7 +122,7 @@ def tutorial_numbers():
     values, _, x = map_of("scan.h5", "Rd_xy")
     yield r"on average (\S+) cm to the right", ((float((values * x).sum() / values.sum()), 1e-4),)
     yield r"give an error of (\d+) % in its middle", ((100 * pixel_error("scan.h5", (slice(18, 22), slice(20, 40))), 0.5),)
-    yield r"light are known to (\d+) %, which", ((100 * pixel_error("furrows.h5", slice(14, 66)), 1),)
+    yield r"light are known to (\S+) %, which", ((100 * pixel_error("furrows.h5", slice(14, 66)), 0.5),)
     yield (r"plane would mirror (\S+) \(`check` prints it\), the texture mirrors (\S+),",
            ((flat_rsp(os.path.join(TOP, "samples/furrows.mci")), 0), total("furrows.mco", "Rsp")))
     vessel = cml.read_sections("vessel.mco")

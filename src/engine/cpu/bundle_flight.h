@@ -48,7 +48,8 @@ struct cml_flight {
     int queue_places;         /* they differ in place and direction, which the queue has */
     int first_hit_known;      /* then all of them hit first_hit, above the material */
     struct cml_hit first_hit; /* in the frame of boundary 0 */
-    int enters; /* those that are transmitted there are `inside` but for their indices and draws */
+    int enters; /* those that are transmitted there are `inside` but for their indices and draws, and for what
+                   the queue has */
     struct cml_packet inside;
     struct cml_known_path known; /* their way on; the world then has it */
     struct cml_world aware;

@@ -116,6 +116,7 @@ static int cml_fill_queue(struct cml_flight *f)
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
         if (f->queue_places) cml_queue_place(f->world, queue);
+        if (f->queue_places && f->enters) cml_queue_enter(f->world, f->start.p.z, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;
         f->left -= (uint64_t)count;
         queue->first = 0;

@@ -78,6 +78,22 @@ void cml_find_first_hit(struct cml_flight *f)
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
+/* Where paths, visits or what goes down are counted, lanes cross the plane themselves. */
+void cml_find_entry(struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_setup *setup = &world->setup;
+    struct cml_packet packet = f->start;
+    struct cml_hit hit;
+    if (!f->queue_places || packet.medium > 0 || world->media[0].mfp < CML_INFINITY ||
+        !cml_is_plane(world, 0) || setup->backing.boundary == 0 || setup->keeps_paths ||
+        f->tally->trail_length || f->to.expected)
+        return;
+    const struct cml_boundary_intervals intervals = cml_find_intervals(world, &packet, CML_INFINITY);
+    f->enters = cml_nearest_hit(world, &packet, intervals, &hit) &&
+                cml_transmit_like(world, &packet, &hit, &f->inside);
+}
+
 /* Those that begin alike inside, at a mesh: their way on. Its hit is that of a path without an end. */
 void cml_find_known_path(struct cml_flight *f)
 {

@@ -514,6 +514,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->queue_places = !f->to.facets && !f->to.phi && cml_queue_can_place(setup, f->world->sources);
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);
+    cml_find_entry(f);
     cml_find_known_path(f);
     cml_find_ballistic(f);
     f->b->lanes = CML_LANES;

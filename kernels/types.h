@@ -242,12 +242,14 @@ struct cml_tail {
     const struct cml_tail_interval *interval; /* rising indices; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
-/* P19: what packets shall weigh by depth in the scene: the least of that in equal cells from 0 on, the first
- * and the last of which go on. */
+/* P19: what packets shall weigh by depth in the scene, and by their distance from a place: the least of that
+ * in equal cells of depth from 0 on and rings whose borders go with the square of their number. The first and
+ * the last of both go on. */
 struct cml_weight_windows {
-    int cells;          /* 0: there are none */
-    real per_bin;       /* cells in a bin of dz */
-    const cml_u32 *low; /* [cells] units of weight */
+    int cells, rings;    /* of depth, 0: there are none; rings: 1 where only depth counts */
+    real per_bin;        /* cells in a bin of dz */
+    real x, y, per_root; /* the place, from the first beam's axis, and rings in the root of a cm */
+    const cml_u32 *low;  /* [rings][cells] units of weight */
 };
 #define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
 #endif

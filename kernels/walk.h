@@ -193,7 +193,7 @@ CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *
 #ifndef __OPENCL_VERSION__
     if (world->windows.cells) {
         const real bins = world->media[packet->medium].bins;
-        const int cell = cml_window_cell(world->windows, world->setup.per_dz, packet->p.z, bins);
+        const int cell = cml_window_cell(world->windows, world->setup.per_dz, packet->p, bins);
         const cml_u32 low = world->windows.low[cell], target = cml_target_weight(low);
         const struct cml_roulette_rule rule = {low, target};
         cml_roulette(rule, packet);

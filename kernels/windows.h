@@ -1,4 +1,4 @@
-/* P19: weight windows in depth. A packet that is too heavy where it is splits, one that is too light plays
+/* P19: weight windows. A packet that is too heavy where it is splits, one that is too light plays
  * roulette. Host only. SPDX-License-Identifier: MIT */
 #ifndef CML_WINDOWS_H
 #define CML_WINDOWS_H
@@ -25,12 +25,15 @@ CML_FN int cml_is_branch(cml_u64 index)
     return (int)(index >> 63);
 }
 
-/* Cell of depth z of a medium's frame, which begins in bin `bins`. */
-CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, real z, real bins)
+/* Of the cells of depth and of a ring of it, at p of a medium's frame, which begins in bin `bins`. */
+CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struct cml_vec p, real bins)
 {
-    const real at = CML_FMA(z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1);
-    const real above = at > 0 ? at : (real)0;
-    return (int)(above < last ? above : last);
+    const real at = CML_FMA(p.z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1),
+               x = p.x - windows.x, y = p.y - windows.y;
+    const real above = at > 0 ? at : (real)0,
+               out = CML_SQRT(CML_SQRT(CML_FMA(x, x, y * y))) * windows.per_root,
+               outermost = (real)(windows.rings - 1);
+    return (int)(out < outermost ? out : outermost) * windows.cells + (int)(above < last ? above : last);
 }
 
 /* Heavier than nine times that. */

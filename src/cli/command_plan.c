@@ -23,16 +23,21 @@
 /* Packets are the same on every engine, so the errors are known from the fastest. */
 static const char *const engine_names[] = {"cpu", "reference", "opencl"};
 static const char *const sampling_names[] = {"random", "lattice"};
-enum { ENGINES = sizeof engine_names / sizeof *engine_names, SAMPLINGS = 2 };
+enum {
+    ENGINES = sizeof engine_names / sizeof *engine_names,
+    SAMPLINGS = 2,
+    MOST_DETECTORS = 8 /* that are looked at, 0.1 s each */
+};
 
 struct plan {
     const struct cml_scene *scene;
     double error;
-    struct cml_aim aim;                 /* of --aim Tt; without scores where a run has none */
-    struct cml_pilot errors[SAMPLINGS]; /* by `lattice` */
-    double photons_per_s[ENGINES];      /* 0: it cannot fly the scene */
-    struct cml_error refusal;           /* why the last one cannot */
-    double seconds;                     /* that the pilots took */
+    struct cml_aim aim;                            /* of --aim Tt; without scores where a run has none */
+    struct cml_depth_windows seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
+    struct cml_pilot errors[SAMPLINGS];            /* by `lattice` */
+    double photons_per_s[ENGINES];                 /* 0: it cannot fly the scene */
+    struct cml_error refusal;                      /* why the last one cannot */
+    double seconds;                                /* that the pilots took */
 };
 
 /* ---- pilots ---- */
@@ -121,15 +126,28 @@ static double longest_pilot(const struct plan *plan)
     return (double)pilot->round[pilot->num_rounds - 1].photons;
 }
 
-/* Not from what pilots have seen of rare light, but from what comes through the flat twin. */
-static void print_windows(double worth)
+static void print_gain(const struct cml_depth_windows *windows, const char *aim, const char *name)
 {
-    const double gain = cml_windows_gain(worth);
-    printf("  Through planes in place of all shapes comes %.1g of the light: ", worth);
+    const double gain = cml_windows_gain(windows);
     if (gain > 0)
-        printf("--aim Tt_r would take some %.2g times less time for Tt.\n", gain);
+        printf("--aim %s would take some %.2g times less time for %s.\n", aim, gain, name);
     else
-        printf("--aim Tt_r would gain nothing.\n");
+        printf("--aim %s would gain nothing.\n", aim);
+}
+
+/* Not from what pilots have seen of rare light, but from what comes through the flat twin. */
+static void print_windows(const struct plan *plan)
+{
+    if (plan->aim.windows.cells > 0) {
+        printf("  Through planes in place of all shapes comes %.1g of the light: ", plan->aim.windows.worth);
+        print_gain(&plan->aim.windows, "Tt_r", "Tt");
+    }
+    for (int k = 0; k < MOST_DETECTORS; k++) {
+        if (plan->seen[k].cells == 0) continue;
+        const char *name = plan->scene->detectors[k].name;
+        printf("  Through planes %s sees some %.1g of the light: ", name, plan->seen[k].worth);
+        print_gain(&plan->seen[k], name, "it");
+    }
 }
 
 static void print_plan(const struct plan *plan)
@@ -152,7 +170,7 @@ static void print_plan(const struct plan *plan)
            "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
            longest_pilot(plan), plan->seconds);
     if (plan->aim.tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
-    if (plan->aim.windows.cells > 0) print_windows(plan->aim.windows.worth);
+    print_windows(plan);
 }
 
 /* null where a pilot saw nothing. */
@@ -175,6 +193,19 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     return row;
 }
 
+/* By what --aim asks for. */
+static json_t *gains_json(const struct plan *plan)
+{
+    json_t *gains = json_object();
+    if (plan->aim.windows.cells > 0)
+        json_object_set_new(gains, "Tt_r", json_real(cml_windows_gain(&plan->aim.windows)));
+    for (int k = 0; k < MOST_DETECTORS; k++)
+        if (plan->seen[k].cells > 0)
+            json_object_set_new(gains, plan->scene->detectors[k].name,
+                                json_real(cml_windows_gain(&plan->seen[k])));
+    return gains;
+}
+
 static cml_status print_json(const struct plan *plan, struct cml_error *err)
 {
     json_t *object = json_pack(
@@ -187,6 +218,7 @@ static cml_status print_json(const struct plan *plan, struct cml_error *err)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
             json_array_append_new(rows, row_json(plan, engine, lattice));
     json_object_set_new(object, "plans", rows);
+    json_object_set_new(object, "gains", gains_json(plan));
     json_object_set_new(object, "version", json_string(cml_version()));
     return cml_json_print(stdout, object, err);
 }
@@ -211,11 +243,26 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
     return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
+/* A scene whose detectors cannot be aimed at is planned all the same. */
+static void aim_at_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                             struct cml_depth_windows *seen)
+{
+    for (int k = 0; k < scene->num_detectors && k < MOST_DETECTORS; k++) {
+        struct cml_error why;
+        struct cml_aim to;
+        if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &to, &why) != CML_OK) continue;
+        if (to.windows.detector) seen[k] = to.windows;
+        seen[k].target = NULL;
+        cml_aim_clear(&to);
+    }
+}
+
 static cml_status prepare(const struct cml_options *options, struct plan *plan,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
     CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
+    aim_at_detectors(plan->scene, surfaces, plan->seen);
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 

@@ -371,11 +371,17 @@ static cml_status set_windows(const struct cml_scene *scene, const struct cml_de
                               struct cml_owned_world *to, struct cml_error *err)
 {
     if (!from) return CML_OK;
-    to->lowest = calloc((size_t)from->cells, sizeof *to->lowest);
-    if (!to->lowest) return cml_fail_memory(err, from->cells * (double)sizeof *to->lowest, "weight windows");
-    for (int i = 0; i < from->cells; i++) to->lowest[i] = from->target[i] / 3;
-    to->world.windows =
-        (struct cml_weight_windows){from->cells, (real)(from->cells / from->depth * scene->dz), to->lowest};
+    const size_t count = (size_t)from->cells * (size_t)from->rings;
+    to->lowest = calloc(count, sizeof *to->lowest);
+    if (!to->lowest) return cml_fail_memory(err, (double)(count * sizeof *to->lowest), "weight windows");
+    for (size_t i = 0; i < count; i++) to->lowest[i] = from->target[i] / 3;
+    to->world.windows = (struct cml_weight_windows){.cells = from->cells,
+                                                    .rings = from->rings,
+                                                    .per_bin = (real)(from->cells / from->depth * scene->dz),
+                                                    .x = (real)(from->x - scene->beams->x),
+                                                    .y = (real)(from->y - scene->beams->y),
+                                                    .per_root = (real)(from->rings / sqrt(from->reach)),
+                                                    .low = to->lowest};
     return CML_OK;
 }
 

@@ -10,6 +10,8 @@
 
 enum { CML_AS_WORD = 8 };
 
+/* `windows` is the number of layers that light comes out of, or less than 0 that of a detector. */
+
 /* clang-format off */
 /* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
  * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
@@ -27,7 +29,7 @@ enum { CML_AS_WORD = 8 };
     D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
     D(absorption, options->absorption, 0, NULL, NULL, NULL, "absorption by place")                                   \
     D(aim, options->tail != NULL, 0, NULL, NULL, NULL, NULL)                                                         \
-    D(windows, options->windows ? options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \
+    D(windows, options->windows ? options->windows->detector ? -options->windows->detector : options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \
     D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \
     D(derivatives, options->derivatives, 0, NULL, NULL, NULL, NULL)                                                  \
     D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \

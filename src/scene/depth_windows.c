@@ -4,13 +4,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-cml_status cml_depth_windows_create(const double *importance, int cells, double depth, double start,
-                                    double power, struct cml_depth_windows *to, struct cml_error *err)
+cml_status cml_depth_windows_create(const double *importance, double start, double power,
+                                    struct cml_depth_windows *to, struct cml_error *err)
 {
-    *to = (struct cml_depth_windows){.cells = cells, .depth = depth};
-    to->target = calloc((size_t)cells, sizeof *to->target);
-    if (!to->target) return cml_fail_memory(err, cells * (double)sizeof *to->target, "weight windows");
-    for (int i = 0; i < cells; i++) {
+    const size_t count = (size_t)to->cells * (size_t)to->rings;
+    to->target = calloc(count, sizeof *to->target);
+    if (!to->target) return cml_fail_memory(err, (double)(count * sizeof *to->target), "weight windows");
+    for (size_t i = 0; i < count; i++) {
         const double share = pow(start / importance[i], power);
         to->target[i] = (uint32_t)fmax(0x1p31 * fmin(share, 1), CML_LEAST_TARGET);
     }

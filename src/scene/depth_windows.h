@@ -1,5 +1,5 @@
-/* Weight windows in depth (P19 of kernels/README.md): what packets shall weigh, as adding-doubling makes it
- * and engines read it. SPDX-License-Identifier: MIT */
+/* Weight windows (P19 of kernels/README.md): what packets shall weigh by depth, or by their distance from a
+ * detector, too, as it is made of what light is worth, and engines read it. SPDX-License-Identifier: MIT */
 #ifndef CML_DEPTH_WINDOWS_H
 #define CML_DEPTH_WINDOWS_H
 
@@ -10,20 +10,22 @@
 /* Owned. Zeroed: none. */
 struct cml_depth_windows {
     int layers;       /* light is wanted that comes out of so many of the scene's */
+    int detector;     /* or that this one sees, from 1 */
     double worth;     /* which share of the light does, of the flat twin's */
-    int cells;        /* of equal depth */
-    double depth;     /* where the last of them ends, cm; the first begins at 0 */
-    uint32_t *target; /* [cells] units of weight, CML_LEAST_TARGET to a whole packet */
+    int cells, rings; /* of equal depth; about x, y, borders at reach (i / rings)^2; 1: depth alone counts */
+    double depth;     /* where the last cell ends, cm; the first begins at 0 */
+    double x, y, reach; /* cm, of the scene */
+    uint32_t *target;   /* [rings][cells] units of weight, CML_LEAST_TARGET to a whole packet */
 };
 
 #define CML_WINDOW_CELLS 1024
 #define CML_LEAST_TARGET 256u /* of 2^-31: lighter packets would be rounded too coarsely (P3) */
 
-/* A whole packet where light is worth no more than `start`, and deeper (start / importance)^power.
- * importance: [cells]. The caller clears *to. CML_E_INPUT: out of memory. */
-CML_NODISCARD cml_status cml_depth_windows_create(const double *importance, int cells, double depth,
-                                                  double start, double power, struct cml_depth_windows *to,
-                                                  struct cml_error *err);
+/* A whole packet where light is worth no more than `start`, and where it is worth more (start /
+ * importance)^power. to: all but `target` is set. importance: [rings][cells]. The caller clears *to.
+ * CML_E_INPUT: out of memory. */
+CML_NODISCARD cml_status cml_depth_windows_create(const double *importance, double start, double power,
+                                                  struct cml_depth_windows *to, struct cml_error *err);
 
 void cml_depth_windows_clear(struct cml_depth_windows *windows);
 

@@ -71,9 +71,9 @@ grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
 file=$work/x.mci:3
-expect_error 2 "--aim Rd (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Rd
-expect_error 2 "--aim Tt,A_l:0 (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
-expect_error 2 "--aim Tt, (expected Tt, Tt_r, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,
+expect_error 2 "$file: --aim Rd (expected Tt, Tt_r, A_l:N of layer N or the name of a detector)" "$work/x.mci" --aim Rd --quiet -o "$work/d"
+expect_error 2 "--aim Tt,A_l:0 (expected Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
+expect_error 2 "--aim Tt, (expected Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas)" "$work/x.mci" --aim Tt,
 expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
 expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
 if "$program" devices 2>/dev/null | grep -q '^0'; then
@@ -160,6 +160,22 @@ expect_code 0 "$work/x.mci" --aim Tt_r --more 7999 --quiet -o "$work/c"
 same "--more" "$work/c/x.mco" "$work/b/x.mco"
 expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
 grep -q "of another run: 'windows 2' there, 'windows 0' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
+# A detector, alone or beside expected values.
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.05 at=0.3,0 name=near\ndetector disk 0.05 at=-0.6,0 name=far\n'
+scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
+windows --aim far
+mv "$work/a/x.mco" "$work/far.mco"
+windows --aim near
+expect_code 0 compare "$work/a/x.mco" "$work/far.mco" --alpha 1e-4
+only="expected one detector, and beside it only what flat layers below all shapes give"
+for aim in far,near near,Tt_r A_l:2,near; do
+    expect_error 2 "$file: --aim $aim ($only)" "$work/x.mci" --aim $aim --quiet -o "$work/d"
+done
+scene "$layers"
+expect_code 0 "$work/x.mci" --aim Tt,far -o "$work/a"
+grep -q ' expected' "$work/out" && grep -q ' were split off$' "$work/out" || complain "--aim Tt,far: $(cat "$work/out")"
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
+scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 # all that is scored agrees with a plain run: gates, fluence, a detector
 expect_code 0 "$work/x.mci" --seed 2 --quiet -o "$work/a"
 expect_code 0 compare "$work/a/x.mco" "$work/b/x.mco" --alpha 1e-4

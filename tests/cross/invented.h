@@ -29,14 +29,16 @@ static inline void invent_tail(const struct cml_scene *scene, const struct cml_s
     for (size_t i = 0; i < numbers; i++) tail->response[i] = (float)dice_uniform(&dice);
 }
 
-/* Any weights, which jump from cell to cell. */
+/* Any weights, which jump from cell to cell and from ring to ring. */
 static inline void invent_windows(const struct cml_scene *scene, struct cml_depth_windows *windows)
 {
-    static uint32_t target[64];
+    static uint32_t target[64 * 4];
     struct dice dice = dice_new(4);
-    *windows = (struct cml_depth_windows){.cells = 64, .target = target};
+    *windows = (struct cml_depth_windows){
+        .cells = 64, .rings = 4, .x = 0.03, .y = -0.01, .reach = 0.4, .target = target};
     for (int l = 1; l <= scene->num_layers; l++) windows->depth += scene->media[l].d;
-    for (int i = 0; i < windows->cells; i++) target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));
+    for (int i = 0; i < windows->cells * windows->rings; i++)
+        target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));
 }
 
 #endif

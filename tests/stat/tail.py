@@ -4,11 +4,14 @@ counted. tail.py [long]
 Flat stacks, whose level lies just below z = 0: N = 10000, z of Tt_expected and of each A_l_expected below the level
 against `exact`, which shares the responses' method but not their directions, and against which all flights above the
 level count; down to a Tt of 3e-9. The same stacks by --aim Tt_r: N = 20000, z of Rd, A and Tt, which is counted then. Shapes, bodies, light inside: N = 40000, z of the difference to what a flight with
-another seed counts; of rough bottoms, which are for windows, of all totals. Level 1e-4 over all. long: 40 more flat stacks, drawn by lot, and 25 times the photons
+another seed counts; of rough bottoms, which are for windows, of all totals. Detectors that are aimed at, N = 10000, and
+what as many alike, on a circle about z, see of N = 40000 without it. Level 1e-4 over all. long: 40 more flat stacks, drawn by lot, and 25 times the photons
 under shapes; of 400 runs of 1000 photons 68 +- 5 % must lie within their own error of the exact value, for Tt and for A
-of the layer below, and their mean within its own; in windows, of 400 of 4000 for Tt."""
+of the layer below, and their mean within its own; in windows, of 400 of 4000 for Tt, and of 400 of 1000 for what a fibre
+sees, about their mean."""
 import functools
 import json
+import math
 import os
 import random
 import statistics
@@ -41,6 +44,14 @@ SHAPES = [
 ROUGH = [
     ("rough bottom", {"layers": ["1.4 1 60 0.8 0.8"], "surfaces": {1: HILL}}),
     ("body at the bottom", {"layers": ["1.4 2 40 0.8 0.4", "1.33 1 40 0.8 0.3\ni sphere 0 0 0.55 0.149 1.6 5 10 0"]}),
+]
+
+
+GENTLE = "b 4 0.02 0.1 0.01 0.2 -0.01 0.3 0.01 0.1"
+# name, scene; disks: how many, on which radius, of which size, and what they see
+FIBRES = [
+    ("fibre", {"layers": ["1.4 1 60 0.8 0.8"], "surfaces": {0: GENTLE}}, (24, 0.7, 0.04, "")),
+    ("fibre below", {"layers": ["1.4 1 60 0.8 0.2", "1.33 0.2 30 0.8 0.2"], "surfaces": {0: GENTLE, 2: HILL}}, (24, 0.6, 0.03, "side=bottom na=0.6")),
 ]
 
 
@@ -99,6 +110,25 @@ def check_rough(verdict, name, scene, photons, *options):
         verdict.z(f"{name}, {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
 
 
+def around(count, radius, size, options):
+    """The lines of so many disks on a circle about z, named d0, d1 ..."""
+    turns = [2 * math.pi * k / count for k in range(count)]
+    return [f"detector disk {size} at={radius * math.cos(t):.17g},{radius * math.sin(t):.17g} {options} name=d{k}" for k, t in enumerate(turns)]
+
+
+def check_detector(verdict, name, scene, place, photons, *options):
+    """All see alike, so one that is aimed at sees what they see on average without it; its error is the smaller one."""
+    count, radius, size, view = place
+    text = cml.mci(photons=photons, extra=around(count, radius, size, view), **scene)
+    record = fly(verdict, name, text, "--seed", 13, "--aim", "d0", "--photons", photons // 4, *options)
+    plain = fly(verdict, name, text, "--seed", 14, *options)
+    seen = [plain[f"detector_d{k}"] for k in range(count)]
+    verdict.z(f"{name}, detector", record["detector_d0"], record["detector_d0_se"], statistics.fmean(seen), statistics.stdev(seen) / count**0.5)
+    verdict.check(name, record["detector_d0_se"] < 0.7 * statistics.stdev(seen), "no gain")
+    for key in ("Rd", "A", "Tt"):
+        verdict.z(f"{name}, {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
+
+
 def check_shape(verdict, name, scene, photons, *options):
     text = cml.mci(photons=photons, **scene)
     record = fly(verdict, name, text, "--seed", 9, "--aim", "Tt", *options)
@@ -125,6 +155,9 @@ def check_coverage(verdict):
     within(verdict, "A_2", [{"A_2": r["A_l_expected"][1], "A_2_se": r["A_l_expected_se"][1]} for r in records], truth["A_l"][1])
     records = cml.run(cml.repeated(400, layers=layers, photons=4000, **n), "--aim", "Tt_r", "--seed", 4)
     within(verdict, "Tt", records, truth["Tt"])
+    fibre = {"layers": ["1.4 1 60 0.8 0.8"], "extra": ["detector disk 0.04 at=0.7,0 name=fibre"]}
+    records = cml.run(cml.repeated(400, photons=1000, **fibre), "--aim", "fibre", "--seed", 5)
+    within(verdict, "detector_fibre", records, statistics.fmean(record["detector_fibre"] for record in records))
 
 
 def main():
@@ -134,6 +167,8 @@ def main():
         check_windows(verdict, *scene)
     for name, scene in ROUGH:
         check_rough(verdict, name, scene, 1000000 if long else 20000)
+    for name, scene, place in FIBRES:
+        check_detector(verdict, name, scene, place, 1000000 if long else 40000)
     check_rough(verdict, "reference, rough", ROUGH[0][1], 2000, "--engine", "reference")
     for name, scene in SHAPES:
         check_shape(verdict, name, scene, 1000000 if long else 40000)

@@ -72,10 +72,11 @@ const struct cml_option cml_option_table[] = {
     {"control", 0, "flat", RUN, NULL,
      "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
      .read = cml_read_control, .words = "flat"},
-    {"aim", 0, "Tt|Tt_r|A_l:N[,...]", RUN, NULL,
-     "more of the light that goes deep: what packets that go down into flat layers below all shapes are "
-     "expected to bring, "
-     "Tt_expected and A_l_expected; elsewhere, and for Tt_r, packets that are split on their way",
+    {"aim", 0, "Tt|Tt_r|A_l:N|DETECTOR[,...]", RUN, NULL,
+     "more of the light that goes deep, or to a detector: what packets that go down into flat layers below "
+     "all shapes are expected to bring, "
+     "Tt_expected and A_l_expected; elsewhere, and for Tt_r and a detector, packets that are split on their "
+     "way",
      .read = cml_read_aim},
     {"ignore-absorption", 0, NULL, RUN | PLAN | CHECK | CROSSCHECK, NULL, "tally no A_rz",
      NO_FLAG(engine_options.absorption)},

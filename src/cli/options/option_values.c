@@ -166,15 +166,14 @@ cml_status cml_read_control(const struct cml_option *option, const char *value, 
     return CML_OK;
 }
 
-/* A name that ends here, or with a comma. */
+/* A name that ends here, or with a comma: of a detector, if nothing else. */
 static bool is_aim(const char *name)
 {
     const size_t length = strcspn(name, ",");
     char number[16];
     int layer;
-    if ((length == 2 && strncmp(name, "Tt", 2) == 0) || (length == 4 && strncmp(name, "Tt_r", 4) == 0))
-        return true;
-    if (strncmp(name, "A_l:", 4) != 0 || length - 4 >= sizeof number) return false;
+    if (strncmp(name, "A_l:", 4) != 0) return length > 0;
+    if (length - 4 >= sizeof number) return false;
     snprintf(number, sizeof number, "%.*s", (int)length - 4, name + 4);
     return cml_parse_int(number, &layer) && layer > 0;
 }
@@ -184,7 +183,8 @@ cml_status cml_read_aim(const struct cml_option *option, const char *value, stru
 {
     for (const char *name = value; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL)
         if (!is_aim(name))
-            return fail(err, option, value, "Tt, Tt_r, or A_l:N of layer N, or several with commas");
+            return fail(err, option, value,
+                        "Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas");
     options->aim = value;
     return CML_OK;
 }

@@ -2,6 +2,7 @@
 #include "cli/run/aim.h"
 
 #include "cli/load/scenes.h"
+#include "exact/detector_importance.h"
 #include "exact/importance.h"
 #include "exact/tail_response.h"
 #include "scene/phase.h"
@@ -79,30 +80,66 @@ static cml_status refuse(const struct cml_scene *scene, const char *aim, int len
                     aim, expected);
 }
 
-/* What names ask for: expected values, and windows for light that comes out of so many layers. */
+/* What names ask for: expected values, and windows for light that comes out of so many layers, or that a
+ * detector sees. */
 struct wanted {
     bool tail;
-    int layers;
+    int layers, detector, detectors; /* detector: the last one, from 1; detectors: how many */
 };
 
-/* Of one of the names that the option's reader has let pass: what the tail does not reach is for windows. */
-static cml_status add_name(const char *name, const struct cml_scene *scene, int level, struct wanted *wanted,
-                           struct cml_error *err)
+static int find_detector(const struct cml_scene *scene, const char *name, int length)
 {
-    const int length = (int)strcspn(name, ","), last = scene->num_layers,
-              layer = name[0] == 'A' ? atoi(name + strlen("A_l:")) : last + 1;
-    const bool reached = level > 0 && layer > level && strncmp(name, "Tt_r", 4) != 0;
+    for (int k = 0; k < scene->num_detectors; k++)
+        if ((int)strlen(scene->detectors[k].name) == length &&
+            strncmp(scene->detectors[k].name, name, (size_t)length) == 0)
+            return k + 1;
+    return 0;
+}
+
+static cml_status add_detector(const char *name, int length, const struct cml_scene *scene,
+                               struct wanted *wanted, struct cml_error *err)
+{
+    const int detector = find_detector(scene, name, length);
+    if (detector == 0)
+        return refuse(scene, name, length, "Tt, Tt_r, A_l:N of layer N or the name of a detector", err);
+    wanted->detectors += detector != wanted->detector;
+    wanted->detector = detector;
+    return CML_OK;
+}
+
+/* What the tail does not reach is for windows. layer: above which, or whose, light is wanted. */
+static void add_layer(int layer, bool reached, struct wanted *wanted)
+{
+    if (reached)
+        wanted->tail = true;
+    else if (layer - 1 > wanted->layers)
+        wanted->layers = layer - 1;
+}
+
+static cml_status add_absorption(const char *name, int length, const struct cml_scene *scene, int level,
+                                 struct wanted *wanted, struct cml_error *err)
+{
+    const int last = scene->num_layers, layer = atoi(name + strlen("A_l:"));
     char expected[64];
     snprintf(expected, sizeof expected,
              last > 2   ? "a layer from 2 to %d, with others above it"
              : last > 1 ? "layer 2, with another above it"
                         : "Tt: there is one layer",
              last);
-    if (name[0] == 'A' && (layer < 2 || layer > last)) return refuse(scene, name, length, expected, err);
-    if (reached)
-        wanted->tail = true;
-    else if (layer - 1 > wanted->layers)
-        wanted->layers = layer - 1;
+    if (layer < 2 || layer > last) return refuse(scene, name, length, expected, err);
+    add_layer(layer, level > 0 && layer > level, wanted);
+    return CML_OK;
+}
+
+/* One of the names that the option's reader has let pass. */
+static cml_status add_name(const char *name, const struct cml_scene *scene, int level, struct wanted *wanted,
+                           struct cml_error *err)
+{
+    const int length = (int)strcspn(name, ",");
+    if (strncmp(name, "A_l:", 4) == 0) return add_absorption(name, length, scene, level, wanted, err);
+    if (!(length == 2 && strncmp(name, "Tt", 2) == 0) && !(length == 4 && strncmp(name, "Tt_r", 4) == 0))
+        return add_detector(name, length, scene, wanted, err);
+    add_layer(scene->num_layers + 1, length == 2 && level > 0, wanted);
     return CML_OK;
 }
 
@@ -133,16 +170,22 @@ static double start_of(const struct cml_medium_def *media, int layers, double z)
     return top;
 }
 
-/* Of the beam whose light is worth most. */
-static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media, int layers,
-                             double depth, const double *importance)
+static int place_in(double at, int count)
+{
+    return (int)fmax(0, fmin(at * count, count - 1));
+}
+
+/* Of the beam whose light is worth most, from its middle. */
+static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media,
+                             const struct cml_depth_windows *windows, const double *importance)
 {
     double most = 0;
     for (int k = 0; k < scene->num_beams; k++) {
         const struct cml_beam *beam = &scene->beams[k];
-        const double z = beam->inside ? beam->z : start_of(media, layers, 0),
-                     at = z / depth * CML_WINDOW_CELLS;
-        most = fmax(most, importance[(int)fmax(0, fmin(at, CML_WINDOW_CELLS - 1))]);
+        const double z = beam->inside ? beam->z : start_of(media, windows->layers, 0),
+                     r = hypot(beam->x - windows->x, beam->y - windows->y);
+        const int ring = place_in(sqrt(r / windows->reach), windows->rings);
+        most = fmax(most, importance[ring * windows->cells + place_in(z / windows->depth, windows->cells)]);
     }
     return most;
 }
@@ -155,25 +198,98 @@ static double power_of(double worth)
 
 #define LEAST_WORTH 1e-20
 
+/* power: of detectors, which see little of the light. */
+static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
+                               const struct cml_medium_def *media, const double *importance,
+                               struct cml_depth_windows *windows, struct cml_error *err)
+{
+    windows->worth = worth_of_light(scene, media, windows, importance);
+    if (!(windows->worth > LEAST_WORTH && windows->worth < INFINITY))
+        return refuse(scene, aim, (int)strlen(aim), "light that gets there", err);
+    return cml_depth_windows_create(importance, windows->worth,
+                                    windows->detector ? 1 : power_of(windows->worth), windows, err);
+}
+
+static double depth_of(const struct cml_medium_def *media, int layers)
+{
+    double depth = 0;
+    for (int l = 1; l <= layers; l++) depth += media[l].d;
+    return depth;
+}
+
 static cml_status make_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, int layers,
                                struct cml_depth_windows *windows, struct cml_error *err)
 {
-    double importance[CML_WINDOW_CELLS], depth = 0;
+    double importance[CML_WINDOW_CELLS];
+    *windows = (struct cml_depth_windows){.layers = layers,
+                                          .cells = CML_WINDOW_CELLS,
+                                          .rings = 1,
+                                          .depth = depth_of(media, layers),
+                                          .reach = 1};
+    CML_TRY(cml_importance_of_depth(media, layers, CML_WINDOW_CELLS, importance, err));
+    return fill_windows(aim, scene, media, importance, windows, err);
+}
+
+enum { RINGS = 128, CELLS = 256 }; /* a cell is a third of a diffusion length, or less, in what was flown */
+
+/* Rectangles count as disks of their size. From farther away than twice the way from the light, or deeper,
+ * hardly anything arrives. */
+static struct cml_seen_ring ring_of(const struct cml_detector_def *detector)
+{
+    const double *size = detector->size;
+    const bool ring = detector->kind == CML_DETECTOR_RING;
+    return (struct cml_seen_ring){detector->below, ring ? size[0] : 0,
+                                  ring ? size[1] : sqrt(size[0] * size[1] / M_PI)};
+}
+
+static double reach_of(const struct cml_scene *scene, const struct cml_detector_def *detector, double outer)
+{
+    double farthest = outer;
+    for (int k = 0; k < scene->num_beams; k++)
+        farthest = fmax(farthest, hypot(scene->beams[k].x - detector->x, scene->beams[k].y - detector->y));
+    return 2 * (farthest + outer);
+}
+
+static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene,
+                                  const struct cml_medium_def *media, int number,
+                                  struct cml_depth_windows *windows, struct cml_error *err)
+{
+    const struct cml_detector_def *detector = &scene->detectors[number - 1];
+    const struct cml_seen_ring seen = ring_of(detector);
+    const double reach = reach_of(scene, detector, seen.outer), depth = depth_of(media, scene->num_layers);
+    double *importance = malloc(RINGS * CELLS * sizeof *importance);
+    if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
+    *windows = (struct cml_depth_windows){.layers = scene->num_layers,
+                                          .detector = number,
+                                          .cells = CELLS,
+                                          .rings = RINGS,
+                                          .depth = detector->below ? depth : fmin(depth, reach),
+                                          .x = detector->x,
+                                          .y = detector->y,
+                                          .reach = reach};
+    cml_status status = cml_importance_of_place(media, scene->num_layers, seen, reach, windows->depth, RINGS,
+                                                CELLS, importance, err);
+    if (status == CML_OK) status = fill_windows(aim, scene, media, importance, windows, err);
+    free(importance);
+    return status;
+}
+
+/* What splits packets. */
+static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
+                              const struct cml_medium_def *media, struct wanted wanted,
+                              struct cml_depth_windows *windows, struct cml_error *err)
+{
+    const int length = (int)strlen(aim);
     if (wants_packets(scene))
-        return refuse(scene, aim, (int)strlen(aim),
+        return refuse(scene, aim, length,
                       "no map, facets, directions, photons and maps of detectors beside what splits packets",
                       err);
-    for (int l = 1; l <= layers; l++) depth += media[l].d;
-    CML_TRY(cml_importance_of_depth(media, layers, CML_WINDOW_CELLS, importance, err));
-    const double worth = worth_of_light(scene, media, layers, depth, importance);
-    if (!(worth > LEAST_WORTH && worth < INFINITY))
-        return refuse(scene, aim, (int)strlen(aim), "light that gets there", err);
-    CML_TRY(
-        cml_depth_windows_create(importance, CML_WINDOW_CELLS, depth, worth, power_of(worth), windows, err));
-    windows->layers = layers;
-    windows->worth = worth;
-    return CML_OK;
+    if (wanted.detectors > 1 || (wanted.detectors > 0 && wanted.layers > 0))
+        return refuse(scene, aim, length,
+                      "one detector, and beside it only what flat layers below all shapes give", err);
+    return wanted.detectors > 0 ? aim_at_detector(aim, scene, media, wanted.detector, windows, err)
+                                : make_windows(aim, scene, media, wanted.layers, windows, err);
 }
 
 /* media: of the flat twin. tail: it is wanted, too, which takes longest, and which no scene is refused for
@@ -183,11 +299,12 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
                          bool tail, struct cml_aim *to, struct cml_error *err)
 {
     const struct cml_aim_level level = cml_aim_level_of(scene, surfaces);
-    struct wanted wanted = {false, 0};
+    struct wanted wanted = {0};
     if (scene->backing.kind != CML_NO_BACKING) return refuse(scene, aim, (int)strlen(aim), "no backing", err);
     for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
         CML_TRY(add_name(name, scene, level.layer, &wanted, err));
-    if (wanted.layers > 0) CML_TRY(make_windows(aim, scene, media, wanted.layers, &to->windows, err));
+    if (wanted.layers > 0 || wanted.detectors > 0)
+        CML_TRY(aim_windows(aim, scene, media, wanted, &to->windows, err));
     return wanted.tail && tail
                ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
                : CML_OK;
@@ -261,9 +378,10 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_depth_windows_clear(&aim->windows);
 }
 
-double cml_windows_gain(double worth)
+double cml_windows_gain(const struct cml_depth_windows *windows)
 {
-    const double V = 0.008 / worth, least = 7.4; /* below that the rule turns */
+    const double worth = windows->worth, V = (windows->detector ? 0.1 : 0.008) / worth,
+                 least = 7.4; /* below that the rule turns */
     if (!(worth < 5e-3 && worth > 0)) return 0;
     return V > least ? V / pow(log(V), 2) : 2;
 }

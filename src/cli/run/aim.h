@@ -24,10 +24,10 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result);
 
-/* In how much less time windows give Tt the same error, within a factor of 2, where this share of the light
- * comes out: a packet of a plain flight has the relative variance V = 0.008 / worth, as it weighs little when
- * it comes there. 0: in no less. */
-double cml_windows_gain(double worth);
+/* In how much less time windows give Tt, or what a detector sees, the same error, within a factor of 2 or 3.
+ * Packets of plain flights have the relative variance 0.008 / worth, as they weigh little when they come out
+ * below, and 0.1 / worth for a detector. 0: in no less. */
+double cml_windows_gain(const struct cml_depth_windows *windows);
 
 /* What --aim asks for: expected values below the level, where scores is not 0, windows where cells is not. */
 struct cml_aim {
@@ -35,9 +35,9 @@ struct cml_aim {
     struct cml_depth_windows windows;
 };
 
-/* Of the names NAME[,NAME...] Tt, Tt_r and A_l:N: the tail is for what lies below the level, windows for the
- * rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC: adding-doubling has no answer.
- * On success the caller clears *to. */
+/* Of the names NAME[,NAME...] Tt, Tt_r, A_l:N and those of detectors: the tail is for what lies below the
+ * level, windows for the rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC:
+ * adding-doubling has no answer. On success the caller clears *to. */
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
                                         struct cml_error *err);

@@ -148,7 +148,10 @@ CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct
     _Alignas(64) cml_u32 low[CML_LANES];
     int any = 0;
 #pragma omp simd
-    for (int i = 0; i < CML_LANES; i++) cell[i] = cml_window_cell(windows, per_dz, b->z[i], bins[i]);
+    for (int i = 0; i < CML_LANES; i++) {
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+        cell[i] = cml_window_cell(windows, per_dz, p, bins[i]);
+    }
 #pragma GCC unroll 8
     for (int i = 0; i < CML_LANES; i++) low[i] = windows.low[cell[i]];
 #pragma omp simd reduction(| : any)

@@ -190,7 +190,8 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     const struct cml_weight_windows windows = f->world->windows;
-    const int cell = cml_window_cell(windows, f->world->setup.per_dz, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+    const int cell = cml_window_cell(windows, f->world->setup.per_dz, p, CML_OF_MEDIUM(b, bins)[i]);
     const cml_u32 low = windows.low[cell], target = cml_target_weight(low);
     const struct cml_roulette_rule rule = {low, target};
     struct cml_packet packet;

@@ -4,12 +4,13 @@
 #include "lib/mci_case.h"
 
 #include "engine/engines.h"
+#include "exact/detector_importance.h"
 #include "exact/exact.h"
 #include "exact/importance.h"
 
 #include <math.h>
 
-enum { CELLS = 50, SEEDS = 16, PACKETS = 3000 };
+enum { CELLS = 50, RINGS = 40, SEEDS = 16, PACKETS = 3000 };
 
 static const char *const slab = "1.0\n1\ns.mco A\n1000\n0.1 0.1\n1 1 1\n1\n1.0\n1.4 0.5 50 0.8 1.2\n1.0\n";
 
@@ -54,6 +55,50 @@ static void without_absorption_it_is_shared_by_both_sides(void **state)
     for (int i = 0; i < CELLS; i++)
         if (fabs(below[i] + above[CELLS - 1 - i] - 1) > 0.02)
             fail_msg("cell %d: %g and %g", i, below[i], above[CELLS - 1 - i]);
+}
+
+static const struct cml_medium_def stack[] = {{.n = 1},
+                                              {.n = 1.4, .mua = 0.3, .mus = 60, .g = 0.5, .d = 0.4},
+                                              {.n = 1.4, .mua = 1, .mus = 40, .d = 0.3},
+                                              {.n = 1.2}};
+
+static void worth_of_ring(bool below, double inner, double outer, double value[RINGS * CELLS])
+{
+    struct cml_error err;
+    const struct cml_seen_ring seen = {below, inner, outer};
+    require_ok(cml_importance_of_place(stack, 2, seen, 2, 0.7, RINGS, CELLS, value, &err), &err);
+}
+
+/* Diffusion knows depths that are some mean free paths off a face to some per cent. */
+static void what_a_whole_face_sees_is_what_comes_out_of_it(void **state)
+{
+    (void)state;
+    double place[RINGS * CELLS], depth[CELLS];
+    struct cml_error err;
+    worth_of_ring(true, 0, 2, place);
+    require_ok(cml_importance_of_depth(stack, 2, CELLS, depth, &err), &err);
+    for (int i = 0; i < CELLS; i++)
+        for (int r = 0; r < RINGS; r++) {
+            const double value = place[r * CELLS + i];
+            if (fabs(value / place[i] - 1) > 1e-9 || fabs(value / depth[i] - 1) > 0.1)
+                fail_msg("ring %d, cell %d: %g, not %g", r, i, value, depth[i]);
+        }
+}
+
+/* Parts of a face add up to it, and a detector is worth most below itself. */
+static void what_parts_see_adds_up(void **state)
+{
+    (void)state;
+    double all[RINGS * CELLS], inner[RINGS * CELLS], outer[RINGS * CELLS];
+    worth_of_ring(false, 0, 2, all);
+    worth_of_ring(false, 0, 0.33, inner);
+    worth_of_ring(false, 0.33, 2, outer);
+    for (int i = 0; i < RINGS * CELLS; i++) {
+        const double sum = inner[i] + outer[i];
+        if (!(inner[i] > 0 && outer[i] > 0 && fabs(sum / all[i] - 1) < 0.02))
+            fail_msg("cell %d: %g and %g, not %g", i, inner[i], outer[i], all[i]);
+        if (i >= CELLS && inner[i] > inner[i - CELLS]) fail_msg("cell %d: more farther out", i);
+    }
 }
 
 /* Relative standard error of Tt in all packets of all seeds together. off: of Rd and Tt from what they are,
@@ -102,10 +147,10 @@ static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
     require_ok(cml_importance_of_depth(scene->media, 1, CML_WINDOW_CELLS, importance, &err), &err);
     const double truth[2] = {exact.value[CML_EXACT_RD], exact.value[CML_EXACT_TT]},
                  most = importance[CML_WINDOW_CELLS - 1];
-    struct cml_depth_windows right, wrong;
-    require_ok(cml_depth_windows_create(importance, CML_WINDOW_CELLS, 1.2, 2 * truth[1], 0.8, &right, &err),
-               &err);
-    require_ok(cml_depth_windows_create(importance, CML_WINDOW_CELLS, 1.2, most, -0.3, &wrong, &err), &err);
+    struct cml_depth_windows right = {.cells = CML_WINDOW_CELLS, .rings = 1, .depth = 1.2, .reach = 1},
+                             wrong = right;
+    require_ok(cml_depth_windows_create(importance, 2 * truth[1], 0.8, &right, &err), &err);
+    require_ok(cml_depth_windows_create(importance, most, -0.3, &wrong, &err), &err);
     bench.options.windows = &right;
     const double error = fly(&bench, "cpu", truth, &off[0]), other = fly(&bench, "reference", truth, &off[1]);
     bench.options.windows = &wrong;
@@ -125,6 +170,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_scattering_it_is_what_comes_straight_through),
         cmocka_unit_test(without_absorption_it_is_shared_by_both_sides),
+        cmocka_unit_test(what_a_whole_face_sees_is_what_comes_out_of_it),
+        cmocka_unit_test(what_parts_see_adds_up),
         cmocka_unit_test_setup_teardown(windows_that_are_wrong_cost_errors_and_no_truth, case_setup,
                                         case_teardown),
     };

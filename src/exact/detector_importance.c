@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+#include "exact/detector_importance.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { PIECES = 64 };
+
+/* Rings about the middle of a detector, and pieces of layers. Unknown k is that of ring k / pieces, piece k %
+ * pieces; faces at both ends make the way out longer by 2 A, for light comes back from them. */
+struct volumes {
+    int rings, pieces;
+    double *border;               /* [rings + 1] */
+    double *h, *middle, *D, *mua; /* [pieces] thickness, depth, coefficient of diffusion, absorption */
+    double longer[2];             /* above, below */
+    double *band;                 /* [unknowns][pieces + 1]: of each row what stands up to its diagonal */
+    double *value;                /* [unknowns] */
+};
+
+static double mean_cosine(const struct cml_medium_def *medium)
+{
+    return medium->phase ? cml_phase_mean(medium->phase) : medium->g;
+}
+
+/* 2 A of a face to a relative index, by Groenhuis' fit of what it reflects of diffuse light. */
+static double longer_by(double n)
+{
+    const double R = fmax(0, -1.440 / (n * n) + 0.710 / n + 0.668 + 0.0636 * n);
+    return 2 * (1 + R) / (1 - R);
+}
+
+/* Light in a clear layer would diffuse without end. */
+static void cut_layer(const struct cml_medium_def *medium, double top, double d, double depth, double least,
+                      struct volumes *to)
+{
+    const double mutr = medium->mua + medium->mus * (1 - mean_cosine(medium));
+    const int n = 2 + (int)(PIECES * d / depth);
+    for (int i = 0; i < n; i++, to->pieces++) {
+        to->h[to->pieces] = d / n;
+        to->middle[to->pieces] = top + (i + 0.5) * d / n;
+        to->D[to->pieces] = 1 / (3 * fmax(mutr, least));
+        to->mua[to->pieces] = medium->mua;
+    }
+}
+
+static void cut(const struct cml_medium_def *media, int layers, double reach, double depth,
+                struct volumes *to)
+{
+    double top = 0;
+    int l = 0;
+    while (l < layers && top < depth) {
+        const double d = fmin(media[++l].d, depth - top);
+        if (d > 0) cut_layer(&media[l], top, d, depth, 1 / reach, to);
+        top += d;
+    }
+    to->longer[0] = longer_by(media[1].n / media[0].n);
+    to->longer[1] = longer_by(media[l].n / media[l + 1].n);
+    for (int i = 0; i <= to->rings; i++) to->border[i] = reach * pow((double)i / to->rings, 2);
+}
+
+static double area(const struct volumes *volumes, int ring)
+{
+    return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
+}
+
+/* Of a ring's area what the detector sees. */
+static double seen_of(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
+{
+    const double inner = fmax(seen.inner, volumes->border[ring]),
+                 outer = fmin(seen.outer, volumes->border[ring + 1]);
+    return outer > inner ? M_PI * (outer * outer - inner * inner) : 0;
+}
+
+/* What flows between two volumes of one ring, by what their values differ. */
+static double flow_down(const struct volumes *volumes, int ring, int piece)
+{
+    return area(volumes, ring) /
+           (volumes->h[piece] / 2 / volumes->D[piece] + volumes->h[piece + 1] / 2 / volumes->D[piece + 1]);
+}
+
+static double flow_out(const struct volumes *volumes, int ring, int piece)
+{
+    const double *border = volumes->border;
+    return 4 * M_PI * border[ring + 1] * volumes->h[piece] * volumes->D[piece] /
+           (border[ring + 2] - border[ring]);
+}
+
+/* The row of a volume, and what flows into it from the detector. */
+static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_ring seen)
+{
+    const int n = volumes->pieces, k = ring * n + piece;
+    double *row = volumes->band + (size_t)k * (size_t)(n + 1), *diagonal = row + n;
+    *diagonal += area(volumes, ring) * volumes->h[piece] * volumes->mua[piece];
+    for (int side = 0; side < 2; side++) {
+        if (piece != (side ? n - 1 : 0)) continue;
+        const double way = volumes->h[piece] / 2 / volumes->D[piece] + volumes->longer[side];
+        *diagonal += area(volumes, ring) / way;
+        if (side == seen.below) volumes->value[k] = seen_of(volumes, ring, seen) / way;
+    }
+    if (piece < n - 1) {
+        const double flow = flow_down(volumes, ring, piece);
+        *diagonal += flow;
+        diagonal[n + 1] += flow;
+        diagonal[n] = -flow;
+    }
+    if (ring < volumes->rings - 1) {
+        const double flow = flow_out(volumes, ring, piece);
+        *diagonal += flow;
+        diagonal[(size_t)n * (size_t)(n + 1)] += flow;
+        diagonal[(size_t)n * (size_t)(n + 1) - (size_t)n] = -flow;
+    }
+}
+
+static double dot(const double *a, const double *b, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* Cholesky's factor in place of the matrix, which is an M-matrix: no value is lost in a difference. */
+static void solve(struct volumes *volumes)
+{
+    const int n = volumes->pieces, all = volumes->rings * n;
+    double *value = volumes->value;
+#define AT(k, c) (volumes->band + (size_t)(k) * (size_t)(n + 1) + n - (k) + (c))
+    for (int k = 0; k < all; k++) {
+        const int first = k > n ? k - n : 0;
+        for (int c = first; c <= k; c++) {
+            const int from = c > n && c - n > first ? c - n : first;
+            const double rest = *AT(k, c) - dot(AT(k, from), AT(c, from), c - from);
+            *AT(k, c) = c < k ? rest / *AT(c, c) : sqrt(rest);
+        }
+        value[k] = (value[k] - dot(AT(k, first), value + first, k - first)) / *AT(k, k);
+    }
+    for (int k = all - 1; k >= 0; k--) {
+        value[k] /= *AT(k, k);
+        for (int c = k > n ? k - n : 0; c < k; c++) value[c] -= *AT(k, c) * value[k];
+    }
+#undef AT
+}
+
+/* Between the middles of pieces logarithms are straight lines, beyond the last ones level. */
+static void interpolate(const struct volumes *volumes, double depth, int cells, double *to)
+{
+    const int n = volumes->pieces;
+    const double *z = volumes->middle;
+    for (int c = 0, i = 0; c < cells; c++) {
+        const double at = (c + 0.5) / cells * depth;
+        while (i < n - 2 && z[i + 1] < at) i++;
+        const double part = fmin(1, fmax(0, (at - z[i]) / (z[i + 1] - z[i])));
+        for (int r = 0; r < volumes->rings; r++) {
+            const double *value = volumes->value + r * n + i;
+            to[r * cells + c] = exp((1 - part) * log(value[0]) + part * log(value[1]));
+        }
+    }
+}
+
+static void *doubles(size_t count)
+{
+    return calloc(count, sizeof(double));
+}
+
+cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
+                                   double reach, double depth, int rings, int cells, double *value,
+                                   struct cml_error *err)
+{
+    const size_t most = PIECES + 2 * (size_t)layers, unknowns = (size_t)rings * most;
+    struct volumes volumes = {.rings = rings,
+                              .border = doubles((size_t)rings + 1),
+                              .h = doubles(most),
+                              .middle = doubles(most),
+                              .D = doubles(most),
+                              .mua = doubles(most),
+                              .band = doubles(unknowns * (most + 1)),
+                              .value = doubles(unknowns)};
+    cml_status status = CML_OK;
+    if (volumes.border && volumes.h && volumes.middle && volumes.D && volumes.mua && volumes.band &&
+        volumes.value) {
+        cut(media, layers, reach, depth, &volumes);
+        for (int ring = 0; ring < rings; ring++)
+            for (int piece = 0; piece < volumes.pieces; piece++) set_row(&volumes, ring, piece, seen);
+        solve(&volumes);
+        interpolate(&volumes, depth, cells, value);
+    } else
+        status = cml_fail_memory(err, (double)(unknowns * most) * sizeof(double), "rings of layers");
+    free(volumes.border);
+    free(volumes.h);
+    free(volumes.middle);
+    free(volumes.D);
+    free(volumes.mua);
+    free(volumes.band);
+    free(volumes.value);
+    return status;
+}

@@ -4,7 +4,6 @@
 
 #include "base/settings.h"
 #include "base/text.h"
-#include "scene/scene.h"
 #include "scene/heightmap/mesh_budget.h"
 
 #include <stdbool.h>
@@ -19,9 +18,6 @@ struct cml_input_options {
     void *context;
     const struct cml_settings *settings; /* in place of what the file says; NULL: none */
     const char *output;                  /* the result's name, of a file with one run; NULL: the file's */
-    const struct cml_scene_list *known; /* the same file, read before with fewer settings: shapes that stay as
-                                         * they were there are borrowed from it; NULL: none */
-    const struct cml_settings *known_settings; /* those of `known`; NULL: none */
     bool flat; /* every boundary becomes its nominal plane; its file is read and checked all the same
                 * (the 2019 program's IGNORE_HEIGHTFIELDS) */
 };

@@ -192,17 +192,14 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const double 
 /* Photons, bin sizes, numbers of bins. */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    static const struct cml_mci_field photons = {"photons", 1, 281474976710656.0, true,
-                                                 "a whole number of 1..2^48"};
     static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
     static const struct cml_mci_field steps[] = {{"dz", CML_MCI_TINY, CML_MCI_HUGE, false, length},
                                                  {"dr", CML_MCI_TINY, CML_MCI_HUGE, false, length}};
     static const struct cml_mci_field bins[] = {
         {"nz", 1, 1e9, true, count}, {"nr", 1, 1e9, true, count}, {"na", 1, 1e9, true, count}};
     double values[3];
-    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
-    CML_TRY(cml_mci_numbers(reader, NULL, &photons, 1, values));
-    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "photons"), &photons, values));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, cml_mci_photons_field.name));
+    CML_TRY(cml_mci_numbers(reader, NULL, &cml_mci_photons_field, 1, values));
     scene->photons = (uint64_t)values[0];
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "dz dr"));
     CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
@@ -260,14 +257,12 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
     if (!above && numbers_alone(reader->cursor) == CML_MCI_MEDIUM_FIELDS + 1)
         return cml_mci_fail(reader, field.name, cml_mci_raw(reader),
                             "one number; is the number of layers too small?");
-    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, index));
-    return cml_mci_set(reader, cml_mci_setting(reader, above ? "above.n" : "below.n"), &field, index);
+    return cml_mci_numbers(reader, NULL, &field, 1, index);
 }
 
 /* The boundary above the layer, number layer - 1, may have its line before this one. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
-    static const struct cml_mci_field thickness = {"d", 0, CML_MCI_HUGE, false, "a thickness of 0..1e30 cm"};
     struct cml_mci_field fields[CML_MCI_MEDIUM_FIELDS + 1];
     char owner[32];
     double values[5];
@@ -277,12 +272,9 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
                             "n mua mus g d; is the number of layers too large?");
     memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
-    fields[CML_MCI_MEDIUM_FIELDS] = thickness;
+    fields[CML_MCI_MEDIUM_FIELDS] = cml_mci_thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
-    CML_TRY(cml_mci_medium(reader, "layer", layer, values, &scene->media[layer]));
-    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "layer%d.d", layer), &thickness, &values[4]));
-    if (values[4] > 50 && values[4] < SEMI_INFINITE)
-        cml_mci_note(reader, "%s: d = %g cm (lengths are in cm: was it meant in mm?)", owner, values[4]);
+    scene->media[layer] = cml_mci_medium(reader, values);
     scene->media[layer].d = values[4];
     return CML_OK;
 }
@@ -291,11 +283,37 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
 {
     CML_TRY(allocate_layers(reader, scene));
     CML_TRY(read_ambient(reader, scene, true));
-    for (int layer = 1; layer <= scene->num_layers; layer++) {
-        CML_TRY(read_layer(reader, scene, layer));
-        scene->boundaries[layer].z = scene->boundaries[layer - 1].z + scene->media[layer].d;
-    }
+    for (int layer = 1; layer <= scene->num_layers; layer++) CML_TRY(read_layer(reader, scene, layer));
     return read_ambient(reader, scene, false);
+}
+
+static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    for (int layer = 1; layer <= scene->num_layers; layer++) {
+        const double d = scene->media[layer].d;
+        if (d > 50 && d < SEMI_INFINITE)
+            cml_mci_note(reader, scene->media[layer].line,
+                         "layer %d: d = %g cm (lengths are in cm: was it meant in mm?)", layer, d);
+    }
+}
+
+/* When all lines are read: what is set in their place, and what belongs together. */
+static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    CML_TRY(cml_mci_apply_settings(reader, scene));
+    for (int layer = 1; layer <= scene->num_layers; layer++)
+        scene->boundaries[layer].z = scene->boundaries[layer - 1].z + scene->media[layer].d;
+    note_thickness(reader, scene);
+    CML_TRY(cml_mci_check_media(reader, scene));
+    CML_TRY(cml_mci_check_map(reader, scene));
+    CML_TRY(cml_mci_check_fluence(reader, scene));
+    CML_TRY(cml_mci_check_beams(reader, scene));
+    CML_TRY(cml_mci_end_detectors(reader, scene));
+    CML_TRY(cml_mci_check_photons(reader, scene));
+    free(scene->settings);
+    scene->settings = NULL;
+    if (!reader->options->settings) return CML_OK;
+    return cml_settings_text(reader->options->settings, &scene->settings, reader->err);
 }
 
 /* The scene joins the list before it is complete, so that clearing the list frees what was read of it. */
@@ -310,21 +328,12 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     struct cml_scene *scene = &list->scenes[list->count++];
     *scene = (struct cml_scene){0};
     cml_mci_forget(reader);
-    reader->run = list->count - 1;
-    memset(reader->taken, 0, sizeof reader->taken);
     CML_TRY(cml_mci_first_beam(reader, scene));
     CML_TRY(read_name(reader, list, scene));
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
-    CML_TRY(cml_mci_check_map(reader, scene));
-    CML_TRY(cml_mci_check_fluence(reader, scene));
-    if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
-    CML_TRY(cml_mci_end_beams(reader, scene));
-    CML_TRY(cml_mci_end_detectors(reader, scene));
-    CML_TRY(cml_mci_check_photons(reader, scene));
-    CML_TRY(cml_mci_check_settings(reader, scene));
-    if (reader->options->settings)
-        CML_TRY(cml_settings_text(reader->options->settings, &scene->settings, reader->err));
+    CML_TRY(complete(reader, scene));
+    CML_TRY(cml_scene_place_bodies(scene, reader->err));
     scene->text = cml_mci_take_kept(reader);
     return CML_OK;
 }
@@ -334,7 +343,8 @@ static void note_run(struct cml_mci_reader *reader, const struct cml_scene_list 
 {
     const char *name = cml_text_word(&reader->cursor), *format = cml_text_word(&reader->cursor);
     if (!format || !strchr("AaBb", format[0]) || format[1]) return;
-    cml_mci_note(reader, "the run %.100s and what follows it is not read: the number of runs is %d", name,
+    cml_mci_note(reader, reader->text.line,
+                 "the run %.100s and what follows it is not read: the number of runs is %d", name,
                  list->count);
 }
 
@@ -399,5 +409,48 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
     if (status == CML_OK) status = read_file(&reader, list);
     cml_mci_close(&reader);
     if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
+}
+
+/* ---- a scene again, with other numbers ---- */
+
+/* Reads the line of boundary b again, and the file that it may name. */
+static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
+                             struct cml_boundary *boundary)
+{
+    struct cml_mci_reader reader;
+    enum cml_mci_kind kind;
+    cml_boundary_clear(boundary);
+    cml_status status = cml_mci_open(path, copying->options, &reader, copying->err);
+    while (status == CML_OK && reader.text.line + 1 < line) cml_text_next(&reader.text);
+    if (status == CML_OK) status = cml_mci_next(&reader, true, &kind);
+    if (status == CML_OK) status = cml_mci_boundary(&reader, kind, b, boundary);
+    cml_mci_close(&reader);
+    return status;
+}
+
+/* Those that another scale or height is set of than they were read with. */
+static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        struct cml_boundary *boundary = &scene->boundaries[b];
+        double scale = boundary->scale, height = boundary->height;
+        if (boundary->line == 0) continue;
+        CML_TRY(cml_mci_set_scaling(copying, b, &scale, &height));
+        if (scale != boundary->scale || height != boundary->height)
+            CML_TRY(read_shape(copying, scene->file, boundary->line, b, boundary));
+    }
+    return CML_OK;
+}
+
+cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
+                        struct cml_scene *scene, struct cml_error *err)
+{
+    struct cml_mci_reader reader = {.options = options, .err = err};
+    CML_TRY(cml_scene_copy(from, scene, err));
+    cml_status status = options->output ? rename_output(&reader, scene) : CML_OK;
+    if (status == CML_OK) status = read_shapes(&reader, scene);
+    if (status == CML_OK) status = complete(&reader, scene);
+    if (status != CML_OK) cml_scene_clear(scene);
     return status;
 }

@@ -15,4 +15,10 @@
 CML_NODISCARD cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                                       struct cml_scene_list *list, struct cml_error *err);
 
+/* A scene that was read before, with these settings in place of those that it was read with, and the result's
+ * name, if there is one. Shares shapes, bodies and tables; only shapes that another scale or height is set of
+ * are read again, from options->source. Checked as by cml_mci_read; on failure *scene is empty. */
+CML_NODISCARD cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
+                                      struct cml_scene *scene, struct cml_error *err);
+
 #endif

@@ -2,9 +2,9 @@
 #include "input/mci_beam.h"
 
 #include "base/constants.h"
+#include "base/shared.h"
 #include "input/mesh/gsf.h"
 #include "input/mci_options.h"
-#include "input/mci_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,36 +17,29 @@
 /* The order of the keys in cml_mci_beam. */
 enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL };
 
-static const char angle_above[] = "degrees, 0 <= angle < 90", angle_inside[] = "degrees, 0 <= angle <= 180",
-                  azimuth_range[] = "degrees, -360..360",
+static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
                   light_words[] = "parallel, na:N, lambertian, isotropic or a file in quotes";
 
-static const struct cml_mci_field position = {"position", -CML_MCI_HUGE, CML_MCI_HUGE, false,
-                                              "a coordinate of -1e30..1e30 cm"},
+static const struct cml_mci_field x_field = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                  y_field = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                  z_field = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
                                   share = {"share", CML_MCI_TINY, CML_MCI_HUGE, false,
                                            "a share of 1e-30..1e30"},
                                   aperture = {"na", CML_MCI_TINY, 100, false,
-                                              "a numerical aperture of 1e-30..100"};
+                                              "a numerical aperture of 1e-30..100"},
+                                  angle_above = {"angle", 0, 89.99999999999999, false,
+                                                 "degrees, 0 <= angle < 90"},
+                                  angle_inside = {"angle", 0, 180, false, "degrees, 0 <= angle <= 180"},
+                                  azimuth = {"azimuth", -360, 360, false, "degrees, -360..360"};
 
-static double radians(double degrees)
-{
-    return degrees * (acos(-1.0) / 180);
-}
+/* Angles are degrees in the file, as people write them, and rad from here on. */
+static const double degree = CML_PI / 180;
 
-static bool parse_angle(const char *text, bool inside, double *angle)
-{
-    double degrees = 0;
-    if (!cml_mci_parse_list(text, 1, &degrees) || degrees < 0 || degrees > 180) return false;
-    if (!inside && degrees >= 90) return false;
-    *angle = radians(degrees);
-    return true;
-}
-
-static bool parse_azimuth(const char *text, double *azimuth)
+static bool parse_angle(const struct cml_mci_field *field, const char *text, double *angle)
 {
     double degrees = 0;
-    if (!cml_mci_parse_list(text, 1, &degrees) || fabs(degrees) > 360) return false;
-    *azimuth = radians(degrees);
+    if (!cml_mci_parse(field, text, &degrees)) return false;
+    *angle = degrees * degree;
     return true;
 }
 
@@ -258,7 +251,6 @@ static cml_status set_light(const struct cml_mci_line_options *options, struct c
 
 /* ---- the line ---- */
 
-/* Angles are degrees in the file, as people write them, and rad from here on. */
 static cml_status set_beam_option(const struct cml_mci_line_options *options, struct cml_beam *beam,
                                   double *beam_share)
 {
@@ -272,16 +264,16 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
         return CML_OK;
     case BEAM_Z:
         beam->inside = true;
-        return cml_mci_parse(&position, options->value, &beam->z)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, position.expected);
+        return cml_mci_parse(&z_field, options->value, &beam->z) ? CML_OK
+                                                                 : cml_mci_fail_value(options, coordinate);
     case BEAM_ANGLE: /* whether it may be so large is known behind the last option */
-        return parse_angle(options->value, true, &beam->angle)
+        return parse_angle(&angle_inside, options->value, &beam->angle)
                    ? CML_OK
-                   : cml_mci_fail_value(options, beam->inside ? angle_inside : angle_above);
+                   : cml_mci_fail_value(options, beam->inside ? angle_inside.expected : angle_above.expected);
     case BEAM_AZIMUTH:
-        return parse_azimuth(options->value, &beam->azimuth) ? CML_OK
-                                                             : cml_mci_fail_value(options, azimuth_range);
+        return parse_angle(&azimuth, options->value, &beam->azimuth)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, azimuth.expected);
     case BEAM_LIGHT:
         return set_light(options, &beam->light);
     case BEAM_SHARE:
@@ -330,6 +322,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
         .list = "at=, z=, angle=, azimuth=, light=, share= or radial="};
     const char *angle = NULL;
     CML_TRY(grow(reader, scene));
+    CML_TRY(cml_share_begin(&scene->beams[scene->num_beams - 1].users, reader->err));
     struct cml_beam *beam = &scene->beams[scene->num_beams - 1];
     double *beam_share = &scene->shares[scene->num_beams - 1];
     beam->given = true;
@@ -341,48 +334,31 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
         if (more) CML_TRY(set_beam_option(&options, beam, beam_share));
         if (more && options.key == BEAM_ANGLE) angle = options.value;
     }
-    if (beam->inside || !angle || parse_angle(angle, false, &beam->angle)) return CML_OK;
-    return cml_mci_fail_option(&options, "angle", angle, angle_above);
+    if (beam->inside || !angle || parse_angle(&angle_above, angle, &beam->angle)) return CML_OK;
+    return cml_mci_fail_option(&options, "angle", angle, angle_above.expected);
 }
 
 /* ---- settings ---- */
 
-/* beam.NAME, or of several beams beam2.NAME. */
-static const struct cml_setting *setting_of(struct cml_mci_reader *reader, const struct cml_scene *scene,
-                                            int k, const char *name)
-{
-    return scene->num_beams == 1 ? cml_mci_setting(reader, "beam.%s", name)
-                                 : cml_mci_setting(reader, "beam%d.%s", k + 1, name);
-}
-
-/* Of what a line has: a pencil has no radius that could be set. */
-static cml_status set_numbers(struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+struct cml_mci_place cml_mci_beam_place(struct cml_scene *scene, int k, const char *member)
 {
     struct cml_beam *beam = &scene->beams[k];
     const struct shape *shape = &shapes[beam->kind];
-    CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "x"), &position, &beam->x));
-    CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "y"), &position, &beam->y));
-    if (beam->inside) CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "z"), &position, &beam->z));
-    if (scene->num_beams > 1)
-        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "share"), &share, &scene->shares[k]));
-    if (beam->light.kind == CML_LIGHT_OF_NA)
-        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "na"), &aperture, &beam->light.na));
-    for (int i = 0; i < shape->numbers; i++)
-        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, shape->field[i].name), &shape->field[i],
-                            &beam->size[i]));
-    return CML_OK;
-}
-
-static cml_status set_angles(struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
-{
-    struct cml_beam *beam = &scene->beams[k];
-    const struct cml_setting *setting = setting_of(reader, scene, k, "angle");
-    if (setting && !parse_angle(setting->value, beam->inside, &beam->angle))
-        return cml_setting_fail(setting, beam->inside ? angle_inside : angle_above, reader->err);
-    setting = setting_of(reader, scene, k, "azimuth");
-    if (setting && !parse_azimuth(setting->value, &beam->azimuth))
-        return cml_setting_fail(setting, azimuth_range, reader->err);
-    return CML_OK;
+    const struct {
+        bool there;
+        struct cml_mci_place place;
+    } places[] = {{true, {&beam->x, &x_field, 1}},
+                  {true, {&beam->y, &y_field, 1}},
+                  {beam->inside, {&beam->z, &z_field, 1}},
+                  {true, {&beam->angle, beam->inside ? &angle_inside : &angle_above, degree}},
+                  {true, {&beam->azimuth, &azimuth, degree}},
+                  {beam->light.kind == CML_LIGHT_OF_NA, {&beam->light.na, &aperture, 1}},
+                  {scene->num_beams > 1, {&scene->shares[k], &share, 1}},
+                  {shape->numbers > 0, {&beam->size[0], &shape->field[0], 1}},
+                  {shape->numbers > 1, {&beam->size[1], &shape->field[1], 1}}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (places[i].there && strcmp(places[i].place.field->name, member) == 0) return places[i].place;
+    return (struct cml_mci_place){0};
 }
 
 /* ---- what belongs together ---- */
@@ -431,12 +407,8 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
     return beam->inside ? CML_OK : check_light(reader, scene, k);
 }
 
-cml_status cml_mci_end_beams(struct cml_mci_reader *reader, struct cml_scene *scene)
+cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
-    for (int k = 0; k < scene->num_beams; k++) {
-        CML_TRY(set_angles(reader, scene, k));
-        CML_TRY(set_numbers(reader, scene, k));
-        CML_TRY(check_beam(reader, scene, k));
-    }
+    for (int k = 0; k < scene->num_beams; k++) CML_TRY(check_beam(reader, scene, k));
     return CML_OK;
 }

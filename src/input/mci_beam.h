@@ -12,8 +12,12 @@ CML_NODISCARD cml_status cml_mci_first_beam(struct cml_mci_reader *reader, struc
  * [radial=beam]", cursor behind the keyword, and the files that it names; angles become rad. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Takes the settings of all beams, after their lines, and checks what lines and media have to do with each
- * other. CML_E_INPUT. */
-CML_NODISCARD cml_status cml_mci_end_beams(struct cml_mci_reader *reader, struct cml_scene *scene);
+/* Where beam k has the number `member`, as of beam.radius: of what its line has, and a pencil has no radius.
+ */
+struct cml_mci_place cml_mci_beam_place(struct cml_scene *scene, int k, const char *member);
+
+/* After all numbers are there: checks what lines and media have to do with each other. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_check_beams(const struct cml_mci_reader *reader,
+                                             const struct cml_scene *scene);
 
 #endif

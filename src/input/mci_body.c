@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_body.h"
 
+#include "base/shared.h"
 #include "input/mci_boundary.h"
 #include "input/mci_medium.h"
 
@@ -26,8 +27,8 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
 }
 
 /* Behind the last number a number too many was meant for something (mci_lines.h). */
-static cml_status read_shape(struct cml_mci_reader *reader, int number, const char *owner,
-                             struct cml_scene_body *body, struct cml_medium_def *medium)
+static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, struct cml_scene_body *body,
+                             struct cml_medium_def *medium)
 {
     static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
                       radius[] = "a radius of 1e-30..1e30 cm";
@@ -56,7 +57,8 @@ static cml_status read_shape(struct cml_mci_reader *reader, int number, const ch
     memcpy(body->centre, values, sizeof body->centre);
     if (!round) memcpy(body->end, values + 3, sizeof body->end);
     body->radius = values[count - 1];
-    return cml_mci_medium(reader, "body", number, values + count, medium);
+    *medium = cml_mci_medium(reader, values + count);
+    return CML_OK;
 }
 
 /* Its axis must have a length that is more than rounding. */
@@ -91,17 +93,8 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
         return cml_mci_fail(reader, field, word, "sphere, cylinder, or an .obj file in a pair of quotes");
     body->form = word[0] == 's' ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
-    CML_TRY(read_shape(reader, number, owner, body, medium));
+    CML_TRY(read_shape(reader, owner, body, medium));
     return check_axis(reader, owner, body);
-}
-
-/* Shapes and places of bodies cannot be set, so that all are as they were. */
-static void take_known(const struct cml_scene_body *known, struct cml_scene_body *body)
-{
-    body->host = known->host;
-    body->mesh = known->mesh;
-    body->mesh_notes = known->mesh_notes;
-    body->borrowed = true;
 }
 
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
@@ -110,7 +103,6 @@ cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_sce
     const int k = scene->num_bodies++;
     struct cml_scene_body *body = &scene->bodies[k];
     *body = (struct cml_scene_body){.layer = layer, .host = layer, .line = reader->text.line};
-    const struct cml_scene_list *known = reader->options->known;
-    if (known) take_known(&known->scenes[reader->run].bodies[k], body);
+    CML_TRY(cml_share_begin(&scene->body_users, reader->err));
     return read_body(reader, k + 1, body, &scene->media[cml_body_medium(scene, k)]);
 }

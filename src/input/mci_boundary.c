@@ -1,6 +1,7 @@
 /* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
+#include "base/shared.h"
 #include "input/mci_medium.h"
 #include "input/mesh/esri.h"
 #include "input/mesh/gsf.h"
@@ -13,23 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- settings: a shape larger, or higher ---- */
-
-/* Factors on all coordinates, and on heights besides. */
-struct scaling {
-    double scale, height;
-};
-
 static const char scale_range[] = "a number of 1e-30..1e30";
-
-static cml_status set_scaling(struct cml_mci_reader *reader, int index, struct scaling *scaling)
-{
-    static const struct cml_mci_field scale = {"scale", CML_MCI_TINY, CML_MCI_HUGE, false, scale_range},
-                                      height = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
-    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.scale", index), &scale, &scaling->scale));
-    return cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.height", index), &height,
-                       &scaling->height);
-}
 
 /* ---- b: a radial heightfield ---- */
 
@@ -138,10 +123,10 @@ static cml_status read_samples(struct samples *samples, int *n)
 }
 
 /* Files give spacings; all else needs radii. */
-static cml_status sum_radii(const struct samples *samples, const struct scaling *scaling,
-                            struct cml_radial *radial)
+static cml_status sum_radii(const struct samples *samples, struct cml_boundary *boundary)
 {
     const size_t n = samples->num_values / 2;
+    struct cml_radial *radial = &boundary->radial;
     radial->r = malloc(n * sizeof *radial->r);
     radial->h = malloc(n * sizeof *radial->h);
     if (!radial->r || !radial->h)
@@ -149,8 +134,8 @@ static cml_status sum_radii(const struct samples *samples, const struct scaling 
     radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
-        radial->r[i] = r * scaling->scale;
-        radial->h[i] = samples->values[2 * i] * scaling->scale * scaling->height;
+        radial->r[i] = r * boundary->scale;
+        radial->h[i] = samples->values[2 * i] * boundary->scale * boundary->height;
         r += samples->values[2 * i + 1];
     }
     return CML_OK;
@@ -179,14 +164,13 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
-    struct scaling scaling = {1, 1};
-    CML_TRY(set_scaling(reader, index, &scaling));
+    CML_TRY(cml_mci_set_scaling(reader, index, &boundary->scale, &boundary->height));
     snprintf(samples.owner, sizeof samples.owner, "boundary %d", index);
     boundary->form = CML_FORM_RADIAL;
     int n = 0;
     cml_status status = open_samples(&samples, boundary);
     if (status == CML_OK) status = read_samples(&samples, &n);
-    if (status == CML_OK) status = sum_radii(&samples, &scaling, &boundary->radial);
+    if (status == CML_OK) status = sum_radii(&samples, boundary);
     free(samples.values);
     cml_text_clear(&samples.file);
     return status;
@@ -290,8 +274,8 @@ static cml_status check_seam(const struct cml_mci_line_options *options, const s
             return cml_mci_fail_option(options, "tile", value,
                                        "at most three times the largest step inside; tile=mirror repeats any "
                                        "map, tile=as-is this one");
-        cml_mci_note(options->reader, "%s: tile: %s (tile=as-is if that is meant, else tile=mirror)",
-                     options->owner, value);
+        cml_mci_note(options->reader, options->reader->text.line,
+                     "%s: tile: %s (tile=as-is if that is meant, else tile=mirror)", options->owner, value);
     }
     return CML_OK;
 }
@@ -375,10 +359,9 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         if (!more) break;
         CML_TRY(options.key == MESH_TILE ? set_tiling(&options, &tiling) : set_mesh_option(&options, &obj));
     }
-    struct scaling scaling = {obj.scale, 1};
-    CML_TRY(set_scaling(reader, index, &scaling));
-    obj.scale = scaling.scale;
-    obj.height = scaling.height;
+    CML_TRY(cml_mci_set_scaling(reader, index, &obj.scale, &obj.height));
+    boundary->scale = obj.scale;
+    boundary->height = obj.height;
     if (tiling != TILE_NONE && kind == FILE_OBJ)
         return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
@@ -414,12 +397,9 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
                  boundary->line);
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
     }
-    const struct cml_boundary *known = cml_mci_known_shape(reader, index);
-    if (known) {
-        cml_mci_borrow_shape(known, boundary);
-        return CML_OK;
-    }
     boundary->line = reader->text.line;
+    boundary->scale = boundary->height = 1;
+    CML_TRY(cml_share_begin(&boundary->users, reader->err));
     CML_TRY(read_boundary(reader, kind, index, boundary));
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
@@ -428,9 +408,8 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
 /* ---- i: a closed mesh ---- */
 
 /* Name, medium, options: what comes before the file is read. */
-static cml_status read_body_line(struct cml_mci_line_options *options, int number,
-                                 struct cml_scene_body *body, struct cml_medium_def *medium,
-                                 struct cml_obj_options *obj)
+static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
+                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
 {
     struct cml_mci_reader *reader = options->reader;
     double values[CML_MCI_MEDIUM_FIELDS];
@@ -441,7 +420,7 @@ static cml_status read_body_line(struct cml_mci_line_options *options, int numbe
     CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
     CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
                                     values));
-    CML_TRY(cml_mci_medium(reader, "body", number, values, medium));
+    *medium = cml_mci_medium(reader, values);
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(options, &more));
         if (more) CML_TRY(set_mesh_option(options, obj));
@@ -461,8 +440,7 @@ cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct c
                                            .flag = "union",
                                            .list = "up=, rotate=, units=, scale=, shift=, normals= or union"};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
-    CML_TRY(read_body_line(&options, number, body, medium, &obj));
-    if (body->borrowed) return CML_OK;
+    CML_TRY(read_body_line(&options, body, medium, &obj));
     obj.budget = reader->options->budget;
     obj.budget.file = reader->text.path;
     obj.budget.line = reader->text.line;

@@ -16,11 +16,4 @@ CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cm
 CML_NODISCARD cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number,
                                            struct cml_scene_body *body, struct cml_medium_def *medium);
 
-/* The shape of the same boundary in the file as it was read before (options->known), where nothing else is
- * set of it than was then; NULL: none. */
-const struct cml_boundary *cml_mci_known_shape(struct cml_mci_reader *reader, int index);
-
-/* All of *from but its depth, which the layers of this scene give. */
-void cml_mci_borrow_shape(const struct cml_boundary *from, struct cml_boundary *boundary);
-
 #endif

@@ -3,7 +3,6 @@
 
 #include "base/constants.h"
 #include "input/mci_options.h"
-#include "input/mci_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,11 +17,18 @@ enum { KEY_AT, KEY_Z, KEY_SIDE, KEY_NA, KEY_ANGLE, KEY_AZIMUTH, KEY_DIFFUSE, KEY
 /* ---- shapes ---- */
 
 static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9",
-                  inner[] = "a length of 0..1e30 cm", coordinate[] = "a coordinate of -1e30..1e30 cm",
-                  angle_range[] = "degrees, 0 <= angle <= 90", azimuth_range[] = "degrees, -360..360";
+                  inner[] = "a length of 0..1e30 cm", coordinate[] = "a coordinate of -1e30..1e30 cm";
 
-static const struct cml_mci_field aperture = {"na", CML_MCI_TINY, 100, false,
-                                              "a numerical aperture of 1e-30..100"};
+static const struct cml_mci_field x_field = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                  y_field = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                  z_field = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                  aperture = {"na", CML_MCI_TINY, 100, false,
+                                              "a numerical aperture of 1e-30..100"},
+                                  angle_field = {"angle", 0, 90, false, "degrees, 0 <= angle <= 90"},
+                                  azimuth_field = {"azimuth", -360, 360, false, "degrees, -360..360"};
+
+/* Degrees in the file, rad from here on. */
+static const double degree = CML_PI / 180;
 
 static const struct shape {
     const char *name;
@@ -125,14 +131,12 @@ static cml_status set_place(const struct cml_mci_line_options *options, struct c
     return CML_OK;
 }
 
-/* Degrees in the file, rad from here on. */
-static cml_status set_angle(const struct cml_mci_line_options *options, double lowest, double highest,
-                            const char *expected, double *angle)
+static cml_status set_angle(const struct cml_mci_line_options *options, const struct cml_mci_field *field,
+                            double *angle)
 {
     double degrees;
-    if (!cml_mci_parse_list(options->value, 1, &degrees) || degrees < lowest || degrees > highest)
-        return cml_mci_fail_value(options, expected);
-    *angle = degrees * CML_PI / 180;
+    if (!cml_mci_parse(field, options->value, &degrees)) return cml_mci_fail_value(options, field->expected);
+    *angle = degrees * degree;
     return CML_OK;
 }
 
@@ -151,9 +155,9 @@ static cml_status set_option(const struct cml_mci_line_options *options, struct 
                    ? CML_OK
                    : cml_mci_fail_value(options, aperture.expected);
     case KEY_ANGLE:
-        return set_angle(options, 0, 90, angle_range, &detector->angle);
+        return set_angle(options, &angle_field, &detector->angle);
     case KEY_AZIMUTH:
-        return set_angle(options, -360, 360, azimuth_range, &detector->azimuth);
+        return set_angle(options, &azimuth_field, &detector->azimuth);
     case KEY_DIFFUSE:
         detector->diffuse = true;
         return options->alone ? CML_OK : cml_mci_fail_value(options, "the word diffuse alone");
@@ -212,26 +216,6 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
     return cml_fail_field(reader->err, scene->file, scene->detectors[k].line, field, value, expected);
 }
 
-/* detector.NAME, or of several detector2.NAME, into a member of detector k. */
-static cml_status set(struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
-                      const struct cml_mci_field *field, double *value)
-{
-    const struct cml_setting *setting = scene->num_detectors == 1
-                                            ? cml_mci_setting(reader, "detector.%s", field->name)
-                                            : cml_mci_setting(reader, "detector%d.%s", k + 1, field->name);
-    return cml_mci_set(reader, setting, field, value);
-}
-
-/* Degrees outside, rad in the scene. */
-static cml_status set_angle_of(struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
-                               const struct cml_mci_field *field, double *angle)
-{
-    double degrees = NAN;
-    CML_TRY(set(reader, scene, k, field, &degrees));
-    if (!isnan(degrees)) *angle = degrees * CML_PI / 180;
-    return CML_OK;
-}
-
 /* A ring without a hole has a radius. */
 static const struct shape *shape_of(const struct cml_detector_def *detector)
 {
@@ -240,49 +224,38 @@ static const struct shape *shape_of(const struct cml_detector_def *detector)
     return &shapes[s];
 }
 
-static cml_status set_shape(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+struct cml_mci_place cml_mci_detector_place(struct cml_detector_def *detector, const char *member)
 {
-    struct cml_detector_def *detector = &scene->detectors[k];
-    double *size = detector->size;
+    if (strcmp(member, z_field.name) == 0) detector->at_z = true;
     const struct shape *shape = shape_of(detector);
-    char value[80];
-    if (shape->numbers == 1) return set(reader, scene, k, &shape->field[0], &size[1]);
-    for (int i = 0; i < 2; i++)
-        CML_TRY(set(reader, scene, k, &shape->field[shape->numbers - 2 + i], &size[i]));
-    snprintf(value, sizeof value, "%g %g", size[0], size[1]);
-    if (detector->kind == CML_DETECTOR_RING && size[0] >= size[1])
-        return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
-    return CML_OK;
-}
-
-/* Of what its line has: one that sees all directions has no axis that could be set. */
-static cml_status set_numbers(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
-{
-    static const struct cml_mci_field x = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                      y = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                      z = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                      angle = {"angle", 0, 90, false, angle_range},
-                                      azimuth = {"azimuth", -360, 360, false, azimuth_range};
-    struct cml_detector_def *detector = &scene->detectors[k];
-    CML_TRY(set(reader, scene, k, &x, &detector->x));
-    CML_TRY(set(reader, scene, k, &y, &detector->y));
-    CML_TRY(set(reader, scene, k, &z, &detector->z));
-    CML_TRY(set_shape(reader, scene, k));
-    if (!detector->aimed) return CML_OK;
-    CML_TRY(set(reader, scene, k, &aperture, &detector->na));
-    CML_TRY(set_angle_of(reader, scene, k, &angle, &detector->angle));
-    return set_angle_of(reader, scene, k, &azimuth, &detector->azimuth);
+    const struct cml_mci_field *last = &shape->field[shape->numbers - 1];
+    const struct {
+        bool there;
+        struct cml_mci_place place;
+    } places[] = {{true, {&detector->x, &x_field, 1}},
+                  {true, {&detector->y, &y_field, 1}},
+                  {true, {&detector->z, &z_field, 1}},
+                  {shape->numbers > 1, {&detector->size[0], last - (shape->numbers > 1), 1}},
+                  {true, {&detector->size[1], last, 1}},
+                  {detector->aimed, {&detector->na, &aperture, 1}},
+                  {detector->aimed, {&detector->angle, &angle_field, degree}},
+                  {detector->aimed, {&detector->azimuth, &azimuth_field, degree}}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (places[i].there && strcmp(places[i].place.field->name, member) == 0) return places[i].place;
+    return (struct cml_mci_place){0};
 }
 
 /* ---- what belongs together ---- */
 
 /* A detector without a name has its number, from 1. */
-static cml_status fill_in(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_detector_def *detector = &scene->detectors[k];
-    char number[16];
+    char number[16], value[80];
     if (!detector->at_z) detector->z = scene->boundaries[detector->below ? scene->num_layers : 0].z;
-    CML_TRY(set_numbers(reader, scene, k));
+    snprintf(value, sizeof value, "%g %g", detector->size[0], detector->size[1]);
+    if (detector->kind == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
+        return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
     snprintf(number, sizeof number, "%d", k + 1);
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
@@ -315,7 +288,7 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     return status;
 }
 
-cml_status cml_mci_end_detectors(struct cml_mci_reader *reader, struct cml_scene *scene)
+cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;
     double pixels = 0;

@@ -9,8 +9,12 @@
  * [azimuth=degrees] [diffuse] [name=NAME]", cursor behind the keyword; angles become rad. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Once layers and map are known: names and planes that lines do not give, and what lines have to do with each
- * other. CML_E_INPUT: two of a name, too many pixels. */
-CML_NODISCARD cml_status cml_mci_end_detectors(struct cml_mci_reader *reader, struct cml_scene *scene);
+/* Where a detector has the number `member`, as of detector.radius: of what its line has, and one that sees
+ * all directions has no axis. */
+struct cml_mci_place cml_mci_detector_place(struct cml_detector_def *detector, const char *member);
+
+/* After all numbers are there: fills in names and planes that lines do not give, and checks what lines have
+ * to do with each other. CML_E_INPUT: two of a name, too many pixels. */
+CML_NODISCARD cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene);
 
 #endif

@@ -140,7 +140,8 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                       (kind == CML_MCI_BEAM && begins_with(behind, sources)) ||
                       (kind == CML_MCI_DETECTOR && begins_with(behind, seen));
     if (ours)
-        cml_mci_note(reader, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor, reader->cursor + 1);
+        cml_mci_note(reader, reader->text.line, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor,
+                     reader->cursor + 1);
 }
 
 /* Only data lines and lines of ours are kept: comments change no result. */
@@ -189,12 +190,12 @@ cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *ow
                     why.text);
 }
 
-void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...)
+void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *format, ...)
 {
     const struct cml_input_options *options = reader->options;
     char text[1024];
     if (!options->on_note) return;
-    const int used = snprintf(text, sizeof text, "%.500s:%d: ", reader->text.path, reader->text.line);
+    const int used = snprintf(text, sizeof text, "%.500s:%d: ", reader->text.path, line);
     va_list values;
     va_start(values, format);
     vsnprintf(text + used, sizeof text - (size_t)used, format, values);

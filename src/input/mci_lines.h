@@ -20,9 +20,7 @@ struct cml_mci_reader {
     char *cursor; /* what is left of the current line */
     char *kept;   /* the lines handed out since cml_mci_forget, joined with line feeds */
     size_t kept_size, kept_capacity;
-    size_t kept_last;              /* where in `kept` the current line begins */
-    int run;                       /* of the file, from 0 */
-    bool taken[CML_MOST_SETTINGS]; /* settings that have been asked for */
+    size_t kept_last; /* where in `kept` the current line begins */
 };
 
 /* What a line is. */
@@ -51,6 +49,13 @@ struct cml_mci_field {
     double lowest, highest;
     bool whole; /* also written like 1e7 */
     const char *expected;
+};
+
+/* Where a number stands that may be set (input/mci_settings.h). */
+struct cml_mci_place {
+    double *value; /* NULL: there is no such number */
+    const struct cml_mci_field *field;
+    double unit; /* what *value is of 1 outside: radians of a degree, else 1 */
 };
 
 /* Reads the file and stands before its first line. `options` and `err` must outlive the reader; close it with
@@ -88,8 +93,8 @@ CML_NODISCARD cml_status cml_mci_fail(const struct cml_mci_reader *reader, const
 CML_NODISCARD cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *owner,
                                            const char *file, cml_status status);
 
-/* Tells the reader's user something of the current line: "FILE:LINE: TEXT". */
-CML_PRINTF(2, 3) void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...);
+/* Tells the reader's user something of a line: "FILE:LINE: TEXT". */
+CML_PRINTF(3, 4) void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *format, ...);
 
 /* True when the entire word is a number in the field's range. */
 bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value);

@@ -2,7 +2,7 @@
 #include "input/mci_medium.h"
 
 #include "base/constants.h"
-#include "input/mci_settings.h"
+#include "base/shared.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,32 +23,13 @@ const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS] = {
     {"g", -1, 1, false, "an anisotropy of -1..1"},
 };
 
-static cml_status check_absorption(struct cml_mci_reader *reader, const char *kind, int number,
-                                   const struct cml_medium_def *medium)
-{
-    static const char expected[] = "0, or at least 1e-11 of mua + mus";
-    char field[48], value[32];
-    const double mut = cml_medium_mut(medium);
-    if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
-    const struct cml_setting *mua = cml_mci_setting(reader, "%s%d.mua", kind, number);
-    snprintf(field, sizeof field, "%s %d: mua", kind, number);
-    snprintf(value, sizeof value, "%g", medium->mua);
-    if (mua) return cml_setting_fail(mua, expected, reader->err);
-    return cml_mci_fail(reader, field, value, expected);
-}
+const struct cml_mci_field cml_mci_thickness = {"d", 0, CML_MCI_HUGE, false, "a thickness of 0..1e30 cm"};
 
-cml_status cml_mci_medium(struct cml_mci_reader *reader, const char *kind, int number,
-                          const double line[CML_MCI_MEDIUM_FIELDS], struct cml_medium_def *medium)
+struct cml_medium_def cml_mci_medium(const struct cml_mci_reader *reader,
+                                     const double line[CML_MCI_MEDIUM_FIELDS])
 {
-    double values[CML_MCI_MEDIUM_FIELDS];
-    for (int i = 0; i < CML_MCI_MEDIUM_FIELDS; i++) {
-        const struct cml_mci_field *field = &cml_mci_medium_fields[i];
-        values[i] = line[i];
-        CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "%s%d.%s", kind, number, field->name), field,
-                            &values[i]));
-    }
-    *medium = (struct cml_medium_def){.n = values[0], .mua = values[1], .mus = values[2], .g = values[3]};
-    return check_absorption(reader, kind, number, medium);
+    return (struct cml_medium_def){
+        .n = line[0], .mua = line[1], .mus = line[2], .g = line[3], .line = reader->text.line};
 }
 
 /* ---- phase: how the medium scatters ---- */
@@ -69,17 +50,13 @@ static const struct cml_mci_field *phase_field(const char *name)
     return field;
 }
 
-/* The words of the line, then what is set in their place. owner: "layer 2: phase". */
-static cml_status read_phase_numbers(struct cml_mci_reader *reader, const char *owner, const char *kind,
-                                     int number, struct cml_phase *phase)
+/* owner: "layer 2: phase". */
+static cml_status read_phase_numbers(struct cml_mci_reader *reader, const char *owner,
+                                     struct cml_phase *phase)
 {
     const char *const *names = cml_phase_numbers(phase->kind);
-    for (int i = 0; names[i]; i++) {
-        const struct cml_mci_field *field = phase_field(names[i]);
-        CML_TRY(cml_mci_leading_numbers(reader, owner, field, 1, &phase->number[i]));
-        CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "%s%d.phase.%s", kind, number, names[i]), field,
-                            &phase->number[i]));
-    }
+    for (int i = 0; names[i]; i++)
+        CML_TRY(cml_mci_leading_numbers(reader, owner, phase_field(names[i]), 1, &phase->number[i]));
     return CML_OK;
 }
 
@@ -156,19 +133,7 @@ static cml_status read_table(struct cml_mci_reader *reader, const char *owner, s
     return cml_mci_name_line(reader, owner, phase->file, status);
 }
 
-static cml_status check_mean(const struct cml_mci_reader *reader, const char *owner, double g,
-                             const struct cml_phase *phase)
-{
-    const double mean = cml_phase_mean(phase);
-    char field[64], value[32], expected[80];
-    if (fabs(mean - g) <= 1.0000001e-3) return CML_OK;
-    snprintf(field, sizeof field, "%s: mean cosine", owner);
-    snprintf(value, sizeof value, "%.6g", mean);
-    snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", g);
-    return cml_mci_fail(reader, field, value, expected);
-}
-
-static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number, double g,
+static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number,
                              struct cml_phase *phase)
 {
     char owner[48], field[64];
@@ -181,28 +146,32 @@ static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, in
     if (phase->kind == CML_PHASE_KINDS)
         return cml_mci_fail(reader, field, word, "hg2, mhg, gk, rayleigh or table");
     CML_TRY(phase->kind == CML_PHASE_TABLE ? read_table(reader, owner, phase)
-                                           : read_phase_numbers(reader, owner, kind, number, phase));
+                                           : read_phase_numbers(reader, owner, phase));
     word = cml_text_word(&reader->cursor);
-    if (word) return cml_mci_fail(reader, owner, word, "the end of the line or a comment");
-    return check_mean(reader, owner, g, phase);
+    return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
+}
+
+/* Joins the scene's, as the medium's. */
+static cml_status add_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
+                            struct cml_phase *phase, struct cml_medium_def *medium)
+{
+    phase->index = scene->phases ? scene->phases->index + 1 : 0;
+    phase->next = scene->phases;
+    medium->phase = scene->phases = phase;
+    if (phase->index < CML_MOST_PHASES) return CML_OK;
+    return cml_mci_fail(reader, "line", "phase", "at most 1000 different phase functions");
 }
 
 /* Joins the scene's, unless it has an equal one. */
-static cml_status share_phase(struct cml_mci_reader *reader, struct cml_scene *scene, struct cml_phase *phase,
-                              struct cml_medium_def *medium)
+static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
+                              struct cml_phase *phase, struct cml_medium_def *medium)
 {
-    struct cml_phase *known = scene->phases;
-    while (known && !cml_phase_equal(known, phase)) known = known->next;
-    if (!known) {
-        phase->index = scene->phases ? scene->phases->index + 1 : 0;
-        phase->next = scene->phases;
-        scene->phases = known = phase;
-    } else {
-        cml_phases_free(phase);
-    }
-    medium->phase = known;
-    if (known->index < CML_MOST_PHASES) return CML_OK;
-    return cml_mci_fail(reader, "line", "phase", "at most 1000 different phase functions");
+    struct cml_phase *equal = scene->phases;
+    while (equal && !cml_phase_equal(equal, phase)) equal = equal->next;
+    if (!equal) return add_phase(reader, scene, phase, medium);
+    cml_phases_free(phase);
+    medium->phase = equal;
+    return CML_OK;
 }
 
 cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
@@ -214,31 +183,136 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one phase line for each layer and body");
     struct cml_phase *phase = calloc(1, sizeof *phase);
     if (!phase) return cml_fail_memory(reader->err, sizeof *phase, "a phase function");
-    phase->line = reader->text.line;
-    const cml_status status =
-        read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, medium->g, phase);
+    phase->line = medium->phase_line = reader->text.line;
+    cml_status status = cml_share_begin(&phase->users, reader->err);
+    if (status == CML_OK) status = read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, phase);
     if (status == CML_OK) return share_phase(reader, scene, phase, medium);
     cml_phases_free(phase);
     return status;
 }
 
+/* ---- numbers from outside, and what belongs together ---- */
+
+/* The medium's function in the scene's list, after a copy where other media have it, too. Tables, whose rows
+ * would have to be copied, have no numbers that could be set. */
+static cml_status own_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
+                            struct cml_medium_def *medium, struct cml_phase **own)
+{
+    const int media = scene->num_layers + 2 + scene->num_bodies;
+    int users = 0;
+    for (*own = scene->phases; *own != medium->phase;) *own = (*own)->next;
+    for (int m = 0; m < media; m++) users += scene->media[m].phase == *own;
+    if (users == 1) return CML_OK;
+    struct cml_phase *copy = malloc(sizeof *copy);
+    if (!copy) return cml_fail_memory(reader->err, sizeof *copy, "a phase function");
+    *copy = **own;
+    *own = copy;
+    cml_share(copy->users);
+    return add_phase(reader, scene, copy, medium);
+}
+
+static cml_status phase_place(const struct cml_mci_reader *reader, struct cml_scene *scene,
+                              struct cml_medium_def *medium, const char *name, struct cml_mci_place *place)
+{
+    if (!medium->phase) return CML_OK;
+    struct cml_phase *own;
+    const char *const *names = cml_phase_numbers(medium->phase->kind);
+    int i = 0;
+    while (names[i] && strcmp(names[i], name) != 0) i++;
+    if (!names[i]) return CML_OK;
+    CML_TRY(own_phase(reader, scene, medium, &own));
+    *place = (struct cml_mci_place){&own->number[i], phase_field(name), 1};
+    return CML_OK;
+}
+
+cml_status cml_mci_medium_place(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
+                                const char *member, struct cml_mci_place *place)
+{
+    struct cml_medium_def *medium = &scene->media[m];
+    double *const values[] = {&medium->n, &medium->mua, &medium->mus, &medium->g};
+    const bool outer = m == 0 || m == scene->num_layers + 1, layer = !outer && m <= scene->num_layers;
+    *place = (struct cml_mci_place){0};
+    if (!outer && strncmp(member, "phase.", 6) == 0)
+        return phase_place(reader, scene, medium, member + 6, place);
+    for (int i = 0; i < (outer ? 1 : CML_MCI_MEDIUM_FIELDS); i++)
+        if (strcmp(cml_mci_medium_fields[i].name, member) == 0)
+            *place = (struct cml_mci_place){values[i], &cml_mci_medium_fields[i], 1};
+    if (layer && strcmp(member, "d") == 0) *place = (struct cml_mci_place){&medium->d, &cml_mci_thickness, 1};
+    return CML_OK;
+}
+
+static cml_status check_absorption(const struct cml_mci_reader *reader, const struct cml_scene *scene,
+                                   const char *kind, int number, const struct cml_medium_def *medium)
+{
+    static const char expected[] = "0, or at least 1e-11 of mua + mus";
+    char name[CML_SETTING_NAME], field[48], value[32];
+    const double mut = cml_medium_mut(medium);
+    if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
+    snprintf(name, sizeof name, "%s%d.mua", kind, number);
+    snprintf(field, sizeof field, "%s %d: mua", kind, number);
+    snprintf(value, sizeof value, "%g", medium->mua);
+    const struct cml_setting *mua =
+        reader->options->settings ? cml_settings_find(reader->options->settings, name) : NULL;
+    return mua ? cml_setting_fail(mua, expected, reader->err)
+               : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
+}
+
+static cml_status check_mean(const struct cml_mci_reader *reader, const struct cml_scene *scene,
+                             const char *kind, int number, const struct cml_medium_def *medium, double mean)
+{
+    char field[64], value[32], expected[80];
+    if (fabs(mean - medium->g) <= 1.0000001e-3) return CML_OK;
+    snprintf(field, sizeof field, "%s %d: phase: mean cosine", kind, number);
+    snprintf(value, sizeof value, "%.6g", mean);
+    snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", medium->g);
+    return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
+}
+
+cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    double mean[CML_MOST_PHASES];
+    for (const struct cml_phase *phase = scene->phases; phase; phase = phase->next)
+        mean[phase->index] = cml_phase_mean(phase);
+    for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
+        const struct cml_medium_def *medium = &scene->media[m];
+        const bool body = m > scene->num_layers + 1;
+        const int number = body ? m - scene->num_layers - 1 : m;
+        const char *kind = body ? "body" : "layer";
+        CML_TRY(check_absorption(reader, scene, kind, number, medium));
+        if (medium->phase)
+            CML_TRY(check_mean(reader, scene, kind, number, medium, mean[medium->phase->index]));
+    }
+    return CML_OK;
+}
+
 /* ---- backing: what lies under the last boundary ---- */
 
-static cml_status backing_number(struct cml_mci_reader *reader, const char *word, const char *setting,
+static const struct cml_mci_field backing_R = {"backing: R", 0, 1, false,
+                                               "a reflectance of 0..1, or metal N K"},
+                                  backing_n = {"backing: N", 0, MAX_INDEX, false,
+                                               "the real part of an index, 0..100"},
+                                  backing_k = {"backing: K", 0, MAX_INDEX, false,
+                                               "the imaginary part of an index, 0..100"};
+
+struct cml_mci_place cml_mci_backing_place(struct cml_backing_def *backing, const char *member)
+{
+    const bool metal = backing->kind == CML_BACKED_BY_METAL;
+    if (metal && strcmp(member, "n") == 0) return (struct cml_mci_place){&backing->n, &backing_n, 1};
+    if (metal && strcmp(member, "k") == 0) return (struct cml_mci_place){&backing->k, &backing_k, 1};
+    if (!metal && backing->kind != CML_NO_BACKING && strcmp(member, "r") == 0)
+        return (struct cml_mci_place){&backing->R, &backing_R, 1};
+    return (struct cml_mci_place){0};
+}
+
+static cml_status backing_number(struct cml_mci_reader *reader, const char *word,
                                  const struct cml_mci_field *field, double *value)
 {
-    if (!word || !cml_mci_parse(field, word, value))
-        return cml_mci_fail(reader, field->name, word, field->expected);
-    return cml_mci_set(reader, cml_mci_setting(reader, "%s", setting), field, value);
+    if (word && cml_mci_parse(field, word, value)) return CML_OK;
+    return cml_mci_fail(reader, field->name, word, field->expected);
 }
 
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
-    static const struct cml_mci_field R = {"backing: R", 0, 1, false, "a reflectance of 0..1, or metal N K"},
-                                      n = {"backing: N", 0, MAX_INDEX, false,
-                                           "the real part of an index, 0..100"},
-                                      k = {"backing: K", 0, MAX_INDEX, false,
-                                           "the imaginary part of an index, 0..100"};
     if (backing->kind != CML_NO_BACKING)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one backing line");
     cml_mci_cut_comment(reader->cursor);
@@ -246,11 +320,11 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
     backing->line = reader->text.line;
     if (word && strcmp(word, "metal") == 0) {
         backing->kind = CML_BACKED_BY_METAL;
-        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), "backing.n", &n, &backing->n));
-        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), "backing.k", &k, &backing->k));
+        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), &backing_n, &backing->n));
+        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), &backing_k, &backing->k));
         word = cml_text_word(&reader->cursor);
     } else {
-        CML_TRY(backing_number(reader, word, "backing.r", &R, &backing->R));
+        CML_TRY(backing_number(reader, word, &backing_R, &backing->R));
         word = cml_text_word(&reader->cursor);
         const bool diffuse = word && strcmp(word, "lambertian") == 0;
         if (word && !diffuse && strcmp(word, "mirror") != 0)

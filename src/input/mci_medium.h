@@ -11,18 +11,26 @@
 extern const char cml_mci_index_range[];                                        /* of n, in words */
 extern const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS]; /* n, mua, mus, g */
 
-/* The medium of a line of these values, or of what is set in their place; kind and number: "layer", 2 of
- * "layer 2" in messages and of the setting layer2.mua. Refuses an absorption that would be lost in rounding:
- * mua's setting is named where there is one, else the line. d stays 0. */
-CML_NODISCARD cml_status cml_mci_medium(struct cml_mci_reader *reader, const char *kind, int number,
-                                        const double line[CML_MCI_MEDIUM_FIELDS],
-                                        struct cml_medium_def *medium);
+extern const struct cml_mci_field cml_mci_thickness; /* d, of a layer */
+
+/* The medium of the current line, of n, mua, mus, g; d stays 0. */
+struct cml_medium_def cml_mci_medium(const struct cml_mci_reader *reader,
+                                     const double line[CML_MCI_MEDIUM_FIELDS]);
 
 /* A line `phase` behind layer `layer`, or behind the last body in it. The medium shares its function with the
- * media before it that have an equal one. CML_E_INPUT also where the mean cosine is not the medium's g to
- * 1e-3.
- */
+ * media before it that have an equal one. */
 CML_NODISCARD cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene);
+
+/* Where medium m has the number `member`, as of layer2.mua or layer2.phase.g1, whose phase function is its
+ * own from then on. */
+CML_NODISCARD cml_status cml_mci_medium_place(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
+                                              const char *member, struct cml_mci_place *place);
+struct cml_mci_place cml_mci_backing_place(struct cml_backing_def *backing, const char *member);
+
+/* After all numbers are there. Refuses an absorption that would be lost in rounding: mua's setting is named
+ * where there is one, else the line; and a phase function whose mean cosine is not the medium's g to 1e-3. */
+CML_NODISCARD cml_status cml_mci_check_media(const struct cml_mci_reader *reader,
+                                             const struct cml_scene *scene);
 
 /* A line `backing`: what lies under the last boundary. */
 CML_NODISCARD cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing);

@@ -1,30 +1,106 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_settings.h"
 
-#include <stdarg.h>
+#include "input/mci_beam.h"
+#include "input/mci_detector.h"
+#include "input/mci_medium.h"
+
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-const struct cml_setting *cml_mci_setting(struct cml_mci_reader *reader, const char *format, ...)
+const struct cml_mci_field cml_mci_photons_field = {"photons", 1, 281474976710656.0, true,
+                                                    "a whole number of 1..2^48"};
+static const struct cml_mci_field scale_field = {"scale", CML_MCI_TINY, CML_MCI_HUGE, false,
+                                                 "a number of 1e-30..1e30"},
+                                  height_field = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
+
+static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
+                      const struct cml_mci_place *place)
 {
-    const struct cml_settings *settings = reader->options->settings;
-    char name[CML_SETTING_NAME];
-    if (!settings) return NULL;
-    va_list values;
-    va_start(values, format);
-    vsnprintf(name, sizeof name, format, values);
-    va_end(values);
-    const struct cml_setting *setting = cml_settings_find(settings, name);
-    if (setting) reader->taken[setting - settings->item] = true;
-    return setting;
+    double value;
+    if (!cml_mci_parse(place->field, setting->value, &value))
+        return cml_setting_fail(setting, place->field->expected, reader->err);
+    *place->value = value * place->unit;
+    return CML_OK;
 }
 
-cml_status cml_mci_set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                       const struct cml_mci_field *field, double *value)
+cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
-    if (!setting || cml_mci_parse(field, setting->value, value)) return CML_OK;
-    return cml_setting_fail(setting, field->expected, reader->err);
+    const struct cml_mci_place places[] = {{scale, &scale_field, 1}, {height, &height_field, 1}};
+    char name[CML_SETTING_NAME];
+    for (int i = 0; reader->options->settings && i < 2; i++) {
+        snprintf(name, sizeof name, "boundary%d.%s", b, places[i].field->name);
+        const struct cml_setting *setting = cml_settings_find(reader->options->settings, name);
+        if (setting) CML_TRY(set(reader, setting, &places[i]));
+    }
+    return CML_OK;
 }
+
+/* ---- names ---- */
+
+/* "beam2.na" is "na" of number 2 of "beam"; number -1: without one. */
+struct name {
+    char owner[16];
+    int number;
+    const char *member;
+};
+
+/* False where the text is no such name; numbers are written as people write them, without a 0 before them. */
+static bool split(const char *text, struct name *name)
+{
+    const size_t letters = strcspn(text, "0123456789."), digits = strspn(text + letters, "0123456789");
+    const char *dot = text + letters + digits;
+    if (letters >= sizeof name->owner || digits > 9 || (digits > 1 && text[letters] == '0') || *dot != '.')
+        return false;
+    snprintf(name->owner, sizeof name->owner, "%.*s", (int)letters, text);
+    name->number = digits ? (int)strtol(text + letters, NULL, 10) : -1;
+    name->member = dot + 1;
+    return true;
+}
+
+/* Which of `count` it is, from 0; a single one has no number. -1: none of them. */
+static int which(const struct name *name, int count)
+{
+    if (count == 1) return name->number == -1 ? 0 : -1;
+    return name->number >= 1 && name->number <= count ? name->number - 1 : -1;
+}
+
+/* The medium of a name's owner; -1: it is none. */
+static int medium_of(const struct cml_scene *scene, const struct name *name)
+{
+    const int n = name->number;
+    if (strcmp(name->owner, "above") == 0 && n == -1) return 0;
+    if (strcmp(name->owner, "below") == 0 && n == -1) return scene->num_layers + 1;
+    if (strcmp(name->owner, "layer") == 0 && n >= 1 && n <= scene->num_layers) return n;
+    if (strcmp(name->owner, "body") == 0 && n >= 1 && n <= scene->num_bodies)
+        return cml_body_medium(scene, n - 1);
+    return -1;
+}
+
+static cml_status find_place(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
+                             struct cml_mci_place *place)
+{
+    const int medium = medium_of(scene, name), beam = which(name, scene->num_beams),
+              detector = which(name, scene->num_detectors);
+    if (medium >= 0) return cml_mci_medium_place(reader, scene, medium, name->member, place);
+    if (strcmp(name->owner, "backing") == 0 && name->number == -1)
+        *place = cml_mci_backing_place(&scene->backing, name->member);
+    if (strcmp(name->owner, "beam") == 0 && beam >= 0) *place = cml_mci_beam_place(scene, beam, name->member);
+    if (strcmp(name->owner, "detector") == 0 && detector >= 0)
+        *place = cml_mci_detector_place(&scene->detectors[detector], name->member);
+    return CML_OK;
+}
+
+/* Of boundaries that have a line of their own, whose reader has taken it (cml_mci_set_scaling). */
+static bool is_of_shape(const struct cml_scene *scene, const struct name *name)
+{
+    const bool has_shape = strcmp(name->owner, "boundary") == 0 && name->number >= 0 &&
+                           name->number <= scene->num_layers && scene->boundaries[name->number].line > 0;
+    return has_shape && (strcmp(name->member, "scale") == 0 || strcmp(name->member, "height") == 0);
+}
+
+/* ---- what to say of a name that there is not ---- */
 
 /* "layer1", or "layer1..3". */
 static void write_owners(FILE *out, const char *owner, int first, int last)
@@ -105,10 +181,31 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
     return cml_setting_fail(setting, expected, reader->err);
 }
 
-cml_status cml_mci_check_settings(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+static cml_status set_photons(const struct cml_mci_reader *reader, const struct cml_setting *setting,
+                              struct cml_scene *scene)
+{
+    double photons = 0;
+    CML_TRY(set(reader, setting, &(struct cml_mci_place){&photons, &cml_mci_photons_field, 1}));
+    scene->photons = (uint64_t)photons;
+    return CML_OK;
+}
+
+cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const struct cml_settings *settings = reader->options->settings;
-    for (int i = 0; settings && i < settings->count; i++)
-        if (!reader->taken[i]) return fail_unknown(reader, &settings->item[i], scene);
+    for (int i = 0; settings && i < settings->count; i++) {
+        const struct cml_setting *setting = &settings->item[i];
+        struct cml_mci_place place = {0};
+        struct name name;
+        if (strcmp(setting->name, cml_mci_photons_field.name) == 0) {
+            CML_TRY(set_photons(reader, setting, scene));
+            continue;
+        }
+        const bool sound = split(setting->name, &name);
+        if (sound && is_of_shape(scene, &name)) continue;
+        if (sound) CML_TRY(find_place(reader, scene, &name, &place));
+        if (!place.value) return fail_unknown(reader, setting, scene);
+        CML_TRY(set(reader, setting, &place));
+    }
     return CML_OK;
 }

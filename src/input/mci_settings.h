@@ -8,26 +8,23 @@
  *     beam.x  .y  .z  .angle  .azimuth  .na  .share and, by shape, .radius, .r1  .r2  or  .w  .h     of what
  * the line has; cm, degrees. Of several beams beam1.x ...
  *     detector.x  .y  .z, with na= .na  .angle  .azimuth, and .radius, .r1  .r2, .w  .h  or  .dx  .dy
- * Of several detectors detector1.x ... The reader asks for every name where it reads the
- * field, and takes the value in place of the file's: so both pass the same checks, and a setting that nobody
- * has asked for is no name of this scene. SPDX-License-Identifier: MIT */
+ * Of several detectors detector1.x ... A value takes the place of the file's when all lines are read: it is
+ * held against the range of the field, and what belongs together is checked after that. Only shapes are read
+ * with their settings. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_SETTINGS_H
 #define CML_MCI_SETTINGS_H
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
 
-/* The setting of the name that the format makes, which counts as taken from here on; NULL: none. */
-CML_PRINTF(2, 3)
-const struct cml_setting *cml_mci_setting(struct cml_mci_reader *reader, const char *format, ...);
+/* The factors of the shape of boundary b as they are set; those that are not stay as they are. */
+CML_NODISCARD cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale,
+                                             double *height);
 
-/* Puts the setting's number, if there is a setting, in the place of *value. CML_E_INPUT when it is not in the
- * field's range. */
-CML_NODISCARD cml_status cml_mci_set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                                     const struct cml_mci_field *field, double *value);
+extern const struct cml_mci_field cml_mci_photons_field;
 
-/* After a run was read: CML_E_INPUT when a setting was not taken, with the names that this run knows. */
-CML_NODISCARD cml_status cml_mci_check_settings(const struct cml_mci_reader *reader,
-                                                const struct cml_scene *scene);
+/* Puts all settings in the place of what the file says. CML_E_INPUT when a value is not in the field's range,
+ * or the scene has no such number; the message has the names that it knows. */
+CML_NODISCARD cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene);
 
 #endif

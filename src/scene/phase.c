@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/phase.h"
 
+#include "base/shared.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -206,10 +208,12 @@ void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
 
 static void phase_free(struct cml_phase *phase)
 {
-    free(phase->deflection);
-    free(phase->density);
-    free(phase->below);
-    free(phase->file);
+    if (cml_share_end(phase->users)) {
+        free(phase->deflection);
+        free(phase->density);
+        free(phase->below);
+        free(phase->file);
+    }
     free(phase);
 }
 

@@ -33,6 +33,7 @@ struct cml_phase {
     double *below;          /* [rows] the share that is scattered by less than the row's */
     uint32_t checksum;      /* CRC-32 of deflection and density */
     char *file;             /* as the line names it, beside the .mci */
+    int *users;             /* functions of several scenes that share arrays and file (base/shared.h) */
     int line;               /* of the .mci, the first that names it */
     int index;              /* which of the scene's this is, from 0 */
     struct cml_phase *next; /* of the scene */

@@ -1,10 +1,13 @@
-/* What belongs to a scene is freed here, and a radial height is looked up. SPDX-License-Identifier: MIT */
+/* What belongs to a scene is copied and freed here, and a radial height is looked up.
+ * SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include "base/constants.h"
+#include "base/shared.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void cml_boundary_flatten(struct cml_boundary *boundary)
 {
@@ -30,31 +33,45 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->num_detectors = 0;
 }
 
-static void clear_boundary(struct cml_boundary *boundary)
+void cml_boundary_clear(struct cml_boundary *boundary)
 {
-    if (boundary->borrowed) return;
-    cml_boundary_flatten(boundary);
-    free(boundary->file);
+    const double z = boundary->z;
+    if (cml_share_end(boundary->users)) {
+        cml_boundary_flatten(boundary);
+        free(boundary->file);
+    }
+    *boundary = (struct cml_boundary){.z = z};
+}
+
+static void clear_bodies(struct cml_scene *scene)
+{
+    if (!cml_share_end(scene->body_users)) return;
+    for (int k = 0; k < scene->num_bodies; k++) {
+        free(scene->bodies[k].file);
+        cml_mesh_clear(&scene->bodies[k].mesh);
+    }
+    free(scene->bodies);
+}
+
+static void clear_beam(struct cml_beam *beam)
+{
+    if (!cml_share_end(beam->users)) return;
+    free(beam->light.t);
+    free(beam->light.intensity);
+    free(beam->pixel);
 }
 
 void cml_scene_clear(struct cml_scene *scene)
 {
     /* A scene that was refused half way may know its number of layers before it has them. */
-    for (int b = 0; scene->boundaries && b <= scene->num_layers; b++) clear_boundary(&scene->boundaries[b]);
-    for (int k = 0; k < scene->num_bodies; k++) {
-        free(scene->bodies[k].file);
-        if (!scene->bodies[k].borrowed) cml_mesh_clear(&scene->bodies[k].mesh);
-    }
-    for (int k = 0; scene->beams && k < scene->num_beams; k++) {
-        free(scene->beams[k].light.t);
-        free(scene->beams[k].light.intensity);
-        free(scene->beams[k].pixel);
-    }
-    for (int k = 0; k < scene->num_detectors; k++) free(scene->detectors[k].name);
+    for (int b = 0; scene->boundaries && b <= scene->num_layers; b++)
+        cml_boundary_clear(&scene->boundaries[b]);
+    clear_bodies(scene);
+    for (int k = 0; scene->beams && k < scene->num_beams; k++) clear_beam(&scene->beams[k]);
+    for (int k = 0; scene->detectors && k < scene->num_detectors; k++) free(scene->detectors[k].name);
     free(scene->detectors);
     free(scene->beams);
     free(scene->shares);
-    free(scene->bodies);
     free(scene->boundaries);
     free(scene->media);
     cml_phases_free(scene->phases);
@@ -64,6 +81,72 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->text);
     free(scene->settings);
     *scene = (struct cml_scene){0};
+}
+
+/* ---- copies ---- */
+
+/* NULL from NULL; *failed where the memory does not suffice. */
+static void *copied(const void *from, size_t count, size_t size, bool *failed)
+{
+    void *to = from ? malloc(count * size) : NULL;
+    if (to) memcpy(to, from, count * size);
+    *failed |= from && !to;
+    return to;
+}
+
+static char *copied_text(const char *from, bool *failed)
+{
+    return copied(from, from ? strlen(from) + 1 : 0, 1, failed);
+}
+
+/* The list with the same numbers in it, and the media's functions of it in place of those of *from. */
+static void copy_phases(const struct cml_scene *from, struct cml_scene *to, bool *failed)
+{
+    const size_t media = (size_t)from->num_layers + 2 + (size_t)from->num_bodies;
+    struct cml_phase *copy[CML_MOST_PHASES], **end = &to->phases;
+    for (const struct cml_phase *phase = from->phases; phase && !*failed; phase = phase->next) {
+        *end = copied(phase, 1, sizeof *phase, failed);
+        if (*failed) return;
+        copy[phase->index] = *end;
+        cml_share((*end)->users);
+        end = &(*end)->next;
+        *end = NULL;
+    }
+    for (size_t m = 0; to->phases && !*failed && m < media; m++)
+        if (to->media[m].phase) to->media[m].phase = copy[to->media[m].phase->index];
+}
+
+static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool *failed)
+{
+    to->file = copied_text(from->file, failed);
+    to->output = copied_text(from->output, failed);
+    to->saved.name = copied_text(from->saved.name, failed);
+    to->text = copied_text(from->text, failed);
+    to->settings = copied_text(from->settings, failed);
+    for (int k = 0; to->detectors && k < to->num_detectors; k++)
+        to->detectors[k].name = copied_text(from->detectors[k].name, failed);
+}
+
+cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
+{
+    const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,
+                 beams = (size_t)from->num_beams, media = layers + 2 + bodies;
+    bool failed = false;
+    *to = *from;
+    to->phases = NULL;
+    cml_share(to->body_users);
+    to->media = copied(from->media, media, sizeof *to->media, &failed);
+    to->boundaries = copied(from->boundaries, layers + 1, sizeof *to->boundaries, &failed);
+    to->beams = copied(from->beams, beams, sizeof *to->beams, &failed);
+    to->shares = copied(from->shares, beams, sizeof *to->shares, &failed);
+    to->detectors = copied(from->detectors, (size_t)from->num_detectors, sizeof *to->detectors, &failed);
+    for (size_t b = 0; to->boundaries && b <= layers; b++) cml_share(to->boundaries[b].users);
+    for (size_t k = 0; to->beams && k < beams; k++) cml_share(to->beams[k].users);
+    copy_texts(from, to, &failed);
+    copy_phases(from, to, &failed);
+    if (!failed) return CML_OK;
+    cml_scene_clear(to);
+    return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
 /* Of a table up to where the last part ends that is not dark. */

@@ -24,6 +24,7 @@ struct cml_medium_def {
     double g;        /* anisotropy [-], -1..1 */
     double d;        /* thickness [cm], >= 0; 0 in the media above and below */
     const struct cml_phase *phase; /* the scene's; NULL: Henyey and Greenstein's, of g */
+    int line, phase_line;          /* of the .mci: where its numbers stand, and which says how it scatters */
 };
 
 /* Attenuation, 1/cm: its inverse is the mean free path. 0: the medium is transparent. */
@@ -51,9 +52,11 @@ struct cml_boundary {
     struct cml_heightmap tile;            /* CML_FORM_TILE: one period; heights count up from z */
     enum cml_normals tile_normals;
     struct cml_tile_notes tile_notes;
-    char *file;    /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
-    int line;      /* line of the .mci, 0 when the boundary is implicit */
-    bool borrowed; /* the shape and `file` belong to another scene, which lives longer */
+    double scale,
+        height; /* factors that the shape was read with, on all coordinates and on heights besides */
+    char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
+    int line;   /* line of the .mci, 0 when the boundary is implicit */
+    int *users; /* boundaries that share shape and file (base/shared.h) */
 };
 
 enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
@@ -79,9 +82,8 @@ struct cml_scene_body {
     double radius;
     struct cml_mesh mesh; /* CML_BODY_MESH, prepared and closed */
     struct cml_mesh_notes mesh_notes;
-    char *file;    /* the .obj file, or NULL */
-    int line;      /* line of the .mci */
-    bool borrowed; /* the mesh belongs to another scene, which lives longer and has the same bodies */
+    char *file; /* the .obj file, or NULL */
+    int line;   /* line of the .mci */
 };
 
 /* The shape lies across the axis, centred on it. */
@@ -123,6 +125,7 @@ struct cml_beam {
     struct cml_light light;
     int columns, rows; /* of an image */
     double *pixel;     /* [rows][columns] >= 0, not all 0; the first row at the largest own y */
+    int *users;        /* beams that share pixels and the table of their light */
     bool radial;       /* results count r from x, y instead of from the z axis */
     bool given;        /* a `beam` line stands in the file */
     int line;          /* of the .mci */
@@ -200,6 +203,7 @@ struct cml_scene {
     struct cml_phase *phases;        /* all that differ, the last one first; at most CML_MOST_PHASES */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_scene_body *bodies;   /* [num_bodies], layer after layer */
+    int *body_users;                 /* scenes that share them */
     struct cml_backing_def backing;
     int num_beams;          /* >= 1 */
     struct cml_beam *beams; /* [num_beams] */
@@ -220,6 +224,10 @@ struct cml_scene_list {
     int count;
     struct cml_scene *scenes; /* [count] */
 };
+
+/* A scene that may be changed; shapes, bodies and tables are shared. On failure *to is empty. */
+CML_NODISCARD cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to,
+                                        struct cml_error *err);
 
 void cml_scene_clear(struct cml_scene *scene);
 void cml_scene_list_clear(struct cml_scene_list *list);
@@ -253,9 +261,18 @@ bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
  * photons. Of a copy, which is not to be cleared. */
 void cml_scene_ask_nothing(struct cml_scene *scene);
 
-/* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,
- * and where it stands in the file. */
+/* For readers, of a scene that is not complete yet: frees the boundary's shape, which it shares with none,
+ * and leaves its nominal plane, and where it stands in the file. */
 void cml_boundary_flatten(struct cml_boundary *boundary);
+
+/* Leaves the shape and its file to others who share them, or frees them; of *boundary only z is left. */
+void cml_boundary_clear(struct cml_boundary *boundary);
+
+/* Whether two that a reader made share their shape, or have none. */
+static inline bool cml_boundary_same_shape(const struct cml_boundary *one, const struct cml_boundary *other)
+{
+    return one->users == other->users;
+}
 
 /* Height h(r) of a radial heightfield, cm; r >= 0. */
 double cml_radial_height(const struct cml_radial *radial, double r);

@@ -2,6 +2,7 @@
 #include "surface/surface.h"
 
 #include "base/clock.h"
+#include "base/shared.h"
 #include "geometry/vec3.h"
 #include "scene/radial.h"
 
@@ -233,22 +234,21 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
     return CML_OK;
 }
 
-/* A shape that was represented before. Planes are made anew, as their depth depends on heights. */
-static const struct cml_surface_def *known_surface(const struct cml_boundary *boundary, size_t b,
-                                                   const struct cml_surface_options *options)
+/* The surface of the same shape. Planes are made anew, as their depth depends on heights. */
+static const struct cml_surface_def *shared_surface(const struct cml_boundary *boundary, size_t b,
+                                                    const struct cml_surface_options *options)
 {
-    if (!options->known || !boundary->borrowed) return NULL;
-    const struct cml_surface_def *known = &options->known->item[b];
-    return known->kind == CML_SURFACE_PLANE ? NULL : known;
+    const struct cml_surface_def *shared = options->shared ? &options->shared->item[b] : NULL;
+    return shared && shared->shape && shared->shape == boundary->users ? shared : NULL;
 }
 
 /* The shape at another depth: it counts heights from the boundary's own. */
-static void borrow(const struct cml_surface_def *known, double depth, struct cml_surface_def *def)
+static void share(const struct cml_surface_def *shared, double depth, struct cml_surface_def *def)
 {
-    *def = *known;
+    *def = *shared;
     def->depth = depth;
-    def->borrowed = true;
     def->build_seconds = 0;
+    cml_share(def->users);
 }
 
 static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
@@ -257,6 +257,8 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
 {
     const double begin = cml_now();
     CML_TRY(represent(scene, boundary, options, def, err));
+    if (def->kind != CML_SURFACE_PLANE) def->shape = boundary->users;
+    CML_TRY(cml_share_begin(&def->users, err));
     def->build_seconds = cml_now() - begin;
     def->bytes =
         3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
@@ -264,13 +266,14 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     return CML_OK;
 }
 
-/* Bodies are as they were, and so are the frames of their layers. */
-static bool has_known_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
-                             const struct cml_surface_set *set)
+/* Bodies are the same, and so are the frames of their layers. */
+static bool shares_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
+                          const struct cml_surface_set *set)
 {
-    if (!options->known || scene->num_bodies == 0 || !scene->bodies[0].borrowed) return false;
+    if (!options->shared || scene->num_bodies == 0 || options->shared->bodies.of != scene->bodies)
+        return false;
     for (int b = 0; b < set->count; b++)
-        if (set->item[b].depth != options->known->item[b].depth) return false;
+        if (set->item[b].depth != options->shared->item[b].depth) return false;
     return true;
 }
 
@@ -280,8 +283,8 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
 {
     const double tolerance =
         options->force == CML_SURFACE_MESH ? cml_choice_tessellation(options).tolerance : 0;
-    if (has_known_bodies(scene, options, set)) {
-        cml_body_surfaces_borrow(&options->known->bodies, &set->bodies);
+    if (shares_bodies(scene, options, set)) {
+        cml_body_surfaces_share(&options->shared->bodies, &set->bodies);
         return CML_OK;
     }
     double *depths = malloc((size_t)set->count * sizeof *depths);
@@ -302,14 +305,14 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     struct cml_surface_options own = *options;
     set->x0 = scene->beams[0].x;
     set->y0 = scene->beams[0].y;
-    if (own.known && (own.known->x0 != set->x0 || own.known->y0 != set->y0)) own.known = NULL;
+    if (own.shared && (own.shared->x0 != set->x0 || own.shared->y0 != set->y0)) own.shared = NULL;
     options = &own;
     cml_status status = CML_OK;
     for (size_t b = 0; b < count && status == CML_OK; b++) {
         const struct cml_boundary *boundary = &scene->boundaries[b];
-        const struct cml_surface_def *known = known_surface(boundary, b, options);
-        if (known)
-            borrow(known, boundary->z, &set->item[b]);
+        const struct cml_surface_def *shared = shared_surface(boundary, b, options);
+        if (shared)
+            share(shared, boundary->z, &set->item[b]);
         else
             status = represent_timed(scene, boundary, options, &set->item[b], err);
     }
@@ -349,7 +352,7 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
 
 void cml_surface_clear(struct cml_surface_def *def)
 {
-    if (!def->borrowed) {
+    if (cml_share_end(def->users)) {
         free(def->r);
         cml_mesh_surface_free(def->mesh);
         cml_clearance_clear(&def->clearance);

@@ -25,7 +25,8 @@ struct cml_surface_def {
     struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
     struct cml_expectation expectation;
-    bool borrowed;               /* what it points to belongs to another */
+    const int *shape;            /* the users of the boundary whose shape it is (cml_boundary); NULL: none */
+    int *users;                  /* scenes that share what it points to (base/shared.h) */
     double build_seconds, bytes; /* what representing it took: tree, rings, bounds */
 };
 

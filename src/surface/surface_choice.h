@@ -18,9 +18,9 @@ struct cml_surface_options {
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
                        * 0: tessellation.tolerance counts as it stands */
     enum cml_mesh_search search;
-    struct cml_mesh_budget budget;       /* of each tessellation; its file, line and boundary are not read */
-    const struct cml_surface_set *known; /* surfaces of shapes that the scene has borrowed (cml_boundary),
-                                          * made with these options; they are borrowed, too. NULL: none */
+    struct cml_mesh_budget budget;        /* of each tessellation; its file, line and boundary are not read */
+    const struct cml_surface_set *shared; /* of another scene, made with these options: those of shapes that
+                                           * this scene shares are shared, too. NULL: none */
     bool may_flatten; /* cml_make_harmless_planes may make planes; cml_surfaces_create never does */
 };
 

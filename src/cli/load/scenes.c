@@ -95,18 +95,18 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
 }
 
 /* What was found to lie apart does so still. */
-static bool lies_as_known(const struct cml_scene *scene, const struct cml_scene *known)
+static bool lies_alike(const struct cml_scene *one, const struct cml_scene *other)
 {
-    for (int b = 0; b <= scene->num_layers; b++) {
-        const struct cml_boundary *one = &scene->boundaries[b], *other = &known->boundaries[b];
-        if (one->z != other->z || (one->form != CML_FORM_PLANE && !one->borrowed)) return false;
-    }
+    for (int b = 0; b <= one->num_layers; b++)
+        if (one->boundaries[b].z != other->boundaries[b].z ||
+            !cml_boundary_same_shape(&one->boundaries[b], &other->boundaries[b]))
+            return false;
     return true;
 }
 
-cml_status cml_reload_scene(const struct cml_options *options, const struct cml_settings *settings,
-                            const char *output, struct cml_inputs *inputs, const struct cml_scene_list *known,
-                            struct cml_scene_list *list, struct cml_error *err)
+cml_status cml_copy_scene(const struct cml_options *options, const struct cml_settings *settings,
+                          const char *output, struct cml_inputs *inputs, const struct cml_scene *from,
+                          struct cml_scene *scene, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(inputs);
     const struct cml_input_options how = {.source = &replay,
@@ -114,14 +114,11 @@ cml_status cml_reload_scene(const struct cml_options *options, const struct cml_
                                           .budget = options->surface.budget,
                                           .settings = settings,
                                           .output = output,
-                                          .known = known,
-                                          .known_settings = &options->settings,
                                           .flat = is_flat(options)};
     CML_TRY(check_photons(options, settings, err));
-    CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
-    if (lies_as_known(&list->scenes[0], &known->scenes[0])) return CML_OK;
-    const cml_status status = check_all(list, err);
-    if (status != CML_OK) cml_scene_list_clear(list);
+    CML_TRY(cml_mci_copy(from, &how, scene, err));
+    const cml_status status = lies_alike(scene, from) ? CML_OK : cml_scene_check_shapes(scene, err);
+    if (status != CML_OK) cml_scene_clear(scene);
     return status;
 }
 

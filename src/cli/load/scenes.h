@@ -43,13 +43,13 @@ typedef cml_status cml_fly_scene(const struct cml_options *options, const struct
 CML_NODISCARD cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
                                         struct cml_error *err);
 
-/* A file with one run once more, from the bytes in `inputs`, with other settings and another name of the
- * result. Shapes that nothing new is set of are borrowed from `known`, which was read with options->settings
- * and must outlive *list. Checked for overlap where anything has moved. CML_E_INPUT; then *list is empty. */
-CML_NODISCARD cml_status cml_reload_scene(const struct cml_options *options,
-                                          const struct cml_settings *settings, const char *output,
-                                          struct cml_inputs *inputs, const struct cml_scene_list *known,
-                                          struct cml_scene_list *list, struct cml_error *err);
+/* A scene that was loaded before, with other settings and another name of the result (cml_mci_copy); inputs:
+ * the bytes that it was read from. Checked for overlap where anything has moved. CML_E_INPUT; then *scene is
+ * empty. */
+CML_NODISCARD cml_status cml_copy_scene(const struct cml_options *options,
+                                        const struct cml_settings *settings, const char *output,
+                                        struct cml_inputs *inputs, const struct cml_scene *from,
+                                        struct cml_scene *scene, struct cml_error *err);
 
 /* Threads of this rank, as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask,
  * but ranks that share the cores of a machine share them evenly. More threads than cores get a note. */

@@ -358,13 +358,13 @@ cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_s
 }
 
 cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
-                         const struct cml_surface_set *known, struct cml_error *err)
+                         const struct cml_surface_set *shared, struct cml_error *err)
 {
     struct cml_options mine = *options;
     struct cml_surface_set surfaces;
     struct cml_aim aim;
     if (!options->aim) return CML_OK;
-    mine.surface.known = known;
+    mine.surface.shared = shared;
     CML_TRY(cml_choose_surfaces(&mine, scene, &surfaces, err));
     const cml_status status = create_for(options, scene, &surfaces, false, &aim, err);
     cml_surfaces_free(&surfaces);

@@ -49,10 +49,10 @@ CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, cons
                                          struct cml_error *err);
 
 /* Whether that is refused, before anything flies, but for a tail without an answer, which is found in
- * flight. known: of shapes that the scene has borrowed; NULL: none. With windows it costs their computing,
+ * flight. shared: as in cml_surface_options. With windows it costs their computing,
  * some 0.08 s. */
 CML_NODISCARD cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
-                                       const struct cml_surface_set *known, struct cml_error *err);
+                                       const struct cml_surface_set *shared, struct cml_error *err);
 
 void cml_aim_clear(struct cml_aim *aim);
 

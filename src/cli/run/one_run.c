@@ -520,7 +520,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
 {
     struct cml_options options = *call->options;
     struct cml_run_setup *setup = &run->setup;
-    options.surface.known = call->known;
+    options.surface.shared = call->shared;
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;

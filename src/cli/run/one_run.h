@@ -18,8 +18,9 @@ struct cml_run_rows {
 struct cml_run_call {
     const struct cml_options *options;
     const struct cml_scene *scene;
-    const char *inputs;                  /* lines of the identity (run/identity.h) */
-    const struct cml_surface_set *known; /* of shapes that the scene has borrowed; NULL: none */
+    const char *inputs; /* lines of the identity (run/identity.h) */
+    const struct cml_surface_set
+        *shared; /* of another scene, which shares its shapes with this one; NULL: none */
     uint64_t seed;
     uint32_t run;                    /* of the file, from 0 */
     int row;                         /* of a sweep, from 1: no summary; 0: of none */

@@ -35,16 +35,16 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
-    struct cml_scene_list list;
+    struct cml_scene scene;
     uint64_t seed;
     CML_TRY(cml_sweep_row_seed(sweep, row, &seed, err));
-    CML_TRY(cml_sweep_read_row(sweep, row, &list, err));
+    CML_TRY(cml_sweep_read_row(sweep, row, &scene, err));
     struct cml_surface_options how = sweep->options->surface;
-    how.known = &sweep->surfaces;
-    cml_status status = cml_check_memory(sweep->options, &list.scenes[0], NULL, err);
-    if (status == CML_OK) status = cml_check_starts(&list.scenes[0], &how, err);
-    if (status == CML_OK) status = cml_aim_check(sweep->options, &list.scenes[0], &sweep->surfaces, err);
-    cml_scene_list_clear(&list);
+    how.shared = &sweep->surfaces;
+    cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
+    if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
+    if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
+    cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
@@ -169,16 +169,16 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
-    struct cml_scene_list list;
+    struct cml_scene scene;
     struct cml_error why = {CML_OK, ""};
     uint64_t seed = 0;
     cml_status status = cml_sweep_row_seed(sweep, row, &seed, err);
-    if (status == CML_OK) status = cml_sweep_read_row(sweep, row, &list, err);
+    if (status == CML_OK) status = cml_sweep_read_row(sweep, row, &scene, err);
     CML_TRY(cml_cluster_agree(status, err));
     const struct cml_run_call call = {.options = sweep->options,
-                                      .scene = &list.scenes[0],
+                                      .scene = &scene,
                                       .inputs = sweep->identity,
-                                      .known = &sweep->surfaces,
+                                      .shared = &sweep->surfaces,
                                       .seed = seed,
                                       .row = row + 1,
                                       .pending = &sweep->pending,
@@ -187,7 +187,7 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     if (status == CML_E_INPUT) status = cml_sweep_name_row(sweep, row, status, err);
     status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
     if (status == CML_OK || status == CML_E_NUMERIC) cml_sweep_print_row(sweep, row, record);
-    cml_scene_list_clear(&list);
+    cml_scene_clear(&scene);
     return status;
 }
 

@@ -45,9 +45,9 @@ cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_
 /* Rows that come of one flight. */
 struct group {
     int count, *row;                /* in rising order */
-    struct cml_scene_list *list;    /* [count] their scenes */
-    struct cml_scene_list flown;    /* in which each medium absorbs as in the palest of them */
-    const struct cml_scene **scene; /* [count] in list */
+    struct cml_scene *own;          /* [count] their scenes */
+    struct cml_scene flown;         /* in which each medium absorbs as in the palest of them */
+    const struct cml_scene **scene; /* [count] in `own` */
     struct cml_record *record;      /* [count] */
     double *more;                   /* as in struct cml_engine_rows */
     char *identity;
@@ -55,9 +55,9 @@ struct group {
 
 static void clear_group(struct group *group)
 {
-    for (int i = 0; group->list && i < group->count; i++) cml_scene_list_clear(&group->list[i]);
-    cml_scene_list_clear(&group->flown);
-    free(group->list);
+    for (int i = 0; group->own && i < group->count; i++) cml_scene_clear(&group->own[i]);
+    cml_scene_clear(&group->flown);
+    free(group->own);
     free(group->row);
     free(group->scene);
     free(group->record);
@@ -70,10 +70,10 @@ static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struc
 {
     const size_t most = (size_t)sweep->table.num_rows;
     group->row = calloc(most, sizeof *group->row);
-    group->list = calloc(most, sizeof *group->list);
+    group->own = calloc(most, sizeof *group->own);
     group->scene = calloc(most, sizeof *group->scene);
     group->record = calloc(most, sizeof *group->record);
-    if (!group->row || !group->list || !group->scene || !group->record)
+    if (!group->row || !group->own || !group->scene || !group->record)
         return cml_fail_memory(err, (double)(most * sizeof *group->record), "the rows");
     for (int row = 0; row < sweep->table.num_rows; row++)
         if (sweep->group[row] == number) group->row[group->count++] = row;
@@ -108,14 +108,14 @@ static cml_status read_flown(const struct cml_sweep_run *sweep, struct group *gr
 static cml_status read_group(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
 {
     CML_TRY(read_flown(sweep, group, err));
-    const struct cml_scene *flown = &group->flown.scenes[0];
+    const struct cml_scene *flown = &group->flown;
     const size_t media = (size_t)flown->num_layers + 2 + (size_t)flown->num_bodies,
                  count = (size_t)group->count;
     group->more = calloc(media * count, sizeof *group->more);
     if (!group->more) return cml_fail_memory(err, (double)(media * count * sizeof(double)), "the rows");
     for (size_t i = 0; i < count; i++) {
-        CML_TRY(cml_sweep_read_row(sweep, group->row[i], &group->list[i], err));
-        group->scene[i] = &group->list[i].scenes[0];
+        CML_TRY(cml_sweep_read_row(sweep, group->row[i], &group->own[i], err));
+        group->scene[i] = &group->own[i];
         for (size_t m = 0; m < media; m++)
             group->more[m * count + i] = group->scene[i]->media[m].mua - flown->media[m].mua;
     }
@@ -172,9 +172,9 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
         options.engine_options.rows = (struct cml_engine_rows){group.count, group.more};
         const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
         const struct cml_run_call call = {.options = &options,
-                                          .scene = &group.flown.scenes[0],
+                                          .scene = &group.flown,
                                           .inputs = group.identity,
-                                          .known = &sweep->surfaces,
+                                          .shared = &sweep->surfaces,
                                           .seed = seed,
                                           .row = group.row[0] + 1,
                                           .rows = &rows};

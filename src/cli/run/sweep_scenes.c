@@ -64,22 +64,22 @@ cml_status cml_sweep_name_row(const struct cml_sweep_run *sweep, int row, cml_st
 }
 
 cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row, const struct cml_settings *settings,
-                          struct cml_scene_list *list, struct cml_error *err)
+                          struct cml_scene *scene, struct cml_error *err)
 {
     char *output = NULL;
     CML_TRY(cml_sweep_row_output(sweep, row, &output, err));
     const cml_status status =
-        cml_reload_scene(sweep->options, settings, output, sweep->inputs, sweep->base, list, err);
+        cml_copy_scene(sweep->options, settings, output, sweep->inputs, &sweep->base->scenes[0], scene, err);
     free(output);
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
-cml_status cml_sweep_read_row(const struct cml_sweep_run *sweep, int row, struct cml_scene_list *list,
+cml_status cml_sweep_read_row(const struct cml_sweep_run *sweep, int row, struct cml_scene *scene,
                               struct cml_error *err)
 {
     struct cml_settings settings;
     CML_TRY(cml_sweep_row_settings(sweep, row, &settings, err));
-    return cml_sweep_read(sweep, row, &settings, list, err);
+    return cml_sweep_read(sweep, row, &settings, scene, err);
 }
 
 void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struct cml_record *record)

@@ -30,7 +30,7 @@ struct cml_sweep_run {
 CML_NODISCARD cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char **name,
                                               struct cml_error *err);
 
-/* Of a row all but the seed and labels, for the reader of the scene. */
+/* Of a row all but the seed and labels, for the scene. */
 CML_NODISCARD cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row,
                                                 struct cml_settings *settings, struct cml_error *err);
 CML_NODISCARD cml_status cml_sweep_row_seed(const struct cml_sweep_run *sweep, int row, uint64_t *seed,
@@ -38,9 +38,9 @@ CML_NODISCARD cml_status cml_sweep_row_seed(const struct cml_sweep_run *sweep, i
 
 /* The scene of a row, and the same with other settings, the caller's to clear. */
 CML_NODISCARD cml_status cml_sweep_read_row(const struct cml_sweep_run *sweep, int row,
-                                            struct cml_scene_list *list, struct cml_error *err);
+                                            struct cml_scene *scene, struct cml_error *err);
 CML_NODISCARD cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row,
-                                        const struct cml_settings *settings, struct cml_scene_list *list,
+                                        const struct cml_settings *settings, struct cml_scene *scene,
                                         struct cml_error *err);
 
 /* Says of which row, and of which values, it is what was said of its scene. Hands the status on. */

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/constants.h"
+#include "base/shared.h"
 #include "geometry/vec3.h"
 #include "scene/body/body_place.h"
 #include "scene/body/body_shape.h"
@@ -192,22 +193,23 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
                                     enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
                                     struct cml_error *err)
 {
-    *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies};
+    *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies, .of = scene->bodies};
     if (scene->num_bodies == 0) return CML_OK;
     surfaces->item = calloc((size_t)scene->num_bodies, sizeof *surfaces->item);
     if (!surfaces->item)
         return cml_fail_memory(err, scene->num_bodies * (double)sizeof *surfaces->item, "bodies");
-    const cml_status status = tolerance > 0
-                                  ? create_tessellated(scene, depths, tolerance, search, surfaces, err)
-                                  : create(scene, depths, search, surfaces, err);
+    cml_status status = cml_share_begin(&surfaces->users, err);
+    if (status == CML_OK)
+        status = tolerance > 0 ? create_tessellated(scene, depths, tolerance, search, surfaces, err)
+                               : create(scene, depths, search, surfaces, err);
     if (status != CML_OK) cml_body_surfaces_free(surfaces);
     return status;
 }
 
-void cml_body_surfaces_borrow(const struct cml_body_surfaces *known, struct cml_body_surfaces *surfaces)
+void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces)
 {
-    *surfaces = *known;
-    surfaces->borrowed = true;
+    *surfaces = *from;
+    cml_share(surfaces->users);
     surfaces->build_seconds = 0;
 }
 
@@ -221,7 +223,7 @@ static void free_own(struct cml_body_surfaces *surfaces)
 
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
 {
-    if (!surfaces->borrowed) free_own(surfaces);
+    if (cml_share_end(surfaces->users)) free_own(surfaces);
     *surfaces = (struct cml_body_surfaces){0};
 }
 

@@ -25,7 +25,8 @@ struct cml_body_surfaces {
     struct cml_body_tree tree;
     struct cml_body_grids grids;
     double build_seconds, bytes;
-    bool borrowed; /* all that it points to belongs to another */
+    const struct cml_scene_body *of; /* the bodies, which scenes share */
+    int *users;                      /* scenes that share what it points to (base/shared.h) */
 };
 
 /* depths: [num_layers] of the frames of layers 1..L, cm. tolerance: spheres and cylinders become meshes that
@@ -36,8 +37,8 @@ CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene,
                                                   double tolerance, enum cml_mesh_search search,
                                                   struct cml_body_surfaces *surfaces, struct cml_error *err);
 
-/* Those of another scene with the same bodies in the same frames, which lives longer. */
-void cml_body_surfaces_borrow(const struct cml_body_surfaces *known, struct cml_body_surfaces *surfaces);
+/* Those of another scene that shares its bodies, in the same frames. */
+void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces);
 
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 

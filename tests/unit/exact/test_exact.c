@@ -33,7 +33,7 @@ static struct stack stack_of(double above, double below)
 static void add(struct stack *stack, double n, double mua, double mus, double g, double d)
 {
     stack->media[stack->layers + 2] = stack->media[stack->layers + 1];
-    stack->media[++stack->layers] = (struct cml_medium_def){n, mua, mus, g, d, NULL};
+    stack->media[++stack->layers] = (struct cml_medium_def){n, mua, mus, g, d, NULL, 0, 0};
 }
 
 static struct stack slab(double n, double mua, double mus, double g, double d)

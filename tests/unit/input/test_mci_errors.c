@@ -133,7 +133,7 @@ static void numbers_out_of_range(void **state)
         {ONE "0 1 2 0.9 1\n", "x.mci:9: layer 1: n = 0 (expected a refractive index of 0.01..100)"},
         {ONE "1000 1 2 0.9 1\n", "x.mci:9: layer 1: n = 1000 (expected a refractive index of 0.01..100)"},
         {ONE "1.4 -1 2 0.9 1\n", "x.mci:9: layer 1: mua = -1 (expected a coefficient of 0..1e30 1/cm)"},
-        {ONE "1.4 1e-10 100 0.9 1\n",
+        {ONE "1.4 1e-10 100 0.9 1\n1\n",
          "x.mci:9: layer 1: mua = 1e-10 (expected 0, or at least 1e-11 of mua + mus)"},
         {ONE "1.4 1 -2 0.9 1\n", "x.mci:9: layer 1: mus = -2 (expected a coefficient of 0..1e30 1/cm)"},
         {ONE "1.4 1 2 1.1 1\n", "x.mci:9: layer 1: g = 1.1 (expected an anisotropy of -1..1)"},

@@ -2,8 +2,8 @@
 #include "input/mci_body.h"
 
 #include "base/shared.h"
-#include "input/mci_boundary.h"
 #include "input/mci_medium.h"
+#include "input/mci_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,6 +76,50 @@ static cml_status check_axis(const struct cml_mci_reader *reader, const char *ow
     return cml_mci_fail(reader, field, "those of the first end", "another point: the axis has no length");
 }
 
+/* Name, medium, options: what comes before the file is read. */
+static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
+                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
+{
+    struct cml_mci_reader *reader = options->reader;
+    double values[CML_MCI_MEDIUM_FIELDS];
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(cml_mci_mesh_name(options, name, &kind));
+    if (kind != CML_MCI_FILE_OBJ)
+        return cml_mci_fail_option(options, "file", name, "an .obj file: a closed mesh");
+    CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
+    CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
+                                    values));
+    *medium = cml_mci_medium(reader, values);
+    for (bool more = true; more;) {
+        CML_TRY(cml_mci_next_option(options, &more));
+        if (more) CML_TRY(cml_mci_mesh_option(options, obj));
+    }
+    return CML_OK;
+}
+
+static cml_status read_mesh(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
+                            struct cml_medium_def *medium)
+{
+    char owner[32];
+    snprintf(owner, sizeof owner, "body %d", number);
+    struct cml_mci_line_options options = {.reader = reader,
+                                           .owner = owner,
+                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals",
+                                                    "\n" /* no skirt: no word holds a line's end */, "union"},
+                                           .flag = "union",
+                                           .list = "up=, rotate=, units=, scale=, shift=, normals= or union"};
+    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
+    CML_TRY(read_body_line(&options, body, medium, &obj));
+    obj.budget = reader->options->budget;
+    obj.budget.file = reader->text.path;
+    obj.budget.line = reader->text.line;
+    obj.budget.body = number;
+    return cml_mci_name_line(
+        reader, owner, body->file,
+        cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
+}
+
 static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
                             struct cml_medium_def *medium)
 {
@@ -85,7 +129,7 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     reader->cursor += strspn(reader->cursor, " \t");
     if (*reader->cursor == '"') {
         body->form = CML_BODY_MESH;
-        return cml_mci_body_mesh(reader, number, body, medium);
+        return read_mesh(reader, number, body, medium);
     }
     const char *word = cml_text_word(&reader->cursor);
     char field[48];

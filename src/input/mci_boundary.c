@@ -2,19 +2,14 @@
 #include "input/mci_boundary.h"
 
 #include "base/shared.h"
-#include "input/mci_medium.h"
 #include "input/mesh/esri.h"
 #include "input/mesh/gsf.h"
-#include "input/mesh/obj.h"
-#include "input/mci_options.h"
+#include "input/mci_mesh.h"
 #include "input/mci_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-
-static const char scale_range[] = "a number of 1e-30..1e30";
 
 /* ---- b: a radial heightfield ---- */
 
@@ -178,84 +173,15 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 
 /* ---- m: a mesh or a heightmap ---- */
 
-/* The order of the keys in read_mesh. */
-enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT, MESH_TILE };
-enum { BODY_UNION = MESH_TILE }; /* of an i line, which has no tile */
-
 /* Whether a heightmap is repeated, and how. Two have names. */
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
-
-/* In the order of enum cml_up_axis. */
-static const char *const up_names[] = {"z", "-z", "y", "-y", "x", "-x"};
-
-/* One case per key. */
-static cml_status set_mesh_option(const struct cml_mci_line_options *options, struct cml_obj_options *obj)
-{
-    static const char *const units[] = {"cm", "mm", "um", "m"};
-    static const double cm[] = {1, 0.1, 1e-4, 100};
-    static const char *const normals[] = {"face", "vertex"};
-    const char *value = options->value;
-    int which = -1;
-    switch (options->key) {
-    case MESH_UNITS:
-        which = cml_mci_choose(value, units, 4);
-        if (which < 0) return cml_mci_fail_value(options, "cm, mm, um or m");
-        obj->unit = cm[which];
-        return CML_OK;
-    case MESH_SCALE:
-        if (cml_mci_parse_list(value, 1, &obj->scale) && obj->scale >= CML_MCI_TINY) return CML_OK;
-        return cml_mci_fail_value(options, scale_range);
-    case MESH_SHIFT:
-        if (cml_mci_parse_list(value, 3, obj->shift)) return CML_OK;
-        return cml_mci_fail_value(options, "x,y,z in cm without blanks");
-    case MESH_UP:
-        which = cml_mci_choose(value, up_names, 6);
-        if (which < 0) return cml_mci_fail_value(options, "x, -x, y, -y, z or -z");
-        obj->up = (enum cml_up_axis)which;
-        return CML_OK;
-    case MESH_ROTATE:
-        if (cml_mci_parse_list(value, 1, &obj->rotate) && fabs(obj->rotate) <= 360) return CML_OK;
-        return cml_mci_fail_value(options, "degrees of -360..360");
-    case MESH_SKIRT:
-        if (cml_mci_parse_list(value, 1, &obj->skirt) && obj->skirt >= CML_MCI_TINY) return CML_OK;
-        return cml_mci_fail_value(options, "a width of 1e-30..1e30 cm");
-    case BODY_UNION:
-        obj->unite = true;
-        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word union alone");
-    default:
-        which = cml_mci_choose(value, normals, 2);
-        if (which < 0) return cml_mci_fail_value(options, "face or vertex");
-        obj->normals = which == 0 ? CML_NORMALS_FACET : CML_NORMALS_VERTEX;
-        return CML_OK;
-    }
-}
 
 static cml_status set_tiling(const struct cml_mci_line_options *options, enum tiling *tiling)
 {
     const int which = options->alone ? TILE_PERIODIC : cml_mci_choose(options->value, tile_names, 2);
     *tiling = (enum tiling)which;
     return which >= 0 ? CML_OK : cml_mci_fail_value(options, "mirror, as-is, or the word tile alone");
-}
-
-enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
-
-/* The ending decides how a file is read. Meshes for printers have no reader here. */
-static cml_status check_mesh_name(const struct cml_mci_line_options *options, const char *name,
-                                  enum mesh_file *kind)
-{
-    static const char *const endings[] = {".obj", ".gsf", ".asc"};
-    if (!name || *name == '"' || *name == '\0')
-        return cml_mci_fail_option(options, "file", name, "a file name in a pair of quotes");
-    const char *dot = strrchr(name, '.');
-    for (int i = 0; dot && i < 3; i++) {
-        *kind = (enum mesh_file)i;
-        if (strcasecmp(dot, endings[i]) == 0) return CML_OK;
-    }
-    const bool other = dot && (strcasecmp(dot, ".stl") == 0 || strcasecmp(dot, ".ply") == 0);
-    return cml_mci_fail_option(options, "file", name,
-                               other ? "an .obj file: convert it, with MeshLab for instance"
-                                     : "an .obj file, or a .gsf or .asc heightmap");
 }
 
 /* A map whose ends do not fit would be a grating of cliffs. The largest of all steps may by chance be that of
@@ -305,28 +231,28 @@ static cml_status check_heightmap_options(const struct cml_mci_line_options *opt
 {
     char value[32];
     if (given->up != CML_UP_Z && given->up != CML_UP_MINUS_Z)
-        return cml_mci_fail_option(options, "up", up_names[given->up], "z or -z for a heightmap");
-    snprintf(value, sizeof value, "%g", options->seen[MESH_ROTATE] ? given->rotate : given->skirt);
-    if (options->seen[MESH_ROTATE])
+        return cml_mci_fail_option(options, "up", cml_mci_up_names[given->up], "z or -z for a heightmap");
+    snprintf(value, sizeof value, "%g", options->seen[CML_MCI_MESH_ROTATE] ? given->rotate : given->skirt);
+    if (options->seen[CML_MCI_MESH_ROTATE])
         return cml_mci_fail_option(options, "rotate", value, "no rotate= for a heightmap");
-    if (options->seen[MESH_SKIRT])
+    if (options->seen[CML_MCI_MESH_SKIRT])
         return cml_mci_fail_option(options, "skirt", value,
                                    "no skirt= for a heightmap, which has one, or needs none");
     return CML_OK;
 }
 
 /* The heights are needed no longer once the mesh is made. */
-static cml_status read_heightmap(const struct cml_mci_line_options *options, enum mesh_file kind,
+static cml_status read_heightmap(const struct cml_mci_line_options *options, enum cml_mci_mesh_file kind,
                                  enum tiling tiling, const struct cml_obj_options *given,
                                  struct cml_boundary *boundary)
 {
     const struct cml_input_options *input = options->reader->options;
     struct cml_error *err = options->reader->err;
-    const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
+    const double unit = options->seen[CML_MCI_MESH_UNITS] ? given->unit : 0;
     struct cml_heightmap map;
     CML_TRY(check_heightmap_options(options, given));
-    CML_TRY(
-        (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
+    CML_TRY((kind == CML_MCI_FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit,
+                                                                      &map, err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
     const cml_status status = tiling == TILE_NONE
@@ -349,27 +275,28 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         .flag = "tile",
         .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is"};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1};
-    enum mesh_file kind = FILE_OBJ;
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
     enum tiling tiling = TILE_NONE;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
-    CML_TRY(check_mesh_name(&options, name, &kind));
+    CML_TRY(cml_mci_mesh_name(&options, name, &kind));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(&options, &more));
         if (!more) break;
-        CML_TRY(options.key == MESH_TILE ? set_tiling(&options, &tiling) : set_mesh_option(&options, &obj));
+        CML_TRY(options.key == CML_MCI_MESH_TILE ? set_tiling(&options, &tiling)
+                                                 : cml_mci_mesh_option(&options, &obj));
     }
     CML_TRY(cml_mci_set_scaling(reader, index, &obj.scale, &obj.height));
     boundary->scale = obj.scale;
     boundary->height = obj.height;
-    if (tiling != TILE_NONE && kind == FILE_OBJ)
+    if (tiling != TILE_NONE && kind == CML_MCI_FILE_OBJ)
         return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     obj.budget = reader->options->budget;
     obj.budget.file = reader->text.path;
     obj.budget.line = reader->text.line;
     obj.budget.boundary = index;
-    if (kind == FILE_OBJ)
+    if (kind == CML_MCI_FILE_OBJ)
         CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
                              &boundary->mesh_notes, reader->err));
     else
@@ -403,49 +330,4 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
     CML_TRY(read_boundary(reader, kind, index, boundary));
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
-}
-
-/* ---- i: a closed mesh ---- */
-
-/* Name, medium, options: what comes before the file is read. */
-static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
-                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
-{
-    struct cml_mci_reader *reader = options->reader;
-    double values[CML_MCI_MEDIUM_FIELDS];
-    enum mesh_file kind = FILE_OBJ;
-    const char *name = cml_text_word(&reader->cursor);
-    CML_TRY(check_mesh_name(options, name, &kind));
-    if (kind != FILE_OBJ) return cml_mci_fail_option(options, "file", name, "an .obj file: a closed mesh");
-    CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
-    CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
-                                    values));
-    *medium = cml_mci_medium(reader, values);
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(options, &more));
-        if (more) CML_TRY(set_mesh_option(options, obj));
-    }
-    return CML_OK;
-}
-
-cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
-                             struct cml_medium_def *medium)
-{
-    char owner[32];
-    snprintf(owner, sizeof owner, "body %d", number);
-    struct cml_mci_line_options options = {.reader = reader,
-                                           .owner = owner,
-                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals",
-                                                    "\n" /* no skirt: no word holds a line's end */, "union"},
-                                           .flag = "union",
-                                           .list = "up=, rotate=, units=, scale=, shift=, normals= or union"};
-    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
-    CML_TRY(read_body_line(&options, body, medium, &obj));
-    obj.budget = reader->options->budget;
-    obj.budget.file = reader->text.path;
-    obj.budget.line = reader->text.line;
-    obj.budget.body = number;
-    return cml_mci_name_line(
-        reader, owner, body->file,
-        cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
 }

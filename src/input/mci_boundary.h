@@ -1,4 +1,4 @@
-/* The lines of .mci files that give a boundary its shape, b and m, and the files of meshes that they name.
+/* The lines of .mci files that give a boundary its shape, b and m, and the files that they name.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_BOUNDARY_H
 #define CML_MCI_BOUNDARY_H
@@ -10,10 +10,5 @@
  * which is number `index`. What was allocated before a failure belongs to *boundary. */
 CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                           struct cml_boundary *boundary);
-
-/* Reads an i line from the name of its mesh on into *body, which is number `number` from 1, and its medium.
- * What was allocated before a failure belongs to *body. */
-CML_NODISCARD cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number,
-                                           struct cml_scene_body *body, struct cml_medium_def *medium);
 
 #endif

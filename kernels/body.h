@@ -41,9 +41,9 @@ CML_FN struct cml_pass cml_pass_quadric(struct cml_vec d, struct cml_vec v, real
     return pass;
 }
 
-/* The same from a place d on the surface: a chord. So stands a packet that rounding has put beyond the
- * surface that it is to leave: where its line passes beside, the closest approach would be a crossing without
- * an angle, from which no chord leads on. */
+/* cml_pass_quadric from a place d on the surface: a chord. So stands a packet that rounding has put beyond
+ * the surface that it is to leave: where its line passes beside, the closest approach would be a crossing
+ * without an angle, from which no chord leads on. */
 CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
 {
     const real middle = -cml_dot(d, v) / cml_dot(v, v);

@@ -198,7 +198,7 @@ CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray
     return (larger ? q : C) / (larger ? c.A : q_other);
 }
 
-/* The same for any slope. Returns 0 when there is none; *t may lie outside the span. */
+/* The root in a ring of any slope. Returns 0 when there is none; *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
                          real *half_root_gap)
 {

@@ -106,7 +106,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct c
     return near_lanes;
 }
 
-/* The same where some may. */
+/* cml_device_fly_random where some lanes may draw from the lattice. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 near_lanes = 0;

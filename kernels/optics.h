@@ -31,7 +31,7 @@ CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
     return v;
 }
 
-/* The same of any length but 0. Within the reach of the Newton step it is that, bit for bit. */
+/* u / |u| of any length but 0. Within the reach of the Newton step it is cml_renormalise, bit for bit. */
 CML_FN struct cml_vec cml_normalise(struct cml_vec u)
 {
     const real square = cml_dot(u, u), off = square - 1;
@@ -54,7 +54,7 @@ CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 
     return tau - cml_log(cml_uniform(word));
 }
 
-/* The same but for a word of 0: infinite, to be drawn later. */
+/* cml_optical_depth but for a word of 0: infinite, to be drawn later. */
 CML_FN real cml_depth_or_tail(cml_u32 word)
 {
     const real depth = -cml_log(cml_uniform(word));
@@ -170,7 +170,7 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     return cml_spin(u, per_divisor, ct, st, cp, sp);
 }
 
-/* The same of a medium with a table; drawn: cml_phase_one_minus. */
+/* The direction after scattering (P4) in a medium with a table; drawn: cml_phase_one_minus. */
 CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cml_u32 azimuth_word)
 {
     real ct, st, cp, sp;
@@ -179,8 +179,8 @@ CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cm
     return cml_spin(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
 }
 
-/* The same of any medium, for vector loops: both ways, of which it takes one. drawn: anything in 0..2 where
- * it has no table. */
+/* The direction after scattering (P4) in any medium, for vector loops: both ways, of which it takes one.
+ * drawn: anything in 0..2 where the medium has no table. */
 CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, cml_u32 polar_word,
                                          cml_u32 azimuth_word)
 {
@@ -194,7 +194,7 @@ CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, c
     return cml_spin(u, per_divisor, ct, st, cp, sp);
 }
 
-/* The same, with the tables of all media; NULL: there are none. */
+/* The direction after scattering (P4), with the tables of all media; NULL: there are none. */
 CML_FN struct cml_vec cml_scatter_in(CML_GLOBAL const struct cml_phase_cell *cells, struct cml_vec u, real g,
                                      cml_u32 polar_word, cml_u32 azimuth_word)
 {

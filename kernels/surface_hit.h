@@ -181,7 +181,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     return cml_clip_interval(&surface->clearance, bounds, start, u, side, s, form);
 }
 
-/* The same for any kind of surface. */
+/* Where a packet can meet a surface of any kind within t_max (cml_curved_interval). */
 CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
                                                 const CML_GLOBAL struct cml_surface *surface,
                                                 struct cml_vec p, struct cml_vec u, real side,

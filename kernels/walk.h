@@ -266,7 +266,7 @@ CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up
     return v;
 }
 
-/* The same at a plane z = const. */
+/* The direction after a plane z = const (P5), mirrored or refracted. */
 CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, real xi, int *transmitted)
 {
     const real size = CML_FABS(u.z), ci = size < 1 ? size : (real)1, ratio = n1 / n2;

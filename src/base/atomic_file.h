@@ -35,8 +35,9 @@ bool cml_file_is_device(const char *path);
  * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
-/* The same for a file that one call of a command writes: alone, as "PATH.lock" is held until the commit, and
- * without what killed processes have left of it. CML_E_IO also where another process holds the lock. */
+/* cml_file_create for a file that one call of a command writes: alone, as "PATH.lock" is held until the
+ * commit, and without what killed processes have left of it. CML_E_IO also where another process holds the
+ * lock. */
 CML_NODISCARD cml_status cml_file_create_alone(const char *path, struct cml_file *file,
                                                struct cml_error *err);
 

@@ -33,7 +33,7 @@ struct cml_text_source {
 CML_NODISCARD cml_status cml_text_read(const struct cml_text_source *source, const char *path,
                                        struct cml_text *text, struct cml_error *err);
 
-/* The same for a file that is not text: NUL bytes are data. */
+/* cml_text_read for a file that is not text: NUL bytes are data. */
 CML_NODISCARD cml_status cml_text_read_bytes(const struct cml_text_source *source, const char *path,
                                              struct cml_text *text, struct cml_error *err);
 

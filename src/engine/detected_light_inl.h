@@ -126,7 +126,7 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
     return light;
 }
 
-/* The same of so many packets into all detectors. */
+/* Adds what is split off `times` packets like packet `index` to the scores of all detectors. */
 static inline void cml_score_split_off(const struct cml_world *world, cml_u64 index, uint64_t times,
                                        uint64_t *sums, const struct cml_tally *pixels)
 {

@@ -30,7 +30,7 @@ struct series {
 };
 #define NUM_SERIES (CML_NUM_TOTALS + 7)
 
-/* Of one value, units of weight: sums over batches of what the scene as it is scores, of what the planes
+/* Sums over batches of one value, units of weight: of what the scene as it is scores, of what the planes
  * score more, and of the squares of the latter. Their root is the standard error of the difference, somewhat
  * larger than the spread about the mean gives, and needs no batches of equal length. */
 struct value {
@@ -103,7 +103,8 @@ static void add_values(const uint64_t *as_is, const uint64_t *level, size_t coun
     }
 }
 
-/* The same packets both ways, with the same draws: most differences are 0, and what is left is small. */
+/* Flies a batch of packets both ways, with the same draws: most differences are 0, and what is left is small.
+ */
 static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
 {
     for (int way = 0; way < 2; way++) {

@@ -184,7 +184,7 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
                  terminated->w[i], 1);
 }
 
-/* The same into the facet that it touched last. */
+/* Adds the weight of a packet that has left to the facet that it touched last. */
 static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                     int i, int primitive, const struct cml_tally *tally)
 {

@@ -14,7 +14,7 @@ struct cml_dense_kind {
 void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const double *a, const double *b,
                            double *c);
 
-/* The same of one row of any numbers. a, c: [n]. */
+/* c += a b of one row of any numbers. a, c: [n]. */
 void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *a, const double *b,
                                double *c);
 

@@ -42,9 +42,9 @@ CML_NODISCARD cml_status cml_exact_solve(const struct cml_medium_def *media, int
                                          const struct cml_exact_options *options, struct cml_exact *exact,
                                          struct cml_error *err);
 
-/* The same for a scene without bodies, whose light comes from above (else CML_E_INPUT, by name). depth:
- * [num_layers + 1] of the boundaries, cm; NULL: their nominal depths. Planes there in place of all shapes are
- * the scene's flat twin. */
+/* cml_exact_solve for a scene without bodies, whose light comes from above (else CML_E_INPUT, by name).
+ * depth: [num_layers + 1] of the boundaries, cm; NULL: their nominal depths. Planes there in place of all
+ * shapes are the scene's flat twin. */
 CML_NODISCARD cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                                          const struct cml_exact_options *options, struct cml_exact *exact,
                                          struct cml_error *err);

@@ -14,7 +14,7 @@ CML_NODISCARD cml_status cml_stack_shares(const struct cml_medium_def *media,
                                           double *reflected, double *transmitted, double *absorbed,
                                           struct cml_error *err);
 
-/* The same of light in each of the `count` directions without weight, in their order, without a backing:
+/* What becomes of light in each of the `count` directions without weight, in their order, without a backing:
  * response [1 + num_layers][count] is what is transmitted, then absorbed in each layer. */
 CML_NODISCARD cml_status cml_stack_responses(const struct cml_medium_def *media,
                                              const struct cml_directions *directions, int terms, int count,

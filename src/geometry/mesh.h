@@ -84,11 +84,11 @@ struct cml_mesh_notes {
 CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                                           struct cml_mesh_notes *notes, struct cml_error *err);
 
-/* The same of a closed body (mesh->closed): no border, which is refused with an edge of it; triangles turned
- * so that their normals point outwards; num_border is 0 and z_border the body's highest depth. It may have
- * several parts: one inside another is a cavity, whose normals point into it, one inside a cavity is solid
- * again, and so on; but with mesh->unite each part is turned outwards of itself. That parts cross is not
- * looked for; one without a volume is refused. */
+/* Prepares the mesh of a closed body (mesh->closed) as cml_mesh_prepare does, but it has no border, which is
+ * refused with an edge of it; triangles turned so that their normals point outwards; num_border is 0 and
+ * z_border the body's highest depth. It may have several parts: one inside another is a cavity, whose normals
+ * point into it, one inside a cavity is solid again, and so on; but with mesh->unite each part is turned
+ * outwards of itself. That parts cross is not looked for; one without a volume is refused. */
 
 /* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);

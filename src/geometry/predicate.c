@@ -28,7 +28,7 @@ static double two_sum(double a, double b, double *rest)
     return sum;
 }
 
-/* The same of a * b: fma rounds once, so that what it gives is the rest exactly. */
+/* The product a * b rounded, and the rest: fma rounds once, so that what it gives is the rest exactly. */
 static double two_product(double a, double b, double *rest)
 {
     const double product = a * b;
@@ -103,7 +103,8 @@ static struct difference negate(struct difference d)
     return (struct difference){{-d.part[0], -d.part[1]}};
 }
 
-/* The same determinants as the filters, but every difference is exact, too. */
+/* The sign of the determinant of cml_orient2d where its filter cannot tell: every difference is exact, too.
+ */
 static int orient2d_exact(const double a[2], const double b[2], const double c[2])
 {
     struct exact det = {0};
@@ -196,7 +197,7 @@ static int line_side_moved(const double a[3], const double b[3], const double u[
     return 0;
 }
 
-/* The same shape of determinant as that of cml_orient3d, with one difference less, so the same bound holds.
+/* A determinant of the shape of that of cml_orient3d, with one difference less, so that its bound holds.
  * The direction u is taken as it is. */
 int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3])
 {

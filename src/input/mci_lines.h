@@ -105,7 +105,7 @@ bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *
 CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                                          const struct cml_mci_field *fields, int count, double *values);
 
-/* The same, but what follows the numbers is left for the caller to read. */
+/* Reads `count` numbers as cml_mci_numbers does, but what follows them is left for the caller to read. */
 CML_NODISCARD cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
                                                  const struct cml_mci_field *fields, int count,
                                                  double *values);

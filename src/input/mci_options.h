@@ -27,7 +27,7 @@ CML_NODISCARD cml_status cml_mci_next_option(struct cml_mci_line_options *option
 CML_NODISCARD cml_status cml_mci_fail_option(const struct cml_mci_line_options *options, const char *field,
                                              const char *value, const char *expected);
 
-/* The same of the option read last: its key and its value. */
+/* cml_mci_fail_option with the key and the value of the option read last. */
 CML_NODISCARD cml_status cml_mci_fail_value(const struct cml_mci_line_options *options, const char *expected);
 
 /* "1,2,3": exactly `count` numbers up to +-CML_MCI_HUGE, with nothing between them but commas. */

@@ -119,7 +119,7 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
 CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_exact *exact, struct cml_error *err);
 
-/* The same in one line, for what the scene would be with planes in place of all shapes. */
+/* Totals by adding-doubling in one line, of what the scene would be with planes in place of all shapes. */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
 /* Zeroed: no sweep. */

@@ -107,7 +107,8 @@ void cml_add_body_face_fields(struct cml_field_list *list, const struct cml_body
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */
 void cml_add_facet_fields(struct cml_field_list *list, int b, const char *prefix, size_t per_facet);
 
-/* The same of the last one: shares of the launched weight; and the areas of facets that are no pixels. */
+/* Irradiance and exitance of the last facet, the outer plane, as shares of the launched weight; and the areas
+ * of facets that are no pixels. */
 void cml_add_outer_plane_fields(struct cml_field_list *list, int b, const char *prefix);
 
 /* What an .mco or .h5 file holds of a run but its fields; the words of the scene as `reader` wants them.

@@ -80,7 +80,7 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
-/* The same of the box around a body, and its distances from the z axis. */
+/* The depths and the distances from the z axis between which the box around a body lies. */
 static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
 {
     double near[2], far[2];

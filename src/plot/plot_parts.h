@@ -21,8 +21,8 @@ extern const struct cml_axis_range cml_axis_range_any;
 CML_NODISCARD cml_status cml_axis_range_apply(const struct cml_axis_range *range, const char *option,
                                               double *from, double *to, struct cml_error *err);
 
-/* The same of an axis whose data lie between *from and *to: CML_E_INPUT also where none of them is in the
- * range. */
+/* cml_axis_range_apply of an axis whose data lie between *from and *to: CML_E_INPUT also where none of them
+ * is in the range. */
 CML_NODISCARD cml_status cml_axis_range_within(const struct cml_axis_range *range, const char *option,
                                                double *from, double *to, struct cml_error *err);
 

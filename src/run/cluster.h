@@ -69,7 +69,7 @@ CML_NODISCARD cml_status cml_cluster_sum(struct cml_result *result, struct cml_e
 void cml_cluster_request_sync(void);
 bool cml_cluster_sync_requested(void);
 
-/* The same of a synchronisation after which the run stops. */
+/* Requests a synchronisation after which the run stops, and whether one is requested. */
 void cml_cluster_request_stop(void);
 bool cml_cluster_stop_requested(void);
 

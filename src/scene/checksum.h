@@ -9,10 +9,10 @@
  * of the kind of normals. The nominal depth and the file's name do not count. 0 for a plane. */
 uint32_t cml_boundary_checksum(const struct cml_boundary *boundary);
 
-/* The same of a prepared mesh. */
+/* CRC-32 of a prepared mesh, of its coordinates in single precision and of the kind of normals. */
 uint32_t cml_mesh_checksum(const struct cml_mesh *mesh);
 
-/* The same of the pixels and the table of a beam. */
+/* CRC-32 of the pixels of a beam and of the table of its light, in single precision. */
 uint32_t cml_beam_checksum(const struct cml_beam *beam);
 
 #endif

@@ -34,8 +34,9 @@ static int place_of(int x, int size, bool repeats)
     return x >= 0 && x < size ? x : -1;
 }
 
-/* Of one cell. The cells at the rim reach outwards for ever, but that brings no two closer. Of what repeats,
- * the coarsest level has one cell, and its copies one cell away stand for all that are further. */
+/* The horizon of one cell, from the cells around its parent. Those at the rim reach outwards for ever, but
+ * that brings no two closer. Of what repeats, the coarsest level has one cell, and its copies one cell away
+ * stand for all that are further. */
 static void look_from(const struct view *view, int x, int y)
 {
     const int size = view->size, x0 = (x / 2 - 1) * 2, y0 = (y / 2 - 1) * 2;

@@ -14,7 +14,8 @@ static double cones_volume(const struct cml_radial *radial)
     return volume;
 }
 
-/* The same of a sheet and the plane at z: prisms, whose areas count below 0 where the sheet overhangs. */
+/* The volume between a sheet and the plane at z: prisms, whose areas count below 0 where the sheet overhangs.
+ */
 static double sheet_volume(const struct cml_mesh *mesh, double z)
 {
     double volume = 0;

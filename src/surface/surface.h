@@ -52,9 +52,9 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set);
  * *def was is overwritten. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def);
 
-/* The same plane as rings without a slope: packets take the events that they take on curved boundaries, with
- * the same random numbers (on a plane at normal incidence they start behind the first one). The caller's to
- * clear, also on failure. */
+/* The plane of cml_surface_make_outer_plane as rings without a slope: packets take the events that they take
+ * on curved boundaries, with the same random numbers (on a plane at normal incidence they start behind the
+ * first one). The caller's to clear, also on failure. */
 CML_NODISCARD cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary,
                                                       struct cml_surface_def *def, struct cml_error *err);
 

@@ -122,7 +122,7 @@ void cml_result_detected(const struct cml_result *result, int k, double *value, 
 /* Expected value number `score`, as a share of the launched weight, and its standard error. */
 void cml_result_expected(const struct cml_result *result, int score, double *value, double *error);
 
-/* The same of what a layer absorbs: as counted where the layer has no score. */
+/* What a layer absorbs, expected and its standard error: as counted where the layer has no score. */
 void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error);
 
 /* Standard error, as a share of a packet, of a mean weight that every packet adds to at most once, from its

@@ -56,12 +56,13 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
 }
 
-/* Of one of Rd_t, Tt_t and A_t, and how many of these there are. */
+/* Cells of each of Rd_t, Tt_t and A_t. */
 static size_t tally_cells_t(const struct cml_grid *grid)
 {
     return grid->gates ? (size_t)grid->gates + 1 : 0;
 }
 
+/* How many of Rd_t, Tt_t and A_t there are. */
 static size_t num_t(const struct cml_grid *grid)
 {
     return grid->absorption || grid->depths ? 3 : 2;

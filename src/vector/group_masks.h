@@ -69,7 +69,8 @@ static inline void cml_group_pack(const void *column, uint32_t mask, void *to)
 #endif
 }
 
-/* The same for values of 8 bytes. */
+/* The values of 8 bytes of the entries in the mask, side by side; what follows them in to[CML_GROUP] is
+ * undefined. */
 static inline void cml_group_pack_wide(const uint64_t *column, uint32_t mask, uint64_t *to)
 {
 #ifdef __AVX512F__

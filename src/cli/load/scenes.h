@@ -24,14 +24,14 @@ void cml_show_note(void *context, const char *text);
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                          struct cml_error *err);
 
-/* The same, with the bytes that were read, as a run holds them: they count in its memory. *inputs are the
- * caller's to clear. */
+/* cml_load_scenes with the bytes that were read, as a run holds them: they count in its memory. *inputs are
+ * the caller's to clear. */
 CML_NODISCARD cml_status cml_load_scenes_as_run(const struct cml_options *options,
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);
 
-/* The same on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the bytes,
- * the caller's to clear. Collective. */
+/* cml_load_scenes on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the
+ * bytes, the caller's to clear. Collective. */
 CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);
@@ -70,7 +70,7 @@ CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, con
 double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces);
 
-/* The same in one line. */
+/* Prints the most memory that the run will hold, in one line. */
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 

@@ -14,7 +14,7 @@ typedef cml_status cml_option_reader(const struct cml_option *option, const char
 cml_option_reader cml_read_true, cml_read_false, cml_read_text, cml_read_count, cml_read_int,
     cml_read_seconds, cml_read_range;
 
-/* Of one option each. */
+/* Each reads the value of one option. */
 cml_option_reader cml_read_engine, cml_read_sampling, cml_read_roulette, cml_read_control, cml_read_aim,
     cml_read_target_error, cml_read_checkpoint, cml_read_boundaries, cml_read_tolerance, cml_read_mesh_budget,
     cml_read_normals, cml_read_rings, cml_read_mesh_search, cml_read_alpha, cml_read_log, cml_read_linear,

@@ -34,7 +34,7 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
 
-/* The same for one file. CML_E_IO as above. */
+/* Claims one file more. CML_E_IO when it cannot be written or is locked. */
 CML_NODISCARD cml_status cml_output_claim(const char *path, struct cml_outputs *outputs,
                                           struct cml_error *err);
 

@@ -5,7 +5,7 @@
 
 #include "run/run.h"
 
-/* Of one run. */
+/* How the progress of one run is shown. */
 struct cml_display {
     bool quiet, terminal;
     int tenths; /* lines printed so far */

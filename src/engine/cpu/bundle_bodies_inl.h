@@ -56,7 +56,7 @@ CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct 
     }
 }
 
-/* The same as a mask. */
+/* The lanes that may leave their region, as a mask. */
 static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 {
     _Alignas(64) int out[CML_LANES];

@@ -63,7 +63,7 @@ CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_b
     }
 }
 
-/* The same lanes: spin (P4), where no medium has a phase function's table. */
+/* Turns the lanes that interact (P4), where no medium has a phase function's table. */
 __attribute__((always_inline)) static inline void cml_bundle_spin(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
@@ -172,7 +172,8 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
     return low;
 }
 
-/* The same where no absorption is tallied. Books are kept all the same, from weights (cml_flush_deposits). */
+/* Moves, absorbs and turns where no absorption is tallied. Books are kept from weights (cml_flush_deposits).
+ */
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 0, 0);

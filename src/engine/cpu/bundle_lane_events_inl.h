@@ -177,7 +177,7 @@ static void cml_process_lane(struct cml_flight *f, int i)
     cml_continue_lane(f, i, intervals, s);
 }
 
-/* The same of a lane that may meet a body, and has its path s. ahead: enum cml_bodies_ahead. */
+/* What comes next of a lane that may meet a body, and has its path s. ahead: enum cml_bodies_ahead. */
 static void cml_process_lane_at_bodies(struct cml_flight *f, int i, int ahead)
 {
     const struct cml_bundle *b = f->b;

@@ -411,7 +411,7 @@ static void cml_scatter_late(const struct cml_flight *f)
     }
 }
 
-/* The same into the voxels of the volume, where one is asked for; threads share it. */
+/* Adds what all lanes deposit to the voxels of the volume, where one is asked for; threads share it. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;

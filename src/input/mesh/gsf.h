@@ -15,7 +15,8 @@
 CML_NODISCARD cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                                       struct cml_heightmap *map, struct cml_error *err);
 
-/* The same of an image, whose values stay as they are, whatever their unit. XReal and YReal need XYUnits. */
+/* Reads an image as cml_gsf_read reads a map, but values stay as they are, whatever their unit. XReal and
+ * YReal need XYUnits. */
 CML_NODISCARD cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                              struct cml_heightmap *map, struct cml_error *err);
 

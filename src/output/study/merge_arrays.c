@@ -76,7 +76,8 @@ static void add_pieces(const struct cml_merge_array *array, size_t begin, size_t
     }
 }
 
-/* The same of results of one packet each: of the array that the errors belong to, NaN where there is none. */
+/* Errors of results of one packet each, from their spread: of the array that the errors belong to, NaN where
+ * there is none. */
 static void add_spread(const struct cml_merge_array *errors, size_t begin, size_t count, double *out)
 {
     double mean[PIECE] = {0}, numbers[PIECE];

@@ -49,8 +49,9 @@ CML_NODISCARD cml_status cml_tile_sheet(const struct cml_heightmap *tile, const 
                                         enum cml_normals normals, struct cml_mesh *mesh,
                                         struct cml_error *err);
 
-/* The same as a prepared mesh, whose border a skirt of one cell makes level; its triangles are the last.
- * CML_E_INPUT too when cells are so small that rounding makes vertices one. */
+/* The triangles over some cells as a prepared mesh, whose border a skirt of one cell makes level; the skirt's
+ * triangles are the last. CML_E_INPUT for memory, or when cells are so small that rounding makes vertices
+ * one. */
 CML_NODISCARD cml_status cml_tile_patch(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                                         enum cml_normals normals, struct cml_mesh *mesh,
                                         struct cml_error *err);

@@ -74,7 +74,7 @@ static size_t block_at(const struct filling *f, int x, int y, int z)
     return ((size_t)z * ny + (size_t)y) * nx + (size_t)x;
 }
 
-/* Scene coordinates; of a place between cells, too. */
+/* The middle of a cell in scene coordinates; x, y and z may lie between cells. */
 static void cell_middle(const struct filling *f, double x, double y, double z, double middle[3])
 {
     const double at[3] = {x, y, z};

@@ -60,7 +60,7 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave);
  * single precision. False when it never enters. */
 bool cml_query_enter(struct cml_mesh_query *q);
 
-/* The same for the whole line, ahead and behind. */
+/* cml_query_clip_ray for the whole line, ahead and behind. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave);
 
 /* Whether the ray exits through a triangle, at *t, and with which barycentric weights. Needs

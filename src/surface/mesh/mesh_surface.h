@@ -34,8 +34,8 @@ CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x
                                                  enum cml_mesh_search search,
                                                  struct cml_mesh_surface **surface, struct cml_error *err);
 
-/* The same of a mesh that is repeated over the whole plane. corner of *period counts in the boundary's frame
- * from the scene's axis. Primitives of queries are those of the period. */
+/* cml_mesh_surface_create of a mesh that is repeated over the whole plane. corner of *period counts in the
+ * boundary's frame from the scene's axis. Primitives of queries are those of the period. */
 CML_NODISCARD cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
                                                       enum cml_mesh_search search,
                                                       const struct cml_mesh_period *period,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/input_files.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,11 +20,10 @@ static char *copy_data(const char *data, size_t size)
 static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
                          struct cml_error *err)
 {
-    struct cml_input *larger = realloc(inputs->item, (inputs->count + 1) * sizeof *larger);
-    if (!larger) return cml_fail_memory(err, (double)size, "a copy of an input file");
-    inputs->item = larger;
+    CML_TRY(
+        cml_array_grow(&inputs->item, inputs->count, sizeof *inputs->item, "a copy of an input file", err));
     const struct cml_input input = {strdup(path), copy_data(data, size), size};
-    larger[inputs->count++] = input;
+    inputs->item[inputs->count++] = input;
     if (input.path && input.data) return CML_OK;
     return cml_fail_memory(err, (double)size, "a copy of an input file");
 }

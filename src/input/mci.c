@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 
+#include "base/array.h"
 #include "input/mci_beam.h"
 #include "input/mci_body.h"
 #include "input/mci_boundary.h"
@@ -319,12 +320,8 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
 /* The scene joins the list before it is complete, so that clearing the list frees what was read of it. */
 static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
-    if ((list->count & (list->count - 1)) == 0) { /* a power of two is full */
-        const size_t capacity = list->count ? 2 * (size_t)list->count : 1;
-        struct cml_scene *larger = realloc(list->scenes, capacity * sizeof *larger);
-        if (!larger) return cml_fail_memory(reader->err, (double)(capacity * sizeof *larger), "the runs");
-        list->scenes = larger;
-    }
+    CML_TRY(
+        cml_array_grow(&list->scenes, (size_t)list->count, sizeof *list->scenes, "the runs", reader->err));
     struct cml_scene *scene = &list->scenes[list->count++];
     *scene = (struct cml_scene){0};
     cml_mci_forget(reader);

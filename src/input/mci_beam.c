@@ -1,6 +1,7 @@
 /* Beam lines. SPDX-License-Identifier: MIT */
 #include "input/mci_beam.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "base/shared.h"
 #include "input/mesh/gsf.h"
@@ -49,7 +50,6 @@ static bool parse_angle(const struct cml_mci_field *field, const char *text, dou
 struct table {
     struct cml_text text;
     struct cml_light *light;
-    size_t capacity;
     struct cml_error *err;
 };
 
@@ -63,14 +63,8 @@ static cml_status make_room(struct table *table)
 {
     struct cml_light *light = table->light;
     if (light->rows == MOST_ROWS) return fail_row(table, "row", "10001", "at most 10000 rows");
-    if ((size_t)light->rows < table->capacity) return CML_OK;
-    const size_t capacity = table->capacity ? 2 * table->capacity : 64;
-    double *t = realloc(light->t, capacity * sizeof *t);
-    if (t) light->t = t;
-    double *intensity = realloc(light->intensity, capacity * sizeof *intensity);
-    if (intensity) light->intensity = intensity;
-    if (!t || !intensity) return cml_fail_memory(table->err, 16.0 * (double)capacity, "a table");
-    table->capacity = capacity;
+    CML_TRY(cml_array_grow(&light->t, (size_t)light->rows, sizeof *light->t, "a table", table->err));
+    CML_TRY(cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", table->err));
     return CML_OK;
 }
 
@@ -286,22 +280,14 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
     }
 }
 
-/* Room for one more beam; arrays are enlarged when their number is a power of two. The first line takes the
- * place of the pencil that there is without one. */
+/* One more beam. The first line takes the place of the pencil that there is without one. */
 static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int count = scene->num_beams;
     if (count == 1 && !scene->beams[0].given) return CML_OK;
     if (count == MOST_BEAMS) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "at most 32767 beams");
-    if ((count & (count - 1)) == 0) {
-        const size_t capacity = count ? 2 * (size_t)count : 1;
-        struct cml_beam *beams = realloc(scene->beams, capacity * sizeof *beams);
-        if (beams) scene->beams = beams;
-        double *shares = realloc(scene->shares, capacity * sizeof *shares);
-        if (shares) scene->shares = shares;
-        if (!beams || !shares)
-            return cml_fail_memory(reader->err, (double)(capacity * sizeof *beams), "beams");
-    }
+    CML_TRY(cml_array_grow(&scene->beams, (size_t)count, sizeof *scene->beams, "beams", reader->err));
+    CML_TRY(cml_array_grow(&scene->shares, (size_t)count, sizeof *scene->shares, "beams", reader->err));
     scene->beams[count] = (struct cml_beam){0};
     scene->shares[count] = 1;
     scene->num_beams++;

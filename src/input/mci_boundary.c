@@ -1,6 +1,7 @@
 /* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
+#include "base/array.h"
 #include "base/shared.h"
 #include "input/mesh/esri.h"
 #include "input/mesh/gsf.h"
@@ -20,7 +21,7 @@ struct samples {
     char *cursor;
     char owner[32];
     double *values; /* h0 s0 h1 s1 ... as far as read */
-    size_t num_values, capacity;
+    size_t num_values;
     double radius; /* of the sample read last */
 };
 
@@ -50,15 +51,8 @@ static char *next_word(struct samples *samples)
 /* Grows with what was really read, so that a number n without its samples never asks for memory. */
 static cml_status append(struct samples *samples, double value)
 {
-    if (samples->num_values == samples->capacity) {
-        const size_t capacity = samples->capacity ? 2 * samples->capacity : 64;
-        double *larger = realloc(samples->values, capacity * sizeof *larger);
-        if (!larger)
-            return cml_fail_memory(samples->reader->err, (double)(capacity * sizeof *larger),
-                                   "a heightfield");
-        samples->values = larger;
-        samples->capacity = capacity;
-    }
+    CML_TRY(cml_array_grow(&samples->values, samples->num_values, sizeof value, "a heightfield",
+                           samples->reader->err));
     samples->values[samples->num_values++] = value;
     return CML_OK;
 }

@@ -1,6 +1,7 @@
 /* Detector lines. SPDX-License-Identifier: MIT */
 #include "input/mci_detector.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "input/mci_options.h"
 
@@ -170,18 +171,12 @@ static cml_status set_option(const struct cml_mci_line_options *options, struct 
 
 /* ---- the line ---- */
 
-/* Room for one more; the array is enlarged when its number is a power of two. */
-static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
+static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int n = scene->num_detectors;
     if (n == MOST_DETECTORS)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "at most 32767 detectors");
-    if ((n & (n - 1)) == 0) {
-        const size_t capacity = n ? 2 * (size_t)n : 1;
-        struct cml_detector_def *larger = realloc(scene->detectors, capacity * sizeof *larger);
-        if (!larger) return cml_fail_memory(reader->err, (double)(capacity * sizeof *larger), "detectors");
-        scene->detectors = larger;
-    }
+    CML_TRY(cml_array_grow(&scene->detectors, (size_t)n, sizeof *scene->detectors, "detectors", reader->err));
     scene->detectors[scene->num_detectors++] = (struct cml_detector_def){.line = reader->text.line};
     return CML_OK;
 }
@@ -194,7 +189,7 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
         .keys = {"at", "z", "side", "na", "angle", "azimuth", "diffuse", "name"},
         .flag = "diffuse",
         .list = "at=, z=, side=, na=, angle=, azimuth=, diffuse or name="};
-    CML_TRY(grow(reader, scene));
+    CML_TRY(add_detector(reader, scene));
     struct cml_detector_def *detector = &scene->detectors[scene->num_detectors - 1];
     cml_mci_cut_comment(reader->cursor);
     CML_TRY(read_shape(&options, detector));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_medium.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "base/shared.h"
 
@@ -60,18 +61,12 @@ static cml_status read_phase_numbers(struct cml_mci_reader *reader, const char *
     return CML_OK;
 }
 
-/* Room for one more row; arrays are enlarged when their number is a power of two. */
 static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_phase *phase)
 {
-    const size_t rows = (size_t)phase->rows, capacity = rows ? 2 * rows : 1,
-                 bytes = capacity * sizeof(double);
-    if ((rows & (rows - 1)) != 0) return CML_OK;
     double **const arrays[] = {&phase->deflection, &phase->density, &phase->below};
-    for (int i = 0; i < 3; i++) {
-        double *larger = realloc(*arrays[i], bytes);
-        if (!larger) return cml_fail_memory(reader->err, (double)bytes, "a phase function");
-        *arrays[i] = larger;
-    }
+    for (int i = 0; i < 3; i++)
+        CML_TRY(
+            cml_array_grow(arrays[i], (size_t)phase->rows, sizeof(double), "a phase function", reader->err));
     return CML_OK;
 }
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
+#include "base/array.h"
 #include "base/text.h"
 #include "output/report_faces.h"
 #include "result/h5.h"
@@ -50,10 +51,8 @@ void cml_report_clear(struct cml_report *report)
 /* The name of the next file; it counts as written, for a run that fails says so anyway. */
 static cml_status make_room(struct cml_report *report, struct cml_error *err)
 {
-    char **larger = realloc(report->files, (size_t)(report->num_files + 1) * sizeof *larger);
-    if (!larger) return cml_fail_memory(err, sizeof *larger, "a list of files");
-    report->files = larger;
-    return CML_OK;
+    return cml_array_grow(&report->files, (size_t)report->num_files, sizeof *report->files, "a list of files",
+                          err);
 }
 
 static cml_status next_file(struct cml_report *report, const char *path, const char *suffix,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "plot/swept.h"
 
+#include "base/array.h"
 #include "base/text.h"
 #include "input/sweep/sweep_table.h"
 #include "result/quantity.h"
@@ -194,18 +195,15 @@ static cml_status add_curve(const struct columns *c, int first, struct cml_swept
         return cml_fail(err, CML_E_INPUT, "%s: more than %d curves (expected fewer values of %s)",
                         c->table->text.path, CML_SWEPT_CURVES,
                         c->by < 0 ? "all tables" : c->table->name[c->by]);
-    struct cml_curve *curve = realloc(swept->curve, count * sizeof *curve);
-    if (curve) swept->curve = curve;
-    char(*name)[CML_SWEPT_NAME] = realloc(swept->name, count * sizeof *name);
-    if (name) swept->name = name;
-    if (!curve || !name) return cml_fail_memory(err, (double)(count * sizeof *name), "the curves");
-    curve += swept->count;
+    CML_TRY(cml_array_grow(&swept->curve, count - 1, sizeof *swept->curve, "the curves", err));
+    CML_TRY(cml_array_grow(&swept->name, count - 1, sizeof *swept->name, "the curves", err));
+    struct cml_curve *curve = &swept->curve[swept->count];
     CML_TRY(cml_curve_create(c->table->num_rows, c->error >= 0, curve, err));
     curve->n = 0;
     curve->end = -INFINITY;
     for (int row = first; row < c->table->num_rows; row++)
         if (of_curve(c, row, first)) insert(c, row, curve);
-    snprintf(name[swept->count++], CML_SWEPT_NAME, "%s%s%.70s", c->by < 0 ? "" : c->table->name[c->by],
+    snprintf(swept->name[swept->count++], CML_SWEPT_NAME, "%s%s%.70s", c->by < 0 ? "" : c->table->name[c->by],
              c->by < 0 ? "" : " = ", c->by < 0 ? "" : cell_of(c, first, c->by));
     return CML_OK;
 }

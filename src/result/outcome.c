@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/outcome.h"
 
+#include "base/array.h"
 #include "base/text.h"
 #include "result/scaling.h"
 
@@ -221,11 +222,9 @@ double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 cml_status cml_outcome_add_stream(struct cml_outcome *o, const char *file, uint64_t seed, uint64_t run,
                                   struct cml_error *err)
 {
-    struct cml_seed *larger = realloc(o->stream, (size_t)(o->num_streams + 1) * sizeof *larger);
-    if (!larger) return cml_fail_memory(err, sizeof *larger, "a list of seeds");
-    o->stream = larger;
-    larger[o->num_streams] = (struct cml_seed){NULL, seed, run};
-    if (file) CML_TRY(cml_text_copy(file, &larger[o->num_streams].file, err));
+    CML_TRY(cml_array_grow(&o->stream, (size_t)o->num_streams, sizeof *o->stream, "a list of seeds", err));
+    o->stream[o->num_streams] = (struct cml_seed){NULL, seed, run};
+    if (file) CML_TRY(cml_text_copy(file, &o->stream[o->num_streams].file, err));
     o->num_streams++;
     return CML_OK;
 }
@@ -248,9 +247,9 @@ const double *cml_outcome_errors(const struct cml_outcome *o, enum cml_quantity 
 cml_status cml_outcome_add_heights(struct cml_outcome *o, int boundary, int n, double **pair,
                                    struct cml_error *err)
 {
-    struct cml_heights *larger = realloc(o->heights, (size_t)(o->num_heights + 1) * sizeof *larger);
-    if (larger) o->heights = larger;
-    *pair = larger ? calloc(2 * (size_t)n + 1, sizeof **pair) : NULL;
+    *pair = NULL;
+    CML_TRY(cml_array_grow(&o->heights, (size_t)o->num_heights, sizeof *o->heights, "a shape", err));
+    *pair = calloc(2 * (size_t)n + 1, sizeof **pair);
     if (!*pair) return cml_fail_memory(err, 16.0 * n, "a shape");
     o->heights[o->num_heights++] = (struct cml_heights){boundary, n, *pair};
     return CML_OK;

@@ -2,6 +2,8 @@
  * edge or two edges that pass the plane. SPDX-License-Identifier: MIT */
 #include "scene/section.h"
 
+#include "base/array.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,13 +18,7 @@ void cml_cut_clear(struct cml_cut *cut)
 
 static cml_status add(struct cml_cut *cut, double x0, double z0, double x1, double z1, struct cml_error *err)
 {
-    if (cut->count == cut->capacity) {
-        const size_t larger = cut->capacity ? 2 * cut->capacity : 64;
-        void *pieces = realloc(cut->piece, larger * sizeof *cut->piece);
-        if (!pieces) return cml_fail_memory(err, (double)(larger * sizeof *cut->piece), "a section");
-        cut->piece = pieces;
-        cut->capacity = larger;
-    }
+    CML_TRY(cml_array_grow(&cut->piece, cut->count, sizeof *cut->piece, "a section", err));
     double *piece = cut->piece[cut->count++];
     piece[0] = x0;
     piece[1] = z0;

@@ -7,7 +7,7 @@
 
 /* Straight pieces in no order. */
 struct cml_cut {
-    size_t count, capacity;
+    size_t count;
     double (*piece)[4]; /* [count] x, z of one end, x, z of the other; cm, z down */
 };
 

@@ -1,19 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/ranges.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 
 /* Neighbours are not joined: ranks give back few ranges, and taking them from the end needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;
-    if (ranges->count == ranges->capacity) {
-        const size_t capacity = ranges->capacity ? 2 * ranges->capacity : 16;
-        struct cml_range *larger = realloc(ranges->item, capacity * sizeof *larger);
-        if (!larger) return cml_fail_memory(err, (double)(capacity * sizeof *larger), "ranges of photons");
-        ranges->item = larger;
-        ranges->capacity = capacity;
-    }
+    CML_TRY(cml_array_grow(&ranges->item, ranges->count, sizeof *ranges->item, "ranges of photons", err));
     ranges->item[ranges->count++] = range;
     ranges->total += range.count;
     return CML_OK;

@@ -14,7 +14,7 @@ struct cml_range {
 };
 
 struct cml_ranges {
-    size_t count, capacity;
+    size_t count;
     struct cml_range *item; /* [count] disjoint, none empty */
     uint64_t total;         /* places in all of them */
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/outputs.h"
 
+#include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "cli/load/scenes.h"
@@ -58,13 +59,8 @@ cml_status cml_check_overwrite(const char *command, const char *output, char *co
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
-    if (outputs->count == outputs->capacity) {
-        const size_t capacity = outputs->capacity ? 2 * outputs->capacity : 16;
-        struct cml_output_file *larger = realloc(outputs->file, capacity * sizeof *larger);
-        if (!larger) return cml_fail_memory(err, (double)(capacity * sizeof *larger), "the names of outputs");
-        outputs->file = larger;
-        outputs->capacity = capacity;
-    }
+    CML_TRY(
+        cml_array_grow(&outputs->file, outputs->count, sizeof *outputs->file, "the names of outputs", err));
     struct cml_output_file *file = &outputs->file[outputs->count];
     *file = (struct cml_output_file){.run = run, .kind = kind};
     CML_TRY(resolve(path, &file->name, err));
@@ -184,10 +180,9 @@ static bool has_lock(const struct cml_outputs *outputs, const char *path)
 static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
 {
     if (has_lock(outputs, path)) return CML_OK;
-    struct cml_file_lock *larger = realloc(outputs->lock, (outputs->num_locks + 1) * sizeof *larger);
-    if (!larger) return cml_fail_memory(err, sizeof *larger, "the locks of outputs");
-    outputs->lock = larger;
-    CML_TRY(cml_file_lock_take(path, &larger[outputs->num_locks], err));
+    CML_TRY(cml_array_grow(&outputs->lock, outputs->num_locks, sizeof *outputs->lock, "the locks of outputs",
+                           err));
+    CML_TRY(cml_file_lock_take(path, &outputs->lock[outputs->num_locks], err));
     outputs->num_locks++;
     return CML_OK;
 }

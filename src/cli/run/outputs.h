@@ -18,7 +18,7 @@ struct cml_output_file {
 
 /* Zeroed: nothing is claimed. */
 struct cml_outputs {
-    size_t count, capacity;
+    size_t count;
     struct cml_output_file *file; /* [count] */
     size_t num_locks;
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/pending.h"
 
+#include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/clock.h"
 #include "cli/load/scenes.h"
@@ -34,22 +35,12 @@ void cml_pending_begin(struct cml_pending *pending)
     cml_file_defer_sync(true);
 }
 
-static cml_status grow(struct cml_pending *pending, struct cml_error *err)
-{
-    if (pending->count < pending->capacity) return CML_OK;
-    const int capacity = pending->capacity ? 2 * pending->capacity : 64;
-    struct cml_pending_row *larger = realloc(pending->row, (size_t)capacity * sizeof *larger);
-    if (!larger) return cml_fail_memory(err, capacity * (double)sizeof *larger, "finished rows");
-    pending->row = larger;
-    pending->capacity = capacity;
-    return CML_OK;
-}
-
 cml_status cml_pending_add(struct cml_pending *pending, const char *checkpoint, const char *identity,
                            const struct cml_run_state *state, const struct cml_record *record,
                            struct cml_error *err)
 {
-    CML_TRY(grow(pending, err));
+    CML_TRY(
+        cml_array_grow(&pending->row, (size_t)pending->count, sizeof *pending->row, "finished rows", err));
     struct cml_pending_row row = {strdup(checkpoint), strdup(identity), *state, *record};
     row.record.json = strdup(record->json);
     if (!row.checkpoint || !row.identity || !row.record.json) {

@@ -10,7 +10,7 @@ struct cml_pending_row;
 
 /* Zeroed: none. */
 struct cml_pending {
-    int count, capacity;
+    int count;
     struct cml_pending_row *row; /* [count] */
     double flushed, took;        /* s: when rows were written last, and how long that took */
 };

@@ -2,6 +2,8 @@
  * the next reader. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_scan.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,21 +22,6 @@ struct line {
     int number;
     char *text, *end;
 };
-
-/* Grows two arrays that are filled side by side. */
-static cml_status grow(size_t count, size_t *capacity, void **first, size_t first_size, void **second,
-                       size_t second_size, struct cml_error *err)
-{
-    if (count < *capacity) return CML_OK;
-    const size_t larger = *capacity ? 2 * *capacity : 1024;
-    void *a = realloc(*first, larger * first_size);
-    if (a) *first = a;
-    void *b = a ? realloc(*second, larger * second_size) : NULL;
-    if (b) *second = b;
-    if (!b) return cml_fail_memory(err, (double)(larger * (first_size + second_size)), "a mesh");
-    *capacity = larger;
-    return CML_OK;
-}
 
 /* Like cml_text_word, for a line whose blanks are all spaces (make_plain). */
 static char *cut_word(char **cursor)
@@ -63,12 +50,8 @@ static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_
         if (!cml_parse_double(word, &ignored))
             return cml_fail_field(err, line->path, line->number, "weight or colour of the vertex", word,
                                   "a finite number");
-    void *vertex = scan->vertex, *lines = scan->vertex_line;
-    const cml_status status = grow(scan->num_vertices, &scan->vertex_capacity, &vertex, sizeof *scan->vertex,
-                                   &lines, sizeof *scan->vertex_line, err);
-    scan->vertex = vertex;
-    scan->vertex_line = lines;
-    CML_TRY(status);
+    CML_TRY(cml_array_grow(&scan->vertex, scan->num_vertices, sizeof *scan->vertex, "a mesh", err));
+    CML_TRY(cml_array_grow(&scan->vertex_line, scan->num_vertices, sizeof *scan->vertex_line, "a mesh", err));
     memcpy(scan->vertex[scan->num_vertices], p, sizeof p);
     scan->vertex_line[scan->num_vertices++] = line->number;
     return CML_OK;
@@ -124,12 +107,8 @@ static cml_status scan_face(const struct line *line, char *cursor, struct cml_ob
     if (corners < 3)
         return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 or more)", line->path,
                         line->number, corners);
-    void *sizes = scan->face_size, *lines = scan->face_line;
-    const cml_status status = grow(scan->num_faces, &scan->face_capacity, &sizes, sizeof *scan->face_size,
-                                   &lines, sizeof *scan->face_line, err);
-    scan->face_size = sizes;
-    scan->face_line = lines;
-    CML_TRY(status);
+    CML_TRY(cml_array_grow(&scan->face_size, scan->num_faces, sizeof *scan->face_size, "a mesh", err));
+    CML_TRY(cml_array_grow(&scan->face_line, scan->num_faces, sizeof *scan->face_line, "a mesh", err));
     scan->face_size[scan->num_faces] = corners;
     scan->face_line[scan->num_faces++] = line->number;
     scan->num_corners += corners;

@@ -12,7 +12,6 @@ struct cml_obj_scan {
     int *vertex_line;    /* [num_vertices] */
     uint32_t *face_size; /* [num_faces] corners */
     int *face_line;      /* [num_faces] */
-    size_t vertex_capacity, face_capacity;
 };
 
 /* How many triangles the faces of the text become, in one pass without memory. Faces with mistakes, which the

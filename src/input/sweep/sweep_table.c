@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/sweep/sweep_table.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -135,25 +137,14 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
     return check_labels(table, err);
 }
 
-static cml_status grow(struct cml_sweep_table *table, struct cml_error *err)
-{
-    const size_t rows = (size_t)table->num_rows, columns = (size_t)table->num_columns;
-    if ((rows & (rows - 1)) != 0) return CML_OK; /* only a power of two is full */
-    const size_t capacity = rows ? 2 * rows : 1;
-    char **cell = realloc(table->cell, capacity * columns * sizeof *cell);
-    if (cell) table->cell = cell;
-    int *line = realloc(table->line, capacity * sizeof *line);
-    if (line) table->line = line;
-    return cell && line ? CML_OK
-                        : cml_fail_memory(err, (double)(capacity * columns * sizeof *cell), "a table");
-}
-
 static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml_error *err)
 {
     char value[16], expected[96];
     int cells = 0;
     if (table->num_rows == MOST_ROWS) return fail_at(&table->text, "rows", "more", "at most 1000000", err);
-    CML_TRY(grow(table, err));
+    const size_t rows = (size_t)table->num_rows, columns = (size_t)table->num_columns;
+    CML_TRY(cml_array_grow(&table->cell, rows, columns * sizeof *table->cell, "a table", err));
+    CML_TRY(cml_array_grow(&table->line, rows, sizeof *table->line, "a table", err));
     const int row = table->num_rows++;
     table->line[row] = table->text.line;
     for (struct cell cell; next_cell(&line, &cell); cells++) {

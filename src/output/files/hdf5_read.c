@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/files/hdf5_read.h"
 
+#include "base/array.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -227,16 +229,16 @@ struct listing {
     struct cml_error *err;
 };
 
-/* One link of the root. The list grows by one at a time, as there are dozens. */
+/* One link of the root. */
 static herr_t add_link(hid_t root, const char *name, const H5L_info_t *info, void *context)
 {
     (void)root, (void)info;
     struct listing *list = context;
-    struct cml_hdf5_dataset *larger = realloc(list->item, (size_t)(list->count + 1) * sizeof *larger);
-    if (larger) list->item = larger;
-    list->status = larger ? cml_hdf5_dataset_open(list->file, name, &larger[list->count], list->err)
-                          : cml_fail_memory(list->err, sizeof *larger, "a list of arrays");
-    if (list->status == CML_OK && larger[list->count].id > 0) list->count++;
+    list->status =
+        cml_array_grow(&list->item, (size_t)list->count, sizeof *list->item, "a list of arrays", list->err);
+    if (list->status != CML_OK) return -1;
+    list->status = cml_hdf5_dataset_open(list->file, name, &list->item[list->count], list->err);
+    if (list->status == CML_OK && list->item[list->count].id > 0) list->count++;
     return list->status == CML_OK ? 0 : -1;
 }
 

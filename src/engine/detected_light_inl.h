@@ -1,5 +1,5 @@
-/* Code, included by terminated_packets_inl.h alone, which says why it is no .c file: light that has left into
- * what detectors have seen (P13). SPDX-License-Identifier: MIT */
+/* Code, included by terminated_packets_inl.h, which says why it is no .c file, and row_weights_inl.h: light
+ * that has left into what detectors have seen (P13). SPDX-License-Identifier: MIT */
 #ifndef CML_DETECTED_LIGHT_INL_H
 #define CML_DETECTED_LIGHT_INL_H
 
@@ -15,6 +15,15 @@ struct cml_light_out {
     int gate;
     const struct cml_trail *trail; /* of the packet; NULL: it went straight back at the depth 0 */
 };
+
+/* The optical path of a packet, all media together. */
+static inline double cml_trail_path(const struct cml_world *world, const struct cml_trail *trail)
+{
+    const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
+    double path = 0;
+    for (int m = 0; m < media; m++) path += (double)world->media[m].n * trail->length[m];
+    return path;
+}
 
 static inline uint64_t cml_square_of(uint64_t w)
 {
@@ -65,6 +74,58 @@ static inline uint64_t cml_square_in_pixel(const struct cml_world *world, const 
     return cml_square_of((uint64_t)w + before->w) - cml_square_of(before->w);
 }
 
+/* P7: bin of a direction; straight up or down has azimuth 0. */
+static inline size_t cml_direction_bin(const struct cml_direction_bins *bins, real ux, real uy, real uz)
+{
+    const real size = CML_FABS(uz), turn = (real)6.283185307179586;
+    const real azimuth = ux == 0 && uy == 0 ? (real)0 : (real)atan2((double)uy, (double)ux);
+    const int it = (int)(cml_acos(size < 1 ? size : (real)1) * bins->per_dt);
+    const int ip = (int)((azimuth < 0 ? azimuth + turn : azimuth) * bins->per_dp);
+    return (size_t)(it < bins->nt ? it : bins->nt - 1) * (size_t)bins->np +
+           (size_t)(ip < bins->np ? ip : bins->np - 1);
+}
+
+/* Goes over the detectors that see light, level by level. */
+struct cml_seeing {
+    const struct cml_world *world;
+    const struct cml_ray_out *ray;
+    int next_level; /* behind that which is gone over */
+    int i, end;     /* the next of its list */
+    real x, y, z;   /* where the light crosses it, scene coordinates */
+    cml_u64 pixel;  /* of the detector that was found */
+};
+
+static inline struct cml_seeing cml_seeing_of(const struct cml_world *world, const struct cml_ray_out *ray)
+{
+    return (struct cml_seeing){.world = world, .ray = ray};
+}
+
+static inline void cml_see_level(struct cml_seeing *s, const struct cml_detector_level *level)
+{
+    const struct cml_detection *detection = &s->world->detection;
+    if (level->below != s->ray->below || !cml_crosses_level(s->ray, level->z, &s->x, &s->y)) return;
+    s->x += s->world->setup.x0;
+    s->y += s->world->setup.y0;
+    s->z = level->z;
+    const int cell = cml_detector_cell(level, s->x, s->y), at = level->first + cell;
+    s->i = cell < 0 ? 0 : detection->start[at];
+    s->end = cell < 0 ? 0 : detection->start[at + 1];
+}
+
+/* The number of the next, from 0; -1: there is none. */
+static inline int cml_next_seeing(struct cml_seeing *s)
+{
+    const struct cml_detection *detection = &s->world->detection;
+    for (;;) {
+        while (s->i < s->end) {
+            const int k = detection->list[s->i++];
+            if (cml_detects(&detection->detectors[k], s->ray, s->x, s->y, &s->pixel)) return k;
+        }
+        if (s->next_level == detection->num_levels) return -1;
+        cml_see_level(s, &detection->levels[s->next_level++]);
+    }
+}
+
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
  * NULL. sums: where `detected` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
  * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
@@ -84,29 +145,19 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
                                                                   (gates ? (size_t)detection->num_detectors *
                                                                                (gates + 1)
                                                                          : 0);
-    for (int l = 0; l < detection->num_levels; l++) {
-        const struct cml_detector_level *level = &detection->levels[l];
-        real x, y;
-        if (level->below != light->ray.below || !cml_crosses_level(&light->ray, level->z, &x, &y)) continue;
-        x += setup->x0;
-        y += setup->y0;
-        const int cell = cml_detector_cell(level, x, y), at = level->first + cell;
-        for (int i = cell < 0 ? 0 : detection->start[at]; cell >= 0 && i < detection->start[at + 1]; i++) {
-            const int k = detection->list[i];
-            const struct cml_detector *detector = &detection->detectors[k];
-            cml_u64 pixel;
-            if (!cml_detects(detector, &light->ray, x, y, &pixel)) continue;
-            seen = seen && seen <= k ? seen : k + 1;
-            sums[k] += light->times * light->w;
-            if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
-            cml_add_moments(world, light, means + (size_t)k * moments);
-            if (!pixels || detector->shape != CML_DETECTS_MAP) continue;
-            uint64_t *const to = pixels->detector_map + detector->first_pixel + pixel;
-            cml_add_shared(to, light->times * light->w);
-            cml_add_shared(to + (pixels->detector_map2 - pixels->detector_map),
-                           light->times *
-                               cml_square_in_pixel(world, detector, level->z, pixel, light->w, before));
-        }
+    struct cml_seeing seeing = cml_seeing_of(world, &light->ray);
+    for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
+        const struct cml_detector *detector = &detection->detectors[k];
+        seen = seen && seen <= k ? seen : k + 1;
+        sums[k] += light->times * light->w;
+        if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
+        cml_add_moments(world, light, means + (size_t)k * moments);
+        if (!pixels || detector->shape != CML_DETECTS_MAP) continue;
+        uint64_t *const to = pixels->detector_map + detector->first_pixel + seeing.pixel;
+        cml_add_shared(to, light->times * light->w);
+        cml_add_shared(to + (pixels->detector_map2 - pixels->detector_map),
+                       light->times *
+                           cml_square_in_pixel(world, detector, seeing.z, seeing.pixel, light->w, before));
     }
     return seen;
 }

@@ -41,8 +41,8 @@ struct cml_engine_options {
     const struct cml_depth_windows
         *windows;                 /* P19, in place of roulette; NULL: none. Borrowed. With a scene without
                                    * maps, facets, directions, saved packets; not of engine opencl, not traced */
-    struct cml_engine_rows rows;  /* with a scene without time, fluence, maps, facets, directions and
-                                   * detectors, and without A_rz; not of engine opencl */
+    struct cml_engine_rows rows;  /* with a scene without fluence, maps, facets and maps of detectors, and
+                                   * without A_rz; not of engine opencl */
     bool derivatives;             /* P17: scores in place of rows; with a scene without time and detectors,
                                    * not of engine opencl */
     struct cml_saved_taker saved; /* of packets that the scene wants saved */

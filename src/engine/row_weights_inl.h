@@ -7,6 +7,7 @@
 #ifndef CML_ROW_WEIGHTS_INL_H
 #define CML_ROW_WEIGHTS_INL_H
 
+#include "engine/detected_light_inl.h"
 #include "tally/row_cells.h"
 #include "walk.h"
 
@@ -20,6 +21,7 @@ struct cml_row_sums {
     size_t batch;          /* cells of a batch */
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
+    uint64_t *dir;         /* Rd_dir, then Tt_dir, then squares of both; NULL: there are none */
 };
 
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
@@ -34,6 +36,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.cells = tally->rows;
     sums.ra = tally->rows + cml_row_batch(grid, CML_NUM_BATCHES);
     sums.transmitted_ra = cml_row_cells_ra(grid);
+    if (world->setup.directions.nt && !sums.scores) sums.dir = sums.ra + 2 * sums.transmitted_ra;
     return sums;
 }
 
@@ -247,6 +250,83 @@ static inline void cml_rows_end(const struct cml_setup *setup, const struct cml_
         cml_rows_change(rows, w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
     else if (fate == CML_FATE_SPECULAR)
         cml_rows_launch(rows, w, -1);
+}
+
+/* ---- where they have left to, besides radius and angle: detectors (P13), gates (P11), directions (P7) ----
+ * Light that was never inside, and what is split off a packet at its launch, weighs as much in all rows. */
+
+/* Light that has left, as rows weigh it. */
+struct cml_row_light {
+    const struct cml_row_packet *rows;
+    const struct cml_light_out *light;
+    int fresh; /* it weighs as much in all rows, and has no score */
+};
+
+/* To a bin of all rows. */
+static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
+{
+    const struct cml_row_packet *rows = of->rows;
+    const int count = rows->sums->count, scores = rows->sums->scores;
+    const real unit = cml_row_unit(of->light->w), rounding = rows->rounding;
+    const uint64_t whole = scores ? 0 : cml_row_weight(unit, 1, rounding);
+    uint64_t *to = cml_row_bin(rows, bin);
+    if (of->fresh)
+        for (int i = 0; i < count; i++) to[i] += whole;
+    else
+        for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
+}
+
+static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
+{
+    const struct cml_row_bins *at = &of->rows->sums->at;
+    const size_t gates = (size_t)world->setup.gates.count;
+    struct cml_seeing seeing = cml_seeing_of(world, &of->light->ray);
+    for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
+        cml_rows_add(of, at->detector + (size_t)k);
+        if (gates) cml_rows_add(of, at->detector_t + (size_t)k * (gates + 1) + (size_t)of->light->gate);
+    }
+}
+
+/* Into the bin of a direction, and squares as those of a whole packet. */
+static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
+{
+    const struct cml_row_packet *rows = of->rows;
+    const size_t count = (size_t)rows->sums->count,
+                 cells = (size_t)setup->directions.nt * (size_t)setup->directions.np;
+    const struct cml_vec u = of->light->ray.u;
+    const size_t bin = cml_direction_bin(&setup->directions, u.x, u.y, u.z);
+    uint64_t *const to = rows->sums->dir + (bin + (of->light->ray.below ? cells : 0)) * count;
+    const real unit = cml_row_unit(of->light->w);
+    for (size_t i = 0; i < count; i++) {
+        const uint64_t part = cml_row_weight(unit, rows->factor[i], rows->rounding);
+        to[i] += part;
+        to[2 * cells * count + i] += cml_square_of(2 * part);
+    }
+}
+
+/* A packet whose light has left as it says. The trail has its time: the clock of its path begins anew
+ * whenever rows are booked. */
+static inline void cml_rows_place(const struct cml_world *world, const struct cml_row_packet *rows,
+                                  const struct cml_light_out *light)
+{
+    const struct cml_setup *setup = &world->setup;
+    const int gates = setup->gates.count, below = light->ray.below;
+    struct cml_light_out timed = *light;
+    if (gates) timed.gate = cml_gate(setup->gates, (real)cml_trail_path(world, light->trail));
+    const struct cml_row_light of = {rows, &timed, light->ray.fresh};
+    if (world->detection.num_detectors) cml_rows_detect(world, &of);
+    if (of.fresh) return;
+    if (gates) cml_rows_add(&of, (below ? rows->sums->at.Tt_t : rows->sums->at.Rd_t) + (size_t)timed.gate);
+    if (rows->sums->dir) cml_rows_direct(setup, &of);
+}
+
+/* What was split off packet `index` at its launch. */
+static inline void cml_rows_place_split_off(const struct cml_world *world, const struct cml_row_packet *rows,
+                                            cml_u64 index)
+{
+    const struct cml_light_out light = cml_light_split_off(world, index);
+    const struct cml_row_light of = {rows, &light, 1};
+    if (light.w) cml_rows_detect(world, &of);
 }
 
 #endif

@@ -37,7 +37,8 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_launch(&its, packet->w, 1);
-    packet->path = 0; /* what lies above absorbs in no row */
+    /* What lies above absorbs in no row. A trail's clock has not begun where the path is below 0. */
+    if (packet->path > 0 || !packet->trail.length) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = packet->w;
     rows->gained = rows->roulette = rows->backing = 0;
@@ -94,7 +95,10 @@ static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet
     cml_tally_events(packet, walk->tally);
     cml_end_visit(world, packet);
     const struct cml_termination end = cml_termination_of(packet);
-    cml_terminated_push(world, &walk->terminated, &end, walk->tally);
+    struct row_walk *rows = walk->rows.sums.count ? &walk->rows : NULL;
+    struct cml_row_packet its;
+    if (rows) its = cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
+    cml_terminated_push(world, &walk->terminated, &end, rows ? &its : NULL, walk->tally);
     return true;
 }
 

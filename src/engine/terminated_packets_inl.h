@@ -7,6 +7,7 @@
 #define CML_TERMINATED_PACKETS_INL_H
 
 #include "engine/detected_light_inl.h"
+#include "engine/row_weights_inl.h"
 #include "tally/tally.h"
 #include "walk.h"
 
@@ -195,17 +196,6 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
     cml_add_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, terminated->w[i], 1);
 }
 
-/* P7: bin of a direction; straight up or down has azimuth 0. */
-static inline size_t cml_direction_bin(const struct cml_direction_bins *bins, real ux, real uy, real uz)
-{
-    const real size = CML_FABS(uz), turn = (real)6.283185307179586;
-    const real azimuth = ux == 0 && uy == 0 ? (real)0 : (real)atan2((double)uy, (double)ux);
-    const int it = (int)(cml_acos(size < 1 ? size : (real)1) * bins->per_dt);
-    const int ip = (int)((azimuth < 0 ? azimuth + turn : azimuth) * bins->per_dp);
-    return (size_t)(it < bins->nt ? it : bins->nt - 1) * (size_t)bins->np +
-           (size_t)(ip < bins->np ? ip : bins->np - 1);
-}
-
 /* Packet i of the collection, which has left, into the bin of its direction. */
 static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                        int i, const struct cml_tally *tally)
@@ -231,16 +221,13 @@ static inline int cml_has_left(int fate)
     return fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR;
 }
 
-/* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
- * sums, pixels, what is returned: as in cml_score_light. */
-static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
-                                      int i, const struct cml_trail *trail, uint64_t *sums,
-                                      const struct cml_tally *pixels)
+/* Packet i of the collection, which has left. */
+static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
+                                                        const struct cml_terminated *terminated, int i,
+                                                        const struct cml_trail *trail)
 {
     const int fate = terminated->fate[i];
-    if (!cml_has_left(fate)) return 0;
-    const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
-    const struct cml_light_out light = {
+    return (struct cml_light_out){
         .ray = {.p = {terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]},
                 .u = {terminated->ux[i], terminated->uy[i], terminated->uz[i]},
                 .below = fate == CML_FATE_TRANSMITTED,
@@ -249,6 +236,17 @@ static inline int cml_tally_detectors(const struct cml_world *world, const struc
         .times = 1,
         .gate = cml_gate(world->setup.gates, terminated->path[i]),
         .trail = trail};
+}
+
+/* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
+ * sums, pixels, what is returned: as in cml_score_light. */
+static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
+                                      int i, const struct cml_trail *trail, uint64_t *sums,
+                                      const struct cml_tally *pixels)
+{
+    if (!cml_has_left(terminated->fate[i])) return 0;
+    const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
+    const struct cml_light_out light = cml_terminated_light(world, terminated, i, trail);
     return cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
 }
 
@@ -275,19 +273,29 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->deepest = trail->deepest > -CML_INFINITY ? (float)trail->deepest : NAN;
     row->detector = (uint32_t)detector;
     row->side = fate == CML_FATE_SPECULAR ? CML_SAVED_FRESH : below ? CML_SAVED_BOTTOM : CML_SAVED_TOP;
-    double path = 0;
     for (size_t m = 0; m < part->media; m++) {
-        path += (double)world->media[m].n * trail->length[m];
         length[m] = (float)trail->length[m];
         count[m] = trail->count[m];
     }
-    row->optical = (float)path;
+    row->optical = (float)cml_trail_path(world, trail);
 }
 
-/* primitive: touched last; 0 on planes. trail: where somebody wants it. */
+/* P16: the rows of packet i of the collection, whatever its end. */
+static inline void cml_tally_row_places(const struct cml_world *world,
+                                        const struct cml_terminated *terminated, int i,
+                                        const struct cml_trail *trail, const struct cml_row_packet *rows)
+{
+    if (world->detection.num_detectors)
+        cml_rows_place_split_off(world, rows, cml_terminated_index(terminated, i));
+    if (!cml_has_left(terminated->fate[i])) return;
+    const struct cml_light_out light = cml_terminated_light(world, terminated, i, trail);
+    cml_rows_place(world, rows, &light);
+}
+
+/* primitive: touched last; 0 on planes. trail: where somebody wants it. rows: of the packet; NULL: none. */
 static inline void cml_tally_places(const struct cml_world *world, const struct cml_terminated *terminated,
                                     int i, int primitive, const struct cml_trail *trail,
-                                    const struct cml_tally *tally)
+                                    const struct cml_row_packet *rows, const struct cml_tally *tally)
 {
     const struct cml_setup *setup = &world->setup;
     int detector = 0;
@@ -296,6 +304,7 @@ static inline void cml_tally_places(const struct cml_world *world, const struct 
             cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detected, tally);
         detector = cml_tally_detectors(world, terminated, i, trail, tally->detected, tally);
     }
+    if (rows) cml_tally_row_places(world, terminated, i, trail, rows);
     if (tally->saved) cml_save_packet(world, terminated, i, detector, trail, tally->saved);
     if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
     if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
@@ -303,11 +312,12 @@ static inline void cml_tally_places(const struct cml_world *world, const struct 
     if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
 }
 
-/* Whether maps, facets, directions or detectors are scored, or packets saved, for which every packet must be
- * looked at by itself. */
+/* Whether maps, facets, directions or detectors are scored, or gates of rows, or packets saved, for which
+ * every packet must be looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected || tally->saved;
+    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected || tally->saved ||
+           (tally->rows && tally->Rd_t);
 }
 
 /* P9: what is rare goes into the tally at once. */
@@ -323,9 +333,10 @@ static inline void cml_tally_loss(const struct cml_termination *end, struct cml_
     }
 }
 
-/* Adds one packet to the collection; its deposits have been booked by the caller. */
+/* Adds one packet to the collection; its deposits have been booked by the caller. rows: of it; NULL: none. */
 static inline void cml_terminated_push(const struct cml_world *world, struct cml_terminated *terminated,
-                                       const struct cml_termination *end, struct cml_tally *tally)
+                                       const struct cml_termination *end, const struct cml_row_packet *rows,
+                                       struct cml_tally *tally)
 {
     const int i = terminated->count++;
     terminated->branches += cml_is_branch(end->index);
@@ -345,7 +356,8 @@ static inline void cml_terminated_push(const struct cml_world *world, struct cml
     terminated->boundary_events[i] = end->boundary_events;
     terminated->fate[i] = end->fate;
     cml_tally_loss(end, tally);
-    if (cml_tallies_places(tally)) cml_tally_places(world, terminated, i, end->primitive, &end->trail, tally);
+    if (cml_tallies_places(tally))
+        cml_tally_places(world, terminated, i, end->primitive, &end->trail, rows, tally);
     cml_terminated_make_room(world, terminated, tally);
 }
 

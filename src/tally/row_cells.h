@@ -1,7 +1,8 @@
 /* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
  * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
- * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, likewise. Scores for derivatives
- * (P17) have the same cells but for these, two for each medium inside, layers first: by mua and by mus.
+ * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, then Rd_dir and Tt_dir, [nt][np]
+ * each, and the sums of their squares, likewise. Scores for derivatives (P17) have the same cells but for
+ * these, two for each medium inside, layers first: by mua and by mus.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_ROW_CELLS_H
 #define CML_ROW_CELLS_H
@@ -39,18 +40,26 @@ struct cml_row_bins {
     size_t Rd_r, Tt_r; /* [nr + 1] */
     size_t Rd_a, Tt_a; /* [na] */
     size_t A_l;        /* [cml_grid_media] */
+    size_t Rd_t, Tt_t; /* [gates + 1], the last for all that is later; or none */
+    size_t detector;   /* [detectors] */
+    size_t detector_t; /* [detectors][gates + 1]; or none */
     size_t all;        /* of a batch */
 };
 
 static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
 {
-    const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na;
+    const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na,
+                 gates = grid->gates ? (size_t)grid->gates + 1 : 0;
     struct cml_row_bins at = {.Rd_r = CML_NUM_BALANCE_TERMS};
     at.Tt_r = at.Rd_r + r;
     at.Rd_a = at.Tt_r + r;
     at.Tt_a = at.Rd_a + a;
     at.A_l = at.Tt_a + a;
-    at.all = at.A_l + cml_grid_media(grid);
+    at.Rd_t = at.A_l + cml_grid_media(grid);
+    at.Tt_t = at.Rd_t + gates;
+    at.detector = at.Tt_t + gates;
+    at.detector_t = at.detector + (size_t)grid->detectors;
+    at.all = at.detector_t + (size_t)grid->detectors * gates;
     return at;
 }
 
@@ -65,10 +74,18 @@ static inline size_t cml_row_cells_ra(const struct cml_grid *grid)
     return grid->derivatives ? 0 : ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
 }
 
+/* Of Rd_dir, as many as of Tt_dir and of the squares of each. */
+static inline size_t cml_row_cells_dir(const struct cml_grid *grid)
+{
+    return grid->derivatives ? 0 : (size_t)grid->nt * (size_t)grid->np * cml_row_stride(grid);
+}
+
 /* All cells; 0 where there are no rows. */
 static inline size_t cml_row_cells(const struct cml_grid *grid)
 {
-    return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) : 0;
+    return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) +
+                            4 * cml_row_cells_dir(grid)
+                      : 0;
 }
 
 #endif

@@ -37,6 +37,33 @@ static void take_bins(const struct row *row, size_t batch, size_t first, size_t 
         profile[batch * n + (i < n ? i : n - 1)] += cell(row, batch * row->at.all + first + i);
 }
 
+/* Gates, and behind them what is later. */
+static void take_gates(const struct row *row, size_t first, cml_u128 *profile, cml_u128 *later)
+{
+    const size_t gates = (size_t)row->to->grid.gates;
+    for (size_t i = 0; i < gates; i++) profile[i] += cell(row, first + i);
+    *later += cell(row, first + gates);
+}
+
+static void take_times(const struct row *row, size_t batch)
+{
+    struct cml_result *to = row->to;
+    const size_t first = batch * row->at.all, gates = (size_t)to->grid.gates;
+    if (!gates) return;
+    take_gates(row, first + row->at.Rd_t, to->Rd_t + batch * gates, &to->Rd_t_later[batch]);
+    take_gates(row, first + row->at.Tt_t, to->Tt_t + batch * gates, &to->Tt_t_later[batch]);
+}
+
+static void take_detected(const struct row *row, size_t batch)
+{
+    struct cml_result *to = row->to;
+    const size_t first = batch * row->at.all, gates = (size_t)to->grid.gates, n = (size_t)to->grid.detectors;
+    take_bins(row, batch, row->at.detector, n, to->detector, n);
+    for (size_t k = batch * n; gates && k < (batch + 1) * n; k++)
+        take_gates(row, first + row->at.detector_t + (k - batch * n) * (gates + 1),
+                   to->detector_t + k * gates, &to->detector_t_later[k]);
+}
+
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_grid_media(&row->to->grid);
@@ -59,6 +86,8 @@ static void take_batch(const struct row *row, size_t batch)
     take_bins(row, batch, row->at.Rd_a, na, to->Rd_a, na);
     take_bins(row, batch, row->at.Tt_a, na, to->Tt_a, na);
     take_bins(row, batch, row->at.A_l, media, to->A_l, media);
+    take_times(row, batch);
+    take_detected(row, batch);
     take_totals(row, batch);
 }
 
@@ -90,7 +119,23 @@ static void take_exits(const struct row *row, size_t first, cml_u128 *to)
         }
 }
 
-/* What of a row is summed by batch. */
+/* Rd_dir and Tt_dir, whose first bin is given, and the squares; Rsp_dir is that of the flight. */
+static void take_directions(const struct row *row, size_t first)
+{
+    struct cml_result *to = row->to;
+    const size_t cells = (size_t)to->grid.nt * (size_t)to->grid.np;
+    const cml_u128 *specular = row->flight->Rsp_dir, *squares = row->flight->Rd_dir2 + 2 * cells;
+    for (size_t i = 0; i < 2 * cells; i++) {
+        to->Rd_dir[i] = cell(row, first + i); /* Tt_dir is behind it */
+        to->Rd_dir2[i] = row->flight->rows[(first + 2 * cells + i) * row->stride + row->row];
+    }
+    for (size_t i = 0; i < cells; i++) {
+        to->Rsp_dir[i] = specular[i];
+        to->Rd_dir2[2 * cells + i] = squares[i];
+    }
+}
+
+/* What of a row is summed by batch. Of detectors there are no means, and no pixels. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_grid *flown = &row->flight->grid;
@@ -98,9 +143,14 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                   .nz = flown->nz,
                                   .na = flown->na,
                                   .num_layers = flown->num_layers,
-                                  .num_bodies = flown->num_bodies};
+                                  .num_bodies = flown->num_bodies,
+                                  .gates = flown->gates,
+                                  .nt = flown->derivatives ? 0 : flown->nt,
+                                  .np = flown->np,
+                                  .detectors = flown->detectors};
     struct cml_result *to = row->to;
     CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
+    to->detector_path = to->detector_interactions = to->detector_deepest = NULL;
     to->summary = row->flight->summary;
     for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
         if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;
@@ -117,6 +167,7 @@ cml_status cml_row_result(const struct cml_result *flight, int number, struct cm
     take_launch(&row);
     take_exits(&row, exits, to->Rd_ra);
     take_exits(&row, exits + ra, to->Tt_ra);
+    if (to->Rd_dir) take_directions(&row, exits + 2 * ra);
     return CML_OK;
 }
 

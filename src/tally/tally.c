@@ -77,7 +77,8 @@ static size_t tally_cells_detected(const struct cml_grid *grid)
 /* Media of all packets that a thread has in flight. */
 static size_t trail_cells(const struct cml_grid *grid)
 {
-    return grid->detectors || grid->saved.limit ? CML_TRAILS * cml_grid_media(grid) : 0;
+    const bool timed = grid->rows && grid->gates;
+    return grid->detectors || grid->saved.limit || timed ? CML_TRAILS * cml_grid_media(grid) : 0;
 }
 
 /* Of the arrays that every tally has, whose cells are in the same order in all. */

@@ -13,9 +13,11 @@ import cml  # noqa: E402
 PHOTONS = 200000
 FLAT = cml.mci(["1.5 0.5 0 0 0.02", "1.37 0.5 50 0.8 0.05", "1.4 0.2 30 0.9 0.3"], photons=PHOTONS, bins="10 20 5", grid="0.05 0.05")
 FLAT_ROWS = ["layer1.mua,layer2.mua,layer3.mua", "0.5,0.5,0.2", "2,1,2", "0.7,5,0.3", "3,0.5,10", "1,20,1"]
+PLACES = ("Rd_t", "Tt_t", "detector_near_t", "detector_far_t", "Rd_dir", "Tt_dir")
 SURFACE = "b 4 0.05 0.1 0.15 0.05 0.04 0.02 -0.03 0"
 ROUGH = cml.mci(["1.4 0.5 20 0.8 0.2", "1.33 0.3 30 0.9 0.4\ni sphere 0.02 0 0.35 0.08 1.5 1 30 0.5"], photons=PHOTONS, bins="10 20 5",
-                grid="0.05 0.05", surfaces={0: SURFACE}, extra=["beam disk 0.2 angle=30"], n_below=1.5)
+                grid="0.05 0.05", surfaces={0: SURFACE}, n_below=1.5,
+                extra=["beam disk 0.2 angle=30", "time 60 12", "directions 3 4", "detector ring 0 0.15 name=near", "detector disk 0.3 na=0.8 at=0.4,0 name=far"])
 ROUGH_ROWS = ["layer1.mua,layer2.mua,body1.mua", "0.5,3,20", "3,0.3,1", "6,6,60"]
 BACKED = cml.mci(["1.4 0 10 0.5 0.2", "1.33 0.1 20 0.5 0.2\nbacking 0.7 lambertian"], photons=PHOTONS, bins="10 20 5", grid="0.05 0.05",
                  surfaces={1: SURFACE})
@@ -78,7 +80,10 @@ def against_own(verdict, name, text, rows, seed):
                     verdict.z(f"{name} {i + 1} {key}", record[key], record[key + "_se"], own[key], own[key + "_se"])
             for (what, value, error), (_, truth, truth_error) in zip(absorbed(sections), absorbed(theirs), strict=True):
                 verdict.z(f"{name} {i + 1} {what}", value, error, truth, truth_error)
-            for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()):
+            for key in ("detector_near", "detector_far", "Rd_t_later", "Tt_t_later"):
+                if key in theirs:
+                    verdict.z(f"{name} {i + 1} {key}", sections[key][0], sections["se_" + key][0], theirs[key][0], theirs["se_" + key][0])
+            for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()) + (PLACES if PLACES[0] in theirs else ()):
                 profile_z(verdict, f"{name} {i + 1}", sections, theirs, key)
 
 

@@ -27,18 +27,17 @@ cml_status cml_sweep_check_options(const struct cml_options *options, struct cml
 
 cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err)
 {
-    const char *has = scene->num_detectors > 0   ? "detectors"
-                      : scene->time.gates > 0    ? "time"
-                      : scene->fluence.line > 0  ? "fluence"
-                      : scene->directions.nt > 0 ? "directions"
-                      : scene->map.nx > 0        ? "a map"
-                      : scene->facets            ? "facets"
-                                                 : NULL;
+    const char *has = scene->fluence.line > 0 ? "fluence"
+                      : scene->map.nx > 0     ? "a map"
+                      : scene->facets         ? "facets"
+                                              : NULL;
+    for (int k = 0; !has && k < scene->num_detectors; k++)
+        if (scene->detectors[k].kind == CML_DETECTOR_MAP) has = "a detector map";
     if (!has) return CML_OK;
     return cml_fail(
         err, CML_E_INPUT,
-        "--reweight: %.400s has %s (expected totals, profiles over r and angle, and what layers and "
-        "bodies absorb)",
+        "--reweight: %.400s has %s, of which each row would need one (expected totals, profiles over "
+        "r and angle, times, directions, detectors but maps, and what layers and bodies absorb)",
         scene->output, has);
 }
 

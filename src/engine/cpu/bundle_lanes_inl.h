@@ -310,10 +310,15 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
                                                                        struct cml_termination end)
 {
     cml_flush_deposits(f, i);
-    if (f->factors) cml_end_lane_rows(f, i, end.fate, end.w, end.exit_x, end.exit_y, end.uz);
+    struct cml_row_packet rows;
+    if (f->factors) {
+        cml_end_lane_rows(f, i, end.fate, end.w, end.exit_x, end.exit_y, end.uz);
+        end.path = f->b->path[i]; /* it begins anew where rows are booked */
+        rows = cml_lane_rows(f, i);
+    }
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;
-    cml_terminated_push(f->world, &f->terminated, &end, f->tally);
+    cml_terminated_push(f->world, &f->terminated, &end, f->factors ? &rows : NULL, f->tally);
     if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at, &end.trail);
     CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
     f->b->task[i] = CML_LANE_ENDED;

@@ -69,7 +69,7 @@ static void cml_note_batch(struct cml_flight *f)
 {
     cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
-        cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, f->tally);
+        cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, NULL, f->tally);
         cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
     }
@@ -137,7 +137,7 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
 /* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P16). */
 static void cml_launch_path(struct cml_flight *f, int i, real path)
 {
-    f->b->path[i] = f->factors ? (real)0 : path;
+    f->b->path[i] = f->factors && !f->b->trail_length ? (real)0 : path;
     if (f->factors) cml_launch_lane_rows(f, i, 1);
 }
 
@@ -183,6 +183,7 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
     b->here[i] = 0;
     b->low[i] = cml_first_low(b->path[i], b->z[i]);
     b->before[i] = 0;
+    if (f->factors && b->path[i] > 0) b->path[i] = 0; /* as in cml_launch_path */
 }
 
 /* P13: the trail of lane `from` into that of lane `to`. */

@@ -81,7 +81,9 @@ static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int 
         const int i = first + __builtin_ctz(rest), up = b->uz[i] < 0;
         if (b->trail_length) cml_leave_lane(f, i, up ? 0 : f->world->setup.num_layers + 1, 0);
         const struct cml_trail trail = cml_lane_trail(b, i);
-        cml_tally_places(f->world, &f->terminated, at, 0, &trail, f->tally);
+        struct cml_row_packet rows;
+        if (f->factors) rows = cml_lane_rows(f, i);
+        cml_tally_places(f->world, &f->terminated, at, 0, &trail, f->factors ? &rows : NULL, f->tally);
     }
 }
 

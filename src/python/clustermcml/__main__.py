@@ -71,10 +71,13 @@ def main() -> int:
     parser.add_argument("--photons", type=float, help="of a flight, instead of the file's")
     parser.add_argument("--seed", type=int)
     parser.add_argument("--flights", type=int, default=6, help="at most so many, default 6")
+    parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
     words = parser.parse_args()
     try:
         found = fit(words.scene, _bounds(words.parameters), _measured(words.measured, words.scene), flights=words.flights,
                     **{name: getattr(words, name) for name in ("photons", "seed") if getattr(words, name) is not None})
+        if words.output is not None:
+            found.plot(words.output)
     except errors.ClustermcmlError as error:
         print(f"clustermcml: {error}", file=sys.stderr)
         return error.exit_code

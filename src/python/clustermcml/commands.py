@@ -29,7 +29,7 @@ EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", 
          "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
 
 
-def _say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
+def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
     """What the program prints. Its notes are warnings. scratch: a folder whose files are not named. fine: exit codes of no failure."""
     command = [find_program(), *words]
     try:
@@ -47,7 +47,7 @@ def _say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
 def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,)) -> list[dict[str, Any]]:
     """What a command says of a scene, one dict a run. The file of an object is gone afterwards, so its name is left out."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        told = _say([command, path, "--json", *option_words(options, kind)], scratch, fine)
+        told = say([command, path, "--json", *option_words(options, kind)], scratch, fine)
     runs: list[dict[str, Any]] = [json.loads(line) for line in told.splitlines()]
     for run in runs:
         if isinstance(scene, Scene):
@@ -57,7 +57,7 @@ def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, obj
 
 def version() -> str:
     """Of the program, as results have it."""
-    return _say(["--version"], "").splitlines()[0].removeprefix("clustermcml ")
+    return say(["--version"], "").splitlines()[0].removeprefix("clustermcml ")
 
 
 @shown
@@ -103,7 +103,7 @@ def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions
     `end` says what became of it, `seen_by` names the detectors that saw it."""
     index = errors.whole("photon", photon, 0, 2**53)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        lines = _say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
+        lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
     rows = [line.split()[1:] for line in lines if not line.startswith("#")]
     units = {"x": "cm", "y": "cm", "z": "cm"}
     events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int}.get(name, float)), dims="event",
@@ -119,7 +119,7 @@ def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[Me
     paths of the files."""
     folder = errors.folder("output_dir", output_dir)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        said = _say(["mesh", path, "-o", folder, *option_words(options, MeshOptions)], scratch)
+        said = say(["mesh", path, "-o", folder, *option_words(options, MeshOptions)], scratch)
     return re.findall(r" triangles -> (.*)$", said, re.MULTILINE)
 
 
@@ -128,7 +128,7 @@ def compare(a: Path, b: Path, **options: Unpack[CompareOptions]) -> dict[str, An
     """Whether two results (.mco, .h5) agree within their noise: what `clustermcml compare --json` says, and `agree`. output: a picture of
     both."""
     words = ["compare", errors.existing_file("a", a), errors.existing_file("b", b), "--json", *option_words(options, CompareOptions)]
-    told: dict[str, Any] = json.loads(_say(words, "", (0, DIFFERENT)))
+    told: dict[str, Any] = json.loads(say(words, "", (0, DIFFERENT)))
     return told
 
 
@@ -139,5 +139,5 @@ def merge(results: Sequence[Path], output: Path) -> xr.Dataset:
     files = [errors.existing_file(f"results[{i}]", path) for i, path in enumerate(results)]
     if not isinstance(output, (str, os.PathLike)) or os.path.splitext(output)[1].lower() not in (".mco", ".h5"):
         raise errors.refuse("output", output, "a name that ends in .mco or .h5")
-    _say(["merge", *files, "--quiet", "--output", os.path.abspath(os.fspath(output))], "")
+    say(["merge", *files, "--quiet", "--output", os.path.abspath(os.fspath(output))], "")
     return read(output)

@@ -1,7 +1,8 @@
 """Which absorption and scattering explain what was measured of a scene.
 
 A flight gives every absorption at once, as weights of its packets (`--reweight`); flights at a few mus, with the same random numbers, are
-interpolated, and one is added where the solution lies, until it stays there.
+interpolated, and one is added until they know where the solution lies. There a last one flies with random numbers of its own, and with
+derivatives: values come of it alone, of the others slopes, so that no noise is in both.
 
 SPDX-License-Identifier: MIT
 """
@@ -18,6 +19,7 @@ import h5py
 import numpy as np
 
 from . import errors
+from .commands import say
 from .mco import read_mco
 from .options import FitOptions, Path, shown
 from .program import fly, option_words, scene_file, scratch_folder
@@ -32,6 +34,8 @@ ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by
 BRACKET = float(np.log(1.35))  # between the first flights, in ln mus
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
 SETTLED = 0.2  # standard errors between the solution and the flight that tells it
+REACH = 2.0  # the same, where one with random numbers of its own follows, and of that
+OTHER_SEED = 2**40  # from the flights' seed to that of the last one
 NOISY = 0.3  # of what the slopes seem to tell of a parameter, what may be their noise
 TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarithm
 
@@ -39,8 +43,8 @@ TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarit
 @dataclasses.dataclass(frozen=True)
 class Fit:
     """values, errors: of the parameters, standard errors. correlation: of these, in their order. chi2, degrees: of freedom. words: what
-    the data cannot tell, "" where they tell all. prediction, prediction_errors: what the model says of each name that was measured.
-    flights: how many were flown."""
+    the data cannot tell, "" where they tell all. prediction, prediction_errors: what the model says of each name that was measured, and
+    measured, measured_errors: what was; of profiles in the bins that were known, whose middles are places. flights: how many were flown."""
 
     values: dict[str, float]
     errors: dict[str, float]
@@ -51,6 +55,26 @@ class Fit:
     prediction: dict[str, Any]
     prediction_errors: dict[str, Any]
     flights: int
+    measured: dict[str, Any]
+    measured_errors: dict[str, Any]
+    places: dict[str, Any]
+
+    def plot(self, output: Path, of: Optional[str] = None) -> None:
+        """Draws a profile of the model beside the measured one into a file, .svg, .png, .pdf or .eps, as `clustermcml plot` does, which
+        needs gnuplot; totals and values stand below it. of: its name, that of the first without it."""
+        profiles = [name for name in self.measured if name in PROFILES]
+        if not profiles or of not in (None, *profiles):
+            raise errors.refuse("of", of, "a profile that was measured" + (": " + " ".join(profiles) if profiles else ", of which there is none"))
+        name = of or profiles[0]
+        totals = [f"{kind}: model {self.prediction[kind]:.4g}, measured {value:.4g} ± {self.measured_errors[kind]:.2g}"
+                  for kind, value in self.measured.items() if kind not in PROFILES]
+        found = [f"{kind} = {value:.4g} ± {self.errors[kind]:.2g}" for kind, value in self.values.items()]
+        with scratch_folder() as scratch:
+            files = [os.path.join(scratch, file) for file in ("model.csv", "measured.csv")]
+            for file, values, sigmas in zip(files, (self.prediction, self.measured), (self.prediction_errors, self.measured_errors)):
+                np.savetxt(file, np.stack([self.places[name], values[name], sigmas[name]], axis=1), delimiter=",", fmt="%.9g")
+            say(["plot", *files, "--of", name, "--label", "model", "--label", "measured", "--caption", "; ".join(found + totals),
+                 "--output", os.path.abspath(os.fspath(output))], scratch)
 
     def __str__(self) -> str:
         lines = [f"{name} = {value:.6g} +- {self.errors[name]:.2g}" for name, value in self.values.items()]
@@ -73,6 +97,12 @@ class _Data:
     def pick(self, of: Callable[[str], Any]) -> Any:
         whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
         return np.array([whole[name][max(place, 0)] for name, place in zip(self.names, self.places)], dtype=float)
+
+    def bins(self, name: str) -> list[int]:
+        return [place for other, place in zip(self.names, self.places) if other == name]
+
+    def profiles(self) -> list[str]:
+        return [name for name in dict.fromkeys(self.names) if name in PROFILES]
 
     def parted(self, numbers: Any) -> dict[str, Any]:
         """The same by name: floats, and arrays of the bins that were measured."""
@@ -147,17 +177,30 @@ class _Flight:
     mus: Any
     logs: Any  # [rows along each mua ..., numbers] of the model
     covariance: Callable[[tuple[int, ...]], Any]  # of the model's noise, at a place of the grid
+    seed: int
+    places: dict[str, Any]  # middles of a profile's bins that were measured
 
 
-def _bins(told: Mapping[str, Any], names: list[str]) -> Any:
-    """The profiles of a row, with errors and axes, and no more, as a flight has many rows."""
+@dataclasses.dataclass(frozen=True)
+class _Anchor:
+    """A flight at one place of all parameters, with random numbers of its own."""
+
+    u: Any
+    logs: Any  # [numbers]
+    slopes: Any  # [numbers, parameters] of logs
+    errors: Any  # of slopes, inf where they are not known
+    covariance: Any  # of the model's noise
+
+
+def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
+    """Arrays of a row, and axes, and no more, as a flight has many rows."""
     h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
-    wanted = [word for name in names if name in PROFILES for word in (name, name + "_se")]
+    names = [*wanted, "r", "alpha"]
     if h5 is None:
         result = read_mco(told["files"][0])
-        return {name: result[name].values for name in (*wanted, "r", "alpha") if name in result.variables}
+        return {name: result[name].values for name in names if name in result.variables}
     with h5py.File(h5, "r") as file:
-        return {name: file[name][()] for name in (*wanted, "r", "alpha") if name in file}
+        return {name: file[name][()] for name in names if name in file}
 
 
 def _measures(data: _Data, result: Any) -> Any:
@@ -204,27 +247,61 @@ def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, An
     return data.pick(of), data.pick(error_of)
 
 
+def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
+          read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
+    """What the program says of every row, and what `read` finds in its files. words: options, and what they name in a folder."""
+    with scratch_folder() as scratch, scene_file(scene, scratch) as file:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
+            said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
+        return [(row, read(row)) for row in sorted(said, key=lambda row: int(row["row"] or 0))]
+
+
 def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: _Data, options: Mapping[str, Any]) -> _Flight:
     columns = [*grids, *mus]
     rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
         if grids else [list(mus.values())]
-    with scratch_folder() as scratch, scene_file(scene, scratch) as file:
-        path = os.path.join(scratch, "sweep.csv")
-        with open(path, "w", encoding="utf-8") as table:
-            table.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
-            said = fly(file, scratch, ["--sweep", path, "--reweight", *option_words(options, FitOptions)], False, scratch, len(rows))
-        told = sorted(said, key=lambda row: int(row["row"]))
-        results = [_bins(row, data.names) for row in told]
-    numbers = [_numbers(data, row, result) for row, result in zip(told, results)]
+
+    def table(folder: str) -> list[str]:
+        path = os.path.join(folder, "sweep.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
+        return ["--sweep", path, "--reweight"]
+    told = _told(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
+    numbers = [_numbers(data, row, result) for row, result in told]
     shape = tuple(len(grid) for grid in grids.values())
 
     def covariance(place: tuple[int, ...]) -> Any:
-        row = int(np.ravel_multi_index(place, shape)) if shape else 0
-        return _noise(data, *numbers[row], _measures(data, results[row]), told[row], told[row]["photons"])
+        index = int(np.ravel_multi_index(place, shape)) if shape else 0
+        row, result = told[index]
+        return _noise(data, *numbers[index], _measures(data, result), row, row["photons"])
     logs = np.log(np.maximum([model for model, _ in numbers], TINY))
-    return _Flight(np.log(list(mus.values())), logs.reshape(*shape, -1), covariance)
+    return _Flight(np.log(list(mus.values())), logs.reshape(*shape, -1), covariance, told[0][0]["seed"],
+                   {name: told[0][1]["r" if name.endswith("_r") else "alpha"][data.bins(name)] for name in data.profiles()})
+
+
+def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: _Data, options: Mapping[str, Any]) -> _Anchor:
+    kinds = list(dict.fromkeys(name[-3:] for name in names))
+    slopes = [f"d{name}_d{kind}" for name in data.profiles() for kind in kinds]
+    fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
+    ((row, result),) = _told(scene, lambda _: ["--derivatives"], 0, fixed,
+                             lambda row: _bins(row, [word for name in data.profiles() + slopes for word in (name, name + "_se")]))
+    model, sigma = _numbers(data, row, result)
+
+    def column(parameter: str, suffix: str) -> Any:
+        """Derivatives by one parameter, or their errors; nan where they are not known."""
+        place, _, kind = parameter.partition(".")
+        k = int(place.lstrip("layerbody")) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
+
+        def of(name: str) -> Any:
+            word = f"d{'Rd' if name == 'R' else name}_d{kind}{suffix}"
+            return result[word][:, k] if name in PROFILES else np.array(row[word][k], dtype=float)
+        return data.pick(of)
+    known = np.maximum(model, TINY)
+    turns, noise = (np.stack([column(name, suffix) for name in names], axis=1) * np.exp(u) / known[:, None] for suffix in ("", "_se"))
+    told = np.isfinite(turns) & (noise > 0)
+    return _Anchor(u, np.log(known), np.where(told, turns, 0), np.where(told, noise, np.inf),
+                   _noise(data, model, sigma, _measures(data, result), row, row["photons"]))
 
 
 def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
@@ -238,15 +315,20 @@ def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
 class _Model:
     """Logarithms of the numbers at any mua and mus, from the flights so far. The last of them is right where it was flown; all others
     tell slopes and, where these exceed the noise, curvatures along each mus, by least squares. So one close by, whose difference is but
-    noise, counts little; as does one far away, where more than curvature matters."""
+    noise, counts little; as does one far away, where more than curvature matters. An anchor moves all that to what it says of values,
+    and by how little noise they have of slopes."""
 
-    def __init__(self, grids: Mapping[str, Any], flights: list[_Flight]) -> None:
-        self.grids, self.others, self.last = list(grids.values()), flights[:-1], flights[-1]
+    def __init__(self, grids: Mapping[str, Any], flights: list[_Flight], anchor: Optional[_Anchor] = None) -> None:
+        self.grids, self.others, self.last, self.anchor = list(grids.values()), flights[:-1], flights[-1], anchor
         dims = len(self.last.mus)
         steps = np.array([flight.mus - self.last.mus for flight in self.others]).reshape(len(self.others), dims)
         terms = np.hstack([steps, steps**2])
         weighted = terms.T / (1 + (np.abs(steps).max(axis=1, initial=0) / (2 * BRACKET)) ** 4)
         self.inverse = np.linalg.solve(weighted @ terms + np.diag([0.0] * dims + [CURVED**2] * dims), weighted)
+        if anchor is not None:
+            self.shift = anchor.logs - self.flown(anchor.u)
+            spread = self.spread(anchor.u, np.sqrt(np.diag(anchor.covariance)) / np.exp(anchor.logs))
+            self.turn = _share(spread, anchor.errors) * (anchor.slopes - _jacobian(self.flown, anchor.u))
 
     def along(self, flight: _Flight, mua: Any) -> Any:
         logs = flight.logs
@@ -255,17 +337,44 @@ class _Model:
             logs = np.tensordot(weights, logs[first:first + 4], 1)
         return logs
 
-    def __call__(self, u: Any) -> Any:
-        mua, mus = u[:len(self.grids)], u[len(self.grids):]
+    def flown(self, u: Any) -> Any:
+        mua = u[:len(self.grids)]
         here = self.along(self.last, mua)
         differences = np.array([self.along(flight, mua) - here for flight in self.others]).reshape(-1, len(here))
         return here + self.shares(u)[:-1] @ differences
+
+    def __call__(self, u: Any) -> Any:
+        return self.flown(u) if self.anchor is None else self.flown(u) + self.shift + self.turn @ (u - self.anchor.u)
 
     def shares(self, u: Any) -> Any:
         """What each flight, the last behind the others, counts at a place."""
         step = u[len(self.grids):] - self.last.mus
         others = np.concatenate([step, step**2]) @ self.inverse
         return np.append(others, 1 - others.sum())
+
+    def noise_at(self, u: Any) -> tuple[Any, Any]:
+        """The covariance of the flight whose values count, near a place, and the logarithms that it has there."""
+        if self.anchor is not None:
+            return self.anchor.logs, self.anchor.covariance
+        place = tuple(int(np.abs(grid - x).argmin()) for grid, x in zip(self.grids, u))
+        return self.last.logs[place], self.last.covariance(place)
+
+    def spread(self, u: Any, noise: Any) -> Any:
+        """Standard errors of slopes, [numbers, parameters], of flights of such noise as if they were independent."""
+        return np.outer(noise, np.linalg.norm(_jacobian(self.shares, u), axis=0))
+
+    def slopes_noise(self, u: Any, noise: Any) -> tuple[Any, Any]:
+        """Standard errors of the slopes in use, and the correlation of those along two parameters."""
+        spread, turns = self.spread(u, noise), _jacobian(self.shares, u)
+        if self.anchor is not None:
+            spread = spread * np.sqrt(1 - _share(spread, self.anchor.errors))
+        lengths = np.maximum(np.linalg.norm(turns, axis=0), TINY)
+        return spread, turns.T @ turns / np.outer(lengths, lengths)
+
+
+def _share(spread: Any, errors: Any) -> Any:
+    """Of what has `errors` in the best mean with what has `spread`."""
+    return spread**2 / (spread**2 + errors**2 + TINY)
 
 
 def _jacobian(residual: Callable[[Any], Any], u: Any) -> Any:
@@ -322,14 +431,49 @@ def _unlikely(chi2: float, degrees: int) -> bool:
     return bool((chi2 / max(degrees, 1)) ** (1 / 3) > 1 - width + 4 * width**0.5)
 
 
-def _words(names: list[str], u: Any, low: Any, high: Any, sigma: Any, open_: Any, noisy: Any, data: _Data, settled: bool, chi2: float) -> str:
+@dataclasses.dataclass(frozen=True)
+class _Solution:
+    """u: logarithms of the parameters, with their covariance; lost, noisy: as of _errors. model: the numbers there, and their noise."""
+
+    u: Any
+    residual: Any
+    covariance: Any
+    sigma: Any
+    lost: Any
+    noisy: Any
+    model: Any
+    noise: Any
+
+
+def _solve(data: _Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> _Solution:
+    """The least squares of what was measured, first by its own errors, then with the model's noise. u: where to begin; None: not known."""
+    factor = np.diag(data.errors)
+
+    def residual(u: Any) -> Any:
+        return np.linalg.solve(factor, np.exp(model(u)) - data.values)
+    u = _minimum(residual, _start(residual, low, high) if u is None else u, low, high)
+    logs, covariance = model.noise_at(u)
+    expected = np.sqrt(np.clip(data.values / np.exp(logs), 0.25, 4))
+    noise = covariance * np.outer(expected, expected)
+    both = np.diag(data.errors**2) + noise
+    factor = np.linalg.cholesky(both)
+    u = _minimum(residual, u, low, high)
+    sigma, there = np.maximum(np.sqrt(np.diag(noise)), TINY), np.exp(model(u))
+    spread, alike = model.slopes_noise(u, sigma / there)
+    spread *= there[:, None]
+    slopes = alike * (spread.T @ (np.linalg.inv(both) * noise / np.outer(sigma, sigma)) @ spread)
+    found, lost, noisy = _errors(_jacobian(residual, u), slopes)
+    return _Solution(u, residual(u), found, np.sqrt(np.diag(found)), lost, noisy, there, np.sqrt(np.diag(covariance)))
+
+
+def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data: _Data, settled: bool) -> str:
     """What the user should know before he believes the numbers."""
-    told = []
-    together = [name for name, lost in zip(names, open_) if lost]
+    told, noisy, chi2 = [], found.noisy, float(found.residual @ found.residual)
+    together = [name for name, lost in zip(names, found.lost) if lost]
     if together:
         told.append(f"The data do not tell {' and '.join(together)}: {len(data.values)} number{'s' * (len(data.values) > 1)} for {len(names)} parameters, "
                     "many of whose values explain them as well.")
-    vague = [f"{name} (a factor of {np.exp(min(s, 9.0)):.2g})" for name, s, lost in zip(names, sigma, open_) if s > 0.5 and not lost]
+    vague = [f"{name} (a factor of {np.exp(min(s, 9.0)):.2g})" for name, s, lost in zip(names, found.sigma, found.lost) if s > 0.5 and not lost]
     if vague:
         told.append(f"The data hardly tell {' and '.join(vague)}.")
     stopped = [f"{name} at {np.exp(x):.4g}" for name, x, a, b in zip(names, u, low, high) if min(x - a, b - x) < 1e-6]
@@ -370,33 +514,28 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
 
     def fly_at(x: Any) -> _Flight:
         return _fly(scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
+
+    def moved(found: _Solution, place: Any, reach: float) -> bool:
+        return bool(np.any(np.abs(found.u[len(mua):] - place) > np.maximum(reach * found.sigma[len(mua):], 1e-3)))
     middle = (low[len(mua):] + high[len(mua):]) / 2
     flown = [fly_at(middle + np.minimum(BRACKET, high[len(mua):] - middle) * e) for e in np.eye(len(mus))] + [fly_at(middle)]
-    u: Optional[Any] = None
-    while True:
-        model, last = _Model(grids, flown), flown[-1]
-
-        def residual(u: Any) -> Any:
-            return np.linalg.solve(factor, np.exp(model(u)) - data.values)
-        factor = np.diag(data.errors)
-        u = _minimum(residual, _start(residual, low, high) if u is None else u, low, high)
-        place = tuple(int(np.abs(grid - x).argmin()) for grid, x in zip(grids.values(), u))
-        expected = np.sqrt(np.clip(data.values / np.exp(last.logs[place]), 0.25, 4))
-        flown_noise = last.covariance(place) * np.outer(expected, expected)
-        both = np.diag(data.errors**2) + flown_noise
-        factor = np.linalg.cholesky(both)
-        u = _minimum(residual, u, low, high)
-        turns = _jacobian(model.shares, u)
-        covariance, lost, noisy = _errors(_jacobian(residual, u), np.trace(np.linalg.solve(both, flown_noise)) * turns.T @ turns)
-        sigma = np.sqrt(np.diag(covariance))
-        settled = bool(np.all(np.abs(u[len(mua):] - last.mus) <= np.maximum(SETTLED * sigma[len(mua):], 1e-3)))
-        if settled or len(flown) >= most:
+    own = bool(mus) and most > len(flown)
+    found = _solve(data, _Model(grids, flown), low, high, None)
+    while (open_ := moved(found, flown[-1].mus, REACH if own else SETTLED)) and len(flown) < most - own:
+        flown.append(fly_at(found.u[len(mua):]))
+        found = _solve(data, _Model(grids, flown), low, high, found.u)
+    count = len(flown)
+    seeded: dict[str, Any] = {**options, "seed": (flown[-1].seed + OTHER_SEED) % 2**53}
+    while own and count < most:
+        anchor = _anchor(scene, names, found.u, data, seeded)
+        found, count = _solve(data, _Model(grids, flown, anchor), low, high, found.u), count + 1
+        open_ = moved(found, anchor.u[len(mua):], REACH)
+        if not open_:
             break
-        flown.append(fly_at(u[len(mua):]))
-    r, values, noise = residual(u), np.exp(u), np.sqrt(np.diag(last.covariance(place)))
-    sigma = np.where(lost, np.inf, sigma)
-    spread = np.sqrt(np.diag(covariance))
+    u, r, sigma = found.u, found.residual, np.where(found.lost, np.inf, found.sigma)
+    values = np.exp(u)
     return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
-               correlation=covariance / np.outer(spread, spread), chi2=float(r @ r), degrees=len(data.values) - len(names),
-               words=_words(names, u, low, high, sigma, lost, noisy, data, settled, float(r @ r)), prediction=data.parted(np.exp(model(u))),
-               prediction_errors=data.parted(noise), flights=len(flown))
+               correlation=found.covariance / np.outer(found.sigma, found.sigma), chi2=float(r @ r), degrees=len(data.values) - len(names),
+               words=_words(names, u, low, high, found, data, not open_), prediction=data.parted(found.model),
+               prediction_errors=data.parted(found.noise), flights=count,
+               measured=data.parted(data.values), measured_errors=data.parted(data.errors), places=flown[-1].places)

@@ -93,8 +93,9 @@ static cml_status read_shape(const struct cml_mci_line_options *options, struct 
 /* Endings of what there is of every detector: with one of them a name could be read in two ways. */
 static bool ends_as_results_do(const char *name)
 {
-    static const char *const endings[] = {"_t",       "_later", "_map", "_path", "_interactions",
-                                          "_deepest", "_se",    "_x",   "_y",    "_outside"};
+    static const char *const endings[] = {"_t",       "_later",  "_map",  "_path", "_interactions",
+                                          "_deepest", "_dmua",   "_dmus", "_se",   "_x",
+                                          "_y",       "_outside"};
     const size_t size = strlen(name);
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         const size_t end = strlen(endings[i]);
@@ -113,7 +114,7 @@ static cml_status set_name(const struct cml_mci_line_options *options, struct cm
     if (ends_as_results_do(name))
         return cml_mci_fail_value(options,
                                   "a name that does not end as results do, in _t, _later, _map, _path, "
-                                  "_interactions, _deepest, _se, _x, _y or _outside");
+                                  "_interactions, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
     return cml_text_copy(name, &detector->name, options->reader->err);
 }
 

@@ -47,6 +47,7 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
                                .na = o->na,
                                .num_layers = o->num_layers,
                                .num_bodies = o->num_bodies,
+                               .num_detectors = o->num_detectors,
                                .backed = o->backed};
     CML_TRY(cml_score_result(report->sums, 2 * k + by_mus, &result, err));
     cml_status status =
@@ -57,6 +58,7 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
         if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA) && (all || numbers))
             status = take_column(&sums, quantity, k, scale, o, err);
     }
+    sums.num_detectors = 0; /* it has none of their names */
     cml_outcome_clear(&sums);
     cml_result_free(&result);
     return status;

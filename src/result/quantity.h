@@ -71,7 +71,9 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(dRd_r_d##x, "1/cm", by, CML_QUANTITY_Rd_r, OVER2(r, inside), MCO | H5, "derivative of Rd_r by " #x, NULL)      \
     Q(dRd_a_d##x, "cm/sr", by, CML_QUANTITY_Rd_a, OVER2(alpha, inside), MCO | H5, "derivative of Rd_a by " #x, NULL) \
     Q(dTt_r_d##x, "1/cm", by, CML_QUANTITY_Tt_r, OVER2(r, inside), MCO | H5, "derivative of Tt_r by " #x, NULL)      \
-    Q(dTt_a_d##x, "cm/sr", by, CML_QUANTITY_Tt_a, OVER2(alpha, inside), MCO | H5, "derivative of Tt_a by " #x, NULL)
+    Q(dTt_a_d##x, "cm/sr", by, CML_QUANTITY_Tt_a, OVER2(alpha, inside), MCO | H5, "derivative of Tt_a by " #x, NULL) \
+    Q(detector_d##x, "cm", by, CML_QUANTITY_detector, OVER2(detector, inside), MCO | H5,                             \
+      "derivative of detected by " #x, NULL)
 
 /* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is, and the comment of its
  * section in an .mco where that says more (NULL: what it is, and its units) */

@@ -62,6 +62,21 @@ class Fits(unittest.TestCase):
         self.assertEqual(again.prediction["Rd_r"].shape, (6,))
         self.look_at_the_picture(again)
 
+    def test_what_two_detectors_see_tells_both(self):
+        """Rings on a rough slab, the outer one with an aperture, and Tt below; a flight with derivatives, which knows their slopes."""
+        rings = [mc.Detector("ring", r1=0.02, r2=0.05, name="near"), mc.Detector("ring", r1=0.05, r2=0.15, na=0.8, name="far")]
+        scene = slab(top=HILL, detectors=rings)
+        truth = mc.run(scene, seed=9, photons=1e5)
+        seen = {name: (float(truth[name]), 0.02 * float(truth[name])) for name in ("detector_near", "detector_far", "Tt")}
+        fit = mc.fit(scene, BOUNDS, seen)
+        for name, value in TRUTH.items():
+            self.assertLess(abs(fit.values[name] - value), 4 * fit.errors[name], name)
+            self.assertLess(fit.errors[name], 0.1 * value, name)
+        for measured, text in (({"detector_off": (0.1, 0.01)}, "detectors of the scene, detector_near detector_far"),
+                               ({"detector_near": (0.1, 0.01), "Rd_r": (np.ones(10), 1)}, "one of them, as the same packets tell both")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                mc.fit(scene, BOUNDS, measured)
+
     def look_at_the_picture(self, fit):
         """It has the model's six bins and the measured ones, and below them the parameters and Tt; and of totals there is none."""
         with tempfile.TemporaryDirectory() as folder:

@@ -28,7 +28,8 @@ STACKS = {
 }
 SURFACE = "b 4 0.05 0.1 0.15 0.05 0.04 0.02 -0.03 0"
 ROUGH = cml.mci(["1.4 0.5 10 0.8 0.2", "1.33 0.3 10 0.9 0.4\ni sphere 0.02 0 0.35 0.08 1.5 1 30 0.5"], photons=40000 * TIMES,
-                surfaces={0: SURFACE}, extra=["beam disk 0.2 angle=30"], n_below=1.5, **GRID)
+                surfaces={0: SURFACE}, n_below=1.5, **GRID,
+                extra=["beam disk 0.2 angle=30", "detector ring 0 0.15 name=near", "detector disk 0.3 na=0.8 at=0.4,0 name=far"])
 BACKED = cml.mci(["1.4 0.5 10 0.5 0.2", "1.33 0.1 5 0.5 0.2\nbacking 0.7 lambertian"], photons=40000 * TIMES, surfaces={1: SURFACE}, **GRID)
 TOTALS = ("Rd", "A", "Tt")
 
@@ -99,6 +100,10 @@ def against_flights(verdict, name, text, media, seed):
                     of, truth = f"d{key}_d{x}", (high[key] - low[key]) / (2 * h)
                     spread = math.hypot(low[key + "_se"], high[key + "_se"]) / (2 * h)
                     verdict.z(f"{name} {of} {medium}", record[of][k], record[of + "_se"][k], truth, math.hypot(spread, truth / 50))
+                for key in ("detector_near", "detector_far") if "detector_near" in low else ():
+                    truth, spread = (high[key] - low[key]) / (2 * h), math.hypot(low[key + "_se"], high[key + "_se"]) / (2 * h)
+                    own, error = sections[f"{key}_d{x}"][k], sections[f"se_{key}_d{x}"][k]
+                    verdict.z(f"{name} {key}_d{x} {medium}", own, error, truth, math.hypot(spread, truth / 50))
                 for key in ("Rd", "Tt"):
                     whole, bins = record[f"d{key}_d{x}"][k], profile_sums(sections, f"d{key}_r_d{x}", 0, k, len(media))
                     verdict.check(f"{name} d{key}_r_d{x} {medium}", abs(bins - whole) <= 2e-5 * abs(whole) + 1e-9, f"sums to {bins}, not {whole}")

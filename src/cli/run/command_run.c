@@ -122,15 +122,9 @@ static cml_status check_differentiated(const struct cml_options *options, const 
 {
     for (int i = 0; options->engine_options.derivatives && i < list->count; i++) {
         const struct cml_scene *scene = &list->scenes[i];
-        const int lines[] = {scene->num_detectors > 0 ? scene->detectors[0].line : 0,
-                             scene->time.gates > 0 ? scene->time.line : 0,
-                             scene->saved.limit > 0 ? scene->saved.line : 0};
-        static const char *const words[] = {"detector", "time", "photons"};
-        for (int k = 0; k < 3; k++)
-            if (lines[k] > 0)
-                return cml_fail(err, CML_E_INPUT,
-                                "%s:%d: a %s line and --derivatives (expected no such line)", scene->file,
-                                lines[k], words[k]);
+        if (scene->time.gates > 0)
+            return cml_fail(err, CML_E_INPUT, "%s:%d: a time line and --derivatives (expected no such line)",
+                            scene->file, scene->time.line);
     }
     return CML_OK;
 }

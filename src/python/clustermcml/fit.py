@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from . import errors
-from .commands import say
+from .commands import check, say
 from .mco import read_mco
 from .options import FitOptions, Path, shown
 from .program import fly, option_words, scene_file, scratch_folder
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
+DETECTOR = "detector_"  # what each has seen
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
 BRACKET = float(np.log(1.35))  # between the first flights, in ln mus
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
@@ -93,6 +94,7 @@ class _Data:
     values: Any
     errors: Any
     sizes: dict[str, int]  # how many numbers each name was given
+    sides: dict[str, str]  # of detectors and profiles, where the light leaves: R or T
 
     def pick(self, of: Callable[[str], Any]) -> Any:
         whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
@@ -113,7 +115,20 @@ class _Data:
         return found
 
 
-def _data(measured: Any) -> _Data:
+def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, str]:
+    """Where the light leaves that a detector, or a profile, has."""
+    seen = {DETECTOR + one["name"]: one["side"] for one in check(scene)[0]["detectors"] or ()} if any(map(_is_detector, measured)) else {}
+    for name in filter(_is_detector, measured):
+        if name not in seen:
+            raise errors.refuse("measured", name, "detectors of the scene, " + (" ".join(seen) or "which has none"))
+    return {**{name: name[0] for name in PROFILES}, **{name: "R" if side == "top" else "T" for name, side in seen.items()}}
+
+
+def _is_detector(name: Any) -> bool:
+    return isinstance(name, str) and name.startswith(DETECTOR)
+
+
+def _data(measured: Any, scene: Union[Scene, Path]) -> _Data:
     if not isinstance(measured, Mapping) or not measured:
         raise errors.refuse("measured", measured, 'a dict, {"Rd": (value, error), "Rd_r": (values, errors)}')
     names: list[str] = []
@@ -122,15 +137,15 @@ def _data(measured: Any) -> _Data:
     sigmas: list[float] = []
     sizes: dict[str, int] = {}
     for name, pair in measured.items():
-        if name not in TOTALS + PROFILES:
-            raise errors.refuse("measured", name, "names among " + " ".join(TOTALS + PROFILES))
+        if name not in TOTALS + PROFILES and not _is_detector(name):
+            raise errors.refuse("measured", name, "names among " + " ".join(TOTALS + PROFILES) + ", and detector_NAME")
         try:
             value, error = (np.atleast_1d(np.asarray(numbers, dtype=float)) for numbers in pair)
             value, error = np.broadcast_arrays(value, error)
         except (TypeError, ValueError):
             raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error, of profiles arrays, nan where nothing is known") from None
         known = np.isfinite(value)
-        if value.ndim != 1 or (name in TOTALS) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
+        if value.ndim != 1 or (name not in PROFILES) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
             raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
         sizes[name] = value.size
         if name.endswith("_r"):
@@ -139,13 +154,18 @@ def _data(measured: Any) -> _Data:
                 raise errors.refuse(f"measured[{name!r}]", pair, "values of other bins than the last, which holds what lies beyond")
         for i in np.flatnonzero(known):
             names.append(name)
-            places.append(-1 if name in TOTALS else int(i))
+            places.append(int(i) if name in PROFILES else -1)
             values.append(float(value[i]))
             sigmas.append(float(error[i]))
     for one, other in (("Rd", "R"), ("Rd_r", "Rd_a"), ("Tt_r", "Tt_a")):
         if one in measured and other in measured:
             raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
-    return _Data(names, places, np.array(values), np.array(sigmas), sizes)
+    sides = _sides(scene, measured)
+    for one in filter(_is_detector, measured):
+        for other in PROFILES:
+            if other in measured and sides[other] == sides[one]:
+                raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
+    return _Data(names, places, np.array(values), np.array(sigmas), sizes, sides)
 
 
 def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[float, float]]]:
@@ -206,7 +226,7 @@ def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
 def _measures(data: _Data, result: Any) -> Any:
     """By what numbers are multiplied to be shares of the light."""
     def of(name: str) -> Any:
-        if name in TOTALS:
+        if name not in PROFILES:
             return 1.0
         places = result["r" if name.endswith("_r") else "alpha"]
         width = 2 * places[0]
@@ -220,8 +240,8 @@ def _noise(data: _Data, model: Any, sigma: Any, measures: Any, told: Mapping[str
     shares, spread = model * measures, sigma * measures
     covariance = -np.outer(shares, shares) / photons
     inside = [(i, k) for i, name in enumerate(data.names) for k, other in enumerate(data.names)
-              if name in PROFILES and other in TOTALS and name[0] == other[0]]
-    for i, k in inside:  # all of the bin's light is the total's, too
+              if name not in TOTALS and other in TOTALS and data.sides[name] == other[0]]
+    for i, k in inside:  # all of the bin's or the detector's light is the total's, too
         covariance[i, k] += spread[i] ** 2 + shares[i] ** 2 / photons
         covariance[k, i] = covariance[i, k]
     up, down = ([i for i, name in enumerate(data.names) if name in names] for names in (("Rd", "R"), ("Tt",)))
@@ -235,7 +255,7 @@ def _noise(data: _Data, model: Any, sigma: Any, measures: Any, told: Mapping[str
 def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
     """The model's numbers, and their errors, of one row."""
     def of(name: str) -> Any:
-        if name in TOTALS:
+        if name not in PROFILES:
             return told["Rsp"] + told["Rd"] if name == "R" else told[name]
         given, there = data.sizes[name], result[name].size
         if given != there:
@@ -243,7 +263,7 @@ def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, An
         return result[name]
 
     def error_of(name: str) -> Any:
-        return told["Rd_se" if name == "R" else name + "_se"] if name in TOTALS else result[name + "_se"]
+        return told["Rd_se" if name == "R" else name + "_se"] if name not in PROFILES else result[name + "_se"]
     return data.pick(of), data.pick(error_of)
 
 
@@ -280,9 +300,13 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
                    {name: told[0][1]["r" if name.endswith("_r") else "alpha"][data.bins(name)] for name in data.profiles()})
 
 
+def _slope(name: str, kind: str) -> str:
+    return f"{name}_d{kind}" if _is_detector(name) else f"d{'Rd' if name == 'R' else name}_d{kind}"
+
+
 def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: _Data, options: Mapping[str, Any]) -> _Anchor:
     kinds = list(dict.fromkeys(name[-3:] for name in names))
-    slopes = [f"d{name}_d{kind}" for name in data.profiles() for kind in kinds]
+    slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
     ((row, result),) = _told(scene, lambda _: ["--derivatives"], 0, fixed,
                              lambda row: _bins(row, [word for name in data.profiles() + slopes for word in (name, name + "_se")]))
@@ -291,11 +315,11 @@ def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: _Data, op
     def column(parameter: str, suffix: str) -> Any:
         """Derivatives by one parameter, or their errors; nan where they are not known."""
         place, _, kind = parameter.partition(".")
-        k = int(place.lstrip("layerbody")) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
+        k = int(re.sub("[a-z]*", "", place)) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
 
         def of(name: str) -> Any:
-            word = f"d{'Rd' if name == 'R' else name}_d{kind}{suffix}"
-            return result[word][:, k] if name in PROFILES else np.array(row[word][k], dtype=float)
+            word = _slope(name, kind) + suffix
+            return np.array(row[word][k], dtype=float) if name in TOTALS else result[word][..., k]
         return data.pick(of)
     known = np.maximum(model, TINY)
     turns, noise = (np.stack([column(name, suffix) for name in names], axis=1) * np.exp(u) / known[:, None] for suffix in ("", "_se"))
@@ -495,8 +519,8 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     """The absorption and scattering of layers and bodies that explain best, by least squares, what was measured.
 
     parameters: {name: (least, greatest)}, names as `--set` takes them: layer1.mua, layer2.mus, body1.mua; up to three mua.
-    measured: {name: (value, standard error)} of Rd, R = Rsp + Rd and Tt, {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the
-    units of results and with their bins, nan where nothing is known. The last bin over r, which holds what lies beyond, is left out.
+    measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and of detectors, as detector_near, that have no light in
+    common; {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units of results and with their bins, nan where nothing is known. The last bin over r, which holds what lies beyond, is left out.
     flights: at most so many. All else is as for `run`: photons=1e5, seed=2. More photons make the model's own noise, which the errors
     have in them, smaller.
 
@@ -506,7 +530,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
     """
     mua, mus, limits = _bounds(parameters)
-    data = _data(measured)
+    data = _data(measured, scene)
     most = errors.whole("flights", flights, len(mus) + 1, 1000)
     names = mua + mus
     low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))

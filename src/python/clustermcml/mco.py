@@ -61,6 +61,8 @@ OF_DETECTORS = {
     "_path": (("medium",), "cm", "mean path of detected light by medium"),
     "_interactions": (("medium",), "1", "mean interactions of detected light by medium"),
     "_deepest": ((), "cm", "mean largest depth of detected light"),
+    "_dmua": (("inside",), "cm", "derivative of detected by mua"),
+    "_dmus": (("inside",), "cm", "derivative of detected by mus"),
 }
 QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in (*TOTALS, "A_backing")})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})

@@ -38,6 +38,15 @@ class Options(unittest.TestCase):
             self.assertLessEqual(kind, set(inspect.signature(getattr(mc, name)).parameters), name)
         self.assertEqual(inspect.signature(mc.sweep).parameters["target_error"].annotation, "float")
 
+    def test_check_knows_how_many_flights_a_sweep_takes(self):
+        grid = {"layer1.mua": [1, 2, 3], "layer1.mus": [50, 60]}
+        self.assertEqual([mc.check(HILL, sweep=grid, reweight=flag)[0]["sweep"] for flag in (False, True)],
+                         [{"rows": 6, "flights": 6}, {"rows": 6, "flights": 2}])
+        for call, text in ((lambda: mc.check(HILL, sweep={"layer1.mua": [1, -2]}), r"parameters: column 1, layer1.mua = -2.0 .expected a coefficient"),
+                           (lambda: mc.check(HILL, sweep="none.csv"), "sweep = 'none.csv'"), (lambda: mc.check(HILL, reweight=True), "parameters = None")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                call()
+
     def test_of_one_command_are_refused_by_others(self):
         for call, text in ((lambda: mc.exact(HILL, photons=5), "--photons"), (lambda: mc.run(HILL, output="a.svg"), "output = 'a.svg'"), (lambda: mc.trace(HILL, 0, json=True), "json = True")):
             with self.assertRaisesRegex(mc.InputError, text):

@@ -13,13 +13,16 @@ import warnings
 from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from . import errors
 from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
 from .program import PREFIX, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
 from .results import read
 from .scene import Scene
+from .sweep import write_table
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -44,10 +47,11 @@ def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
     return ended.stdout
 
 
-def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,)) -> list[dict[str, Any]]:
+def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,),
+              words: Sequence[str] = ()) -> list[dict[str, Any]]:
     """What a command says of a scene, one dict a run. The file of an object is gone afterwards, so its name is left out."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        told = say([command, path, "--json", *option_words(options, kind)], scratch, fine)
+        told = say([command, path, "--json", *words, *option_words(options, kind)], scratch, fine)
     runs: list[dict[str, Any]] = [json.loads(line) for line in told.splitlines()]
     for run in runs:
         if isinstance(scene, Scene):
@@ -61,13 +65,24 @@ def version() -> str:
 
 
 @shown
-def check(scene: Union[Scene, Path], **options: Unpack[CheckOptions]) -> list[dict[str, Any]]:
+def check(scene: Union[Scene, Path], *, sweep: Union[Path, Mapping[str, ArrayLike], pd.DataFrame, None] = None, reweight: bool = False,
+          **options: Unpack[CheckOptions]) -> list[dict[str, Any]]:
     """What the program understands of a scene, for each of its runs: layers, boundaries and how they are represented, memory.
-    output: a picture of the section through it, .svg, .png, .pdf or .eps.
+    output: a picture of the section through it, .svg, .png, .pdf or .eps. sweep: parameters as mc.sweep takes them, without dim and
+    coords, or the path of a table: all its rows are checked, and `sweep` in what is returned says how many these are, and how many
+    flights they take, with reweight as in mc.sweep.
 
     Raises InputError where `run` would refuse it. `clustermcml help check` says what the options do.
     """
-    return _of_scene("check", scene, options, CheckOptions)
+    if sweep is None and not reweight:
+        return _of_scene("check", scene, options, CheckOptions)
+    with scratch_folder() as scratch:
+        table = os.path.join(scratch, "sweep.csv")
+        if isinstance(sweep, (str, os.PathLike)):
+            table = errors.existing_file("sweep", sweep)
+        else:
+            write_table(sweep, table)
+        return _of_scene("check", scene, options, CheckOptions, words=["--sweep", table, *["--reweight"] * reweight])
 
 
 @shown

@@ -105,6 +105,11 @@ def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Map
     return _rows(held, str(dim or index or "row"), labels)
 
 
+def write_table(parameters: Any, path: str) -> None:
+    """What sweep flies of parameters alone, for --sweep."""
+    _table(parameters, None, ()).write(path)
+
+
 def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
     """Names of the arrays that all rows have in one size, and of the others: a surface may be a plane in some rows."""
     names = list(dict.fromkeys(str(name) for row in rows for name in row.data_vars))

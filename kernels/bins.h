@@ -39,6 +39,16 @@ CML_FN cml_u64 cml_map_pixel(const struct cml_setup *setup, real x, real y)
     return inside ? (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix : pixels;
 }
 
+/* Voxel of the volume; nx * ny * nz outside of it. bins: of the medium. */
+CML_FN cml_u64 cml_voxel(const struct cml_setup *setup, struct cml_vec p, real bins)
+{
+    const struct cml_map *map = &setup->map;
+    const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny, pixel = cml_map_pixel(setup, p.x, p.y);
+    const real iz = CML_FMA(p.z, setup->per_dz, bins) - map->top_bins;
+    const int inside = (pixel < pixels) & cml_in_bins(iz, setup->nz);
+    return inside ? (cml_u64)iz * pixels + pixel : pixels * (cml_u64)setup->nz;
+}
+
 /* P7: bin of the angle between the packet's direction and the outward vertical, 0..pi/2. */
 CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
 {

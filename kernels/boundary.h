@@ -1,5 +1,5 @@
-/* What a boundary is: its kind, and its facets with what is scored on them. Knows no precision, so that
- * tallies can stand on it. SPDX-License-Identifier: MIT */
+/* What a boundary is: its kind, and its facets with what is scored on them; and how voxels are scored. Knows
+ * no precision, so that tallies can stand on it. SPDX-License-Identifier: MIT */
 #ifndef CML_BOUNDARY_H
 #define CML_BOUNDARY_H
 
@@ -32,6 +32,9 @@ enum cml_facet_score {
     CML_FACET_ESCAPED_SQUARES, /* of the packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h) */
     CML_FACET_SCORES
 };
+
+/* Of packets, by index, for the errors of phi_xyz (P14): its bins are too many for batches. */
+#define CML_VOXEL_GROUPS 16
 
 /* Where the facets of a boundary stand among those of all. count 0: none are scored. */
 struct cml_facet_range {

@@ -26,6 +26,7 @@ struct cml_deposits {
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared;   /* by all threads */
+    cml_u64 *phi_xyz;    /* [nz ny nx][CML_VOXEL_GROUPS] or NULL, all threads' */
     cml_u64 *specular;   /* one thread's sum */
     cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
     struct cml_branches *branches; /* where the world has windows */

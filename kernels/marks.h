@@ -31,6 +31,15 @@ CML_FN cml_u32 cml_mark_cell(const struct cml_setup *setup, cml_u32 index, struc
     return index % CML_NUM_BATCHES * setup->marks.cells + (cml_u32)cell;
 }
 
+/* The same into the voxel there; nothing outside of the volume. */
+CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
+                           struct cml_vec p, real bins, cml_u64 w)
+{
+    const cml_u64 voxel = cml_voxel(setup, p, bins);
+    if (voxel < (cml_u64)setup->map.nx * (cml_u64)setup->map.ny * (cml_u64)setup->nz)
+        cml_add_shared(&to->phi_xyz[voxel * CML_VOXEL_GROUPS + index % CML_VOXEL_GROUPS], w);
+}
+
 CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real t, cml_u64 w)
 {
@@ -38,14 +47,30 @@ CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_depos
     cml_add_mark(to, cml_mark_cell(&world->setup, (cml_u32)s->index, p, world->media[s->medium].bins), w);
 }
 
-/* The part of a stretch of length t whose depths are those of the grid: from *begin to *end, cm. */
+CML_FN void cml_score_voxel(const struct cml_world *world, const struct cml_deposits *to,
+                            const struct cml_stretch *s, real t, cml_u64 w)
+{
+    const struct cml_vec p = cml_along(s->p, t, s->u);
+    cml_mark_voxel(&world->setup, to, (cml_u32)s->index, p, world->media[s->medium].bins, w);
+}
+
+/* The voxels of the marks that cml_mark_stretch has scored: in a pass of its own, so that where there are
+ * none the other stays short. */
+CML_RARE void cml_mark_voxels(const struct cml_world *world, const struct cml_deposits *to,
+                              const struct cml_stretch *s, real mark, real t)
+{
+    for (; mark < t; mark += world->setup.marks.spacing) cml_score_voxel(world, to, s, mark, s->w);
+}
+
+/* The part of a stretch of length t whose depths are those of the grid, or of voxels: from *begin to *end,
+ * cm. */
 CML_FN void cml_clip_to_grid(const struct cml_world *world, const struct cml_stretch *s, real t, real *begin,
                              real *end)
 {
     const struct cml_setup *setup = &world->setup;
     const real bins = world->media[s->medium].bins;
-    const real top = -bins / setup->per_dz - s->p.z,
-               bottom = ((real)setup->nz - bins) / setup->per_dz - s->p.z;
+    const real top = (setup->marks.top - bins) / setup->per_dz - s->p.z,
+               bottom = (setup->marks.bottom - bins) / setup->per_dz - s->p.z;
     const real to_top = top / s->u.z, to_bottom = bottom / s->u.z;
     const int level = s->u.z == 0, inside = (top <= 0) & (bottom >= 0);
     const real first = level ? (real)0 : (to_top < to_bottom ? to_top : to_bottom),
@@ -74,8 +99,11 @@ CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_depos
     while ((last - first) / every > CML_MARKS_FAR) every *= 2;
     const cml_u32 word =
         every > 1 ? cml_draw(world->setup.stream, s->index, CML_PURPOSE_MARK, 1 + s->events).w[0] : 0;
-    for (int64_t k = first + (int64_t)(word % (cml_u32)every); k < last; k += every)
+    const int64_t begins = first + (int64_t)(word % (cml_u32)every);
+    for (int64_t k = begins; k < last; k += every)
         cml_score_mark(world, to, s, (real)(mark + (double)k * spacing), s->w * (cml_u64)every);
+    for (int64_t k = to->phi_xyz ? begins : last; k < last; k += every)
+        cml_score_voxel(world, to, s, (real)(mark + (double)k * spacing), s->w * (cml_u64)every);
     if (!(t < CML_INFINITY)) return mark;
     const double ahead = mark + (double)cml_first_mark(mark, spacing, t) * spacing - (double)t;
     return ahead > 0 ? (real)ahead : (real)0;
@@ -88,6 +116,7 @@ CML_FN real cml_mark_stretch(const struct cml_world *world, const struct cml_dep
 {
     const real spacing = world->setup.marks.spacing;
     if (!(t < CML_MARKS_NEAR * spacing)) return cml_mark_far(world, to, s, mark, t);
+    if (to->phi_xyz) cml_mark_voxels(world, to, s, mark, t);
     for (; mark < t; mark += spacing) cml_score_mark(world, to, s, mark, s->w);
     return mark - t;
 }
@@ -129,11 +158,14 @@ CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml
     const struct cml_setup *setup = &world->setup;
     const struct cml_medium *medium = &world->media[packet->medium];
     if (!cml_has_marks(to)) return;
-    if (cml_is_dense(setup->marks, medium->mfp))
-        cml_add_mark(to, cml_mark_cell(setup, (cml_u32)packet->index, packet->p, medium->bins),
-                     cml_interaction_score(setup->marks, medium->mfp, packet->w));
-    else
+    if (cml_is_dense(setup->marks, medium->mfp)) {
+        const cml_u32 index = (cml_u32)packet->index,
+                      w = cml_interaction_score(setup->marks, medium->mfp, packet->w);
+        cml_add_mark(to, cml_mark_cell(setup, index, packet->p, medium->bins), w);
+        if (to->phi_xyz) cml_mark_voxel(setup, to, index, packet->p, medium->bins, w);
+    } else {
         cml_mark_path(world, to, packet, from, t);
+    }
 }
 
 /* The flight of a packet that has left for good, to infinity. */

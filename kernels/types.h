@@ -158,6 +158,7 @@ struct cml_detection {
 struct cml_marks {
     real spacing, per_spacing; /* of marks along paths, cm, 1/cm */
     cml_u32 cells;             /* of a batch */
+    real top, bottom;          /* depths between which they score, in bins of dz */
 };
 
 #ifndef __OPENCL_VERSION__

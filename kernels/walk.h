@@ -78,18 +78,6 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET 
     cml_event(world, "launch", packet);
 }
 
-/* Into the voxel at p; nx * ny * nz outside of the volume. bins: of the medium. */
-CML_FN void cml_deposit_volume(const struct cml_setup *setup, const struct cml_deposits *to, struct cml_vec p,
-                               real bins, cml_u32 dw)
-{
-    const struct cml_map *map = &setup->map;
-    const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny, pixel = cml_map_pixel(setup, p.x, p.y);
-    const real iz = CML_FMA(p.z, setup->per_dz, bins) - map->top_bins;
-    const int inside = (pixel < pixels) & cml_in_bins(iz, setup->nz);
-    const cml_u64 voxel = inside ? (cml_u64)iz * pixels + pixel : pixels * (cml_u64)setup->nz;
-    cml_add_to_voxel(to, voxel, dw);
-}
-
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
                         CML_PACKET struct cml_packet *packet, cml_u32 dw)
 {
@@ -97,7 +85,7 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     packet->absorbed += dw;
     cml_add_to_layer(to, packet->medium, dw);
     const real bins = world->media[packet->medium].bins;
-    if (cml_has_volume(to)) cml_deposit_volume(setup, to, packet->p, bins, dw);
+    if (cml_has_volume(to)) cml_add_to_voxel(to, cml_voxel(setup, packet->p, bins), dw);
     if (!setup->tally_absorption) return;
 #ifndef __OPENCL_VERSION__
     if (to->A_t) to->A_t[cml_gate(setup->gates, packet->path)] += dw;

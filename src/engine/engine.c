@@ -27,6 +27,14 @@ static double path_top(const struct cml_scene *scene, const struct cml_surface_s
     return top;
 }
 
+/* No longer than any bin of the fluence; 0 where it is not asked for. */
+static double spacing_of_marks(const struct cml_scene *scene)
+{
+    const double bin = fmin(scene->dr, scene->dz);
+    if (!scene->fluence.line) return 0;
+    return scene->map.volume ? fmin(bin, fmin(scene->map.dx, scene->map.dy)) : bin;
+}
+
 /* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
  * cones. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -40,7 +48,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .num_bodies = scene->num_bodies,
                             .absorption = options->absorption,
                             .gates = scene->time.gates,
-                            .marks = scene->fluence.line ? fmin(scene->dr, scene->dz) : 0,
+                            .phi_volume = map->volume && scene->fluence.line,
+                            .marks = spacing_of_marks(scene),
                             .nt = scene->directions.nt,
                             .np = scene->directions.np,
                             .nx = map->nx,

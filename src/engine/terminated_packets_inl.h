@@ -394,6 +394,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
                                     .facets = tally->facets,
                                     .phi = tally->phi,
                                     .phi_is_shared = !(tally->grid.marks > 0),
+                                    .phi_xyz = tally->phi_xyz,
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],
                                     .upright = {tally->Rsp_dir, squares},
                                     .branches = branches};

@@ -340,8 +340,12 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
-static void set_marks(const struct cml_grid *grid, struct cml_marks *marks)
+/* The grid of r and z begins at depth 0, that of voxels at the top of theirs. */
+static void set_marks(const struct cml_grid *grid, const struct cml_map *map, struct cml_marks *marks)
 {
+    const real top = grid->phi_volume ? map->top_bins : 0;
+    marks->top = top < 0 ? top : 0;
+    marks->bottom = (real)grid->nz + (top > 0 ? top : 0);
     marks->spacing = (real)grid->marks;
     marks->per_spacing = grid->marks > 0 ? (real)(1 / grid->marks) : 0;
     marks->cells = ((cml_u32)grid->nr + 1) * ((cml_u32)grid->nz + 2);
@@ -435,7 +439,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
     setup->keeps_paths =
         scene->time.gates > 0 || scene->num_detectors > 0 || grid.saved.limit > 0 || grid.rows > 0;
-    set_marks(&grid, &setup->marks);
+    set_marks(&grid, &setup->map, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
     setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;

@@ -38,6 +38,14 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
 
+static void voxel_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++)
+        out[i] = source->scale *
+                 cml_result_voxel_error(source->report->sums, source->cells + (begin + i) * source->na);
+}
+
 /* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
  * pixel is that of a weight which every packet adds to at most once. */
 static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
@@ -225,15 +233,25 @@ void cml_add_map_fields(struct cml_field_list *c)
     add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya, r->Tt_xya2);
 }
 
-/* Without errors: squares of what a packet leaves in a voxel would need a volume per packet. */
-void cml_add_volume_fields(struct cml_field_list *c)
+static void add_voxels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
+                       size_t each, double scale)
 {
     const struct cml_scene *scene = c->report->scene;
-    if (!c->report->sums->A_xyz) return;
-    struct cml_field_source *source = cml_add_field(c, CML_QUANTITY_A_xyz, pixel_values);
-    source->cells = c->report->sums->A_xyz;
-    source->scale = 1 / (scene->map.dx * scene->map.dy * scene->dz);
+    struct cml_field_source *source = cml_add_field(c, quantity, pixel_values);
+    source->cells = cells;
+    source->na = each;
+    source->scale = scale / (scene->map.dx * scene->map.dy * scene->dz);
     cml_last_field(c)->single = true;
+}
+
+/* A_xyz without errors: squares of what a packet leaves in a voxel would need a volume per packet. */
+void cml_add_volume_fields(struct cml_field_list *c)
+{
+    const struct cml_result *r = c->report->sums;
+    if (r->A_xyz) add_voxels(c, CML_QUANTITY_A_xyz, r->A_xyz, 1, 1);
+    if (!r->phi_xyz) return;
+    add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_VOXEL_GROUPS, r->grid.marks);
+    cml_add_error_field(c, voxel_errors);
 }
 
 void cml_add_detector_fields(struct cml_field_list *c, int only)

@@ -264,7 +264,7 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
         CML_TRY(next_file(report, path, ".map.vti", err));
         CML_TRY(write_image(report, false, last_file(report), err));
     }
-    if (grid->volume) {
+    if (grid->volume || grid->phi_volume) {
         CML_TRY(next_file(report, path, ".volume.vti", err));
         CML_TRY(write_image(report, true, last_file(report), err));
     }
@@ -282,7 +282,7 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
 static double image_bytes(const struct cml_grid *grid, double cells)
 {
     const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
-    const double voxels = grid->volume ? pixels * grid->nz : 0;
+    const double voxels = pixels * grid->nz * (grid->volume + 2 * grid->phi_volume);
     const double bytes = 2 * cells * sizeof(double) +
                          4 * pixels * (1.0 + (grid->map_na > 1 ? grid->map_na : 0)) * sizeof(float) +
                          2 * (double)grid->detector_pixels * sizeof(float) + voxels * sizeof(float) +

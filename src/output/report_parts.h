@@ -86,7 +86,7 @@ double cml_field_per_photon(const struct cml_field_source *source);
 /* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
 void cml_add_map_fields(struct cml_field_list *list);
 
-/* A_xyz; nothing when it is not tallied. */
+/* A_xyz, and phi_xyz with standard errors; nothing where they are not tallied. */
 void cml_add_volume_fields(struct cml_field_list *list);
 
 /* detector_NAME_map of all detectors that are maps, or of number `only` if that is not below 0, with standard

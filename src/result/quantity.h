@@ -156,6 +156,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Rd_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "diffuse reflectance by angle", NULL)                   \
     Q(Tt_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "transmittance by angle", NULL)                         \
     Q(A_xyz, "1/cm3", FIELD, 0, OVER3(z_volume, y, x), 0, "absorption", NULL)                                        \
+    Q(phi_xyz, "1/cm2", FIELD, 0, OVER3(z_volume, y, x), 0, "fluence", NULL)                                         \
     Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map", NULL)                             \
     Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map", NULL)                                   \
     Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume", NULL)                             \

@@ -323,9 +323,14 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
+static uint64_t group_size(uint64_t photons, int groups, int group)
+{
+    return photons / (uint64_t)groups + ((uint64_t)group < photons % (uint64_t)groups);
+}
+
 uint64_t cml_batch_size(uint64_t photons, int batch)
 {
-    return photons / CML_NUM_BATCHES + ((uint64_t)batch < photons % CML_NUM_BATCHES);
+    return group_size(photons, CML_NUM_BATCHES, batch);
 }
 
 /* ---- weight balance ---- */
@@ -474,23 +479,33 @@ double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
     return as_number(sum);
 }
 
-/* The batch means x_b over n_b packets scatter about the mean x of all N with the variance of one packet over
- * n_b, so sum_b n_b (x_b - x)^2 / (B - 1) estimates the former, and over N it is the variance of x. Batches
- * differ by at most one packet. */
+/* The means x_b of groups over n_b packets scatter about the mean x of all N with the variance of one packet
+ * over n_b, so sum_b n_b (x_b - x)^2 / (B - 1) estimates the former, and over N it is the variance of x. The
+ * B groups differ by at most one packet; their sums lie n cells apart. */
+static double error_by_groups(const struct cml_result *result, int groups, const cml_u128 *sums, size_t n)
+{
+    double sum = 0, squares = 0, found = 0;
+    const double photons = (double)result->photons;
+    for (int b = 0; b < groups; b++) sum += as_number(sums[(size_t)b * n]);
+    const double mean = sum / photons;
+    for (int b = 0; b < groups; b++) {
+        const double size = (double)group_size(result->photons, groups, b);
+        if (!(size > 0)) continue;
+        const double deviation = as_number(sums[(size_t)b * n]) / size - mean;
+        squares += size * deviation * deviation;
+        found += 1;
+    }
+    return found > 1 ? sqrt(squares / (found - 1) / photons) * CML_WEIGHT_UNIT : NAN;
+}
+
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i)
 {
-    double sum = 0, squares = 0, batches = 0;
-    const double photons = (double)result->photons;
-    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += as_number(profile[(size_t)b * (size_t)n + (size_t)i]);
-    const double mean = sum / photons;
-    for (int b = 0; b < CML_NUM_BATCHES; b++) {
-        const double size = (double)cml_batch_size(result->photons, b);
-        if (!(size > 0)) continue;
-        const double deviation = as_number(profile[(size_t)b * (size_t)n + (size_t)i]) / size - mean;
-        squares += size * deviation * deviation;
-        batches += 1;
-    }
-    return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : NAN;
+    return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
+}
+
+double cml_result_voxel_error(const struct cml_result *result, const cml_u128 *cells)
+{
+    return error_by_groups(result, CML_VOXEL_GROUPS, cells, 1);
 }
 
 void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)

@@ -31,6 +31,7 @@ struct cml_result {
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *phi_rz, *phi_z;                                       /* [64][nr][nz], [64][nz], or NULL */
+    cml_u128 *phi_xyz;                                              /* as in a tally, or NULL */
     cml_u128 *expected;                                             /* [64][scores] in units of
                                                                      * CML_EXPECTED_UNIT, or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
@@ -115,6 +116,9 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
  * packet alone has none: NaN. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
+
+/* The same of a voxel of phi_xyz, whose cells are those of CML_VOXEL_GROUPS groups. */
+double cml_result_voxel_error(const struct cml_result *result, const cml_u128 *cells);
 
 /* What detector k has seen, as a share of the launched weight, and its standard error. */
 void cml_result_detected(const struct cml_result *result, int k, double *value, double *error);

@@ -34,7 +34,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
 {
     struct cml_grid small = *grid;
     small.nx = small.ny = small.map_na = 0;
-    small.volume = false;
+    small.volume = small.phi_volume = false;
     small.facets = 0;
     small.nt = small.np = 0;
     small.detector_pixels = 0;
@@ -155,6 +155,7 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     tally->Rd_xya2 = owner->Rd_xya2;
     tally->Tt_xya2 = owner->Tt_xya2;
     tally->A_xyz = owner->A_xyz;
+    tally->phi_xyz = owner->phi_xyz;
     tally->facets = owner->facets;
     tally->Rd_dir = owner->Rd_dir;
     tally->Tt_dir = owner->Tt_dir;

@@ -32,6 +32,7 @@ struct cml_grid {
     int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
     int map_na;             /* angle bins of a pixel: na or 1 */
     bool volume;            /* A_xyz, nz deep */
+    bool phi_volume;        /* phi_xyz, nz deep */
     double marks;           /* fluence is tallied, by marks so far apart on paths, cm (P14); 0: it is not */
     int nt, np;             /* bins of Rd_dir, Tt_dir and Rsp_dir */
     int detectors;          /* what each has seen, by gates, and means over that */
@@ -104,6 +105,7 @@ struct cml_tally {
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
+    uint64_t *phi_xyz;           /* [nz ny nx][CML_VOXEL_GROUPS], by index, as phi; or NULL */
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
     uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */

@@ -1,7 +1,7 @@
 /* The sizes and places of the arrays that a tally and a result have in common: maps, volume and facets, which
  * are kept only when asked for. They lie behind all other arrays of the block, in this order:
- * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets, detector_map, detector_map2, Rd_dir, Tt_dir, Rsp_dir and
- * the squares of these. Private to tally.c and result.c. SPDX-License-Identifier: MIT */
+ * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, phi_xyz, facets, detector_map, detector_map2, Rd_dir, Tt_dir,
+ * Rsp_dir and the squares of these. Private to tally.c and result.c. SPDX-License-Identifier: MIT */
 #ifndef CML_TALLY_CELLS_H
 #define CML_TALLY_CELLS_H
 
@@ -19,6 +19,12 @@ static inline size_t cml_cells_volume(const struct cml_grid *grid)
     return grid->volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz + 1 : 0;
 }
 
+/* Cells of phi_xyz; 0 when it is not tallied. */
+static inline size_t cml_cells_phi_volume(const struct cml_grid *grid)
+{
+    return grid->phi_volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz * CML_VOXEL_GROUPS : 0;
+}
+
 /* Cells of one of Rd_dir, Tt_dir and Rsp_dir. */
 static inline size_t cml_cells_directions(const struct cml_grid *grid)
 {
@@ -28,8 +34,8 @@ static inline size_t cml_cells_directions(const struct cml_grid *grid)
 /* Cells of all arrays that this header is about. */
 static inline size_t cml_cells_maps(const struct cml_grid *grid)
 {
-    return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + grid->facets * CML_FACET_SCORES +
-           2 * grid->detector_pixels + 6 * cml_cells_directions(grid);
+    return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + cml_cells_phi_volume(grid) +
+           grid->facets * CML_FACET_SCORES + 2 * grid->detector_pixels + 6 * cml_cells_directions(grid);
 }
 
 /* Sets these arrays of a tally or a result, which begin at `block`; those that are not kept stay as they are.
@@ -44,7 +50,9 @@ static inline size_t cml_cells_maps(const struct cml_grid *grid)
             (to)->Tt_xya2 = (block) + 3 * pixels_;                                                           \
         }                                                                                                    \
         if ((to)->grid.volume) (to)->A_xyz = (block) + 4 * pixels_;                                          \
-        if ((to)->grid.facets) (to)->facets = (block) + 4 * pixels_ + cml_cells_volume(&(to)->grid);         \
+        const size_t voxels_ = 4 * pixels_ + cml_cells_volume(&(to)->grid);                                  \
+        if ((to)->grid.phi_volume) (to)->phi_xyz = (block) + voxels_;                                        \
+        if ((to)->grid.facets) (to)->facets = (block) + voxels_ + cml_cells_phi_volume(&(to)->grid);         \
         const size_t directions_ = cml_cells_directions(&(to)->grid), seen_ = (to)->grid.detector_pixels;    \
         if (seen_) {                                                                                         \
             (to)->detector_map = (block) + cml_cells_maps(&(to)->grid) - 6 * directions_ - 2 * seen_;        \

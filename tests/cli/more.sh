@@ -18,7 +18,21 @@ compare() { # TEXT
     done <"$work/names"
 }
 
-for scene in samples/skinmap.mci samples/two_runs.mci samples/pulse.mci; do
+cat >"$work/voxels.mci" <<'EOF'
+1.0
+1
+voxels.mco A
+1000
+0.02 0.02
+5 5 3
+fluence
+map 5 4 0.02 0.02 volume top=-0.01
+1
+1
+1.4 1 50 0.8 0.1
+1
+EOF
+for scene in samples/skinmap.mci samples/two_runs.mci samples/pulse.mci "$work/voxels.mci"; do
     rm -f "$work"/one/* "$work"/more/*
     expect_code 0 $scene --photons 20001 --keep --threads 1 --quiet -o "$work/more"
     expect_code 0 $scene --more 7003 --threads 3 --quiet -o "$work/more"

@@ -1,18 +1,21 @@
 """Fluence (P14), against what is known of it.
 
-- Turbid layers: phi mua is the absorption of the same packets, bin by bin; the z-scores are of the differences of the runs,
+- Turbid layers: phi mua is the absorption of the same packets, bin by bin and voxel by voxel; the z-scores are of the differences of the runs,
   so what both have in common drops out. With bins finer than a free path and coarser.
 - A furnace: light by the cosine law from both sides, irradiance 1 each. The air has 4, a turbid layer and a clear one beside it 4 n^2; a clear
   layer alone, between planes, has only the directions that can come into it, 4 n^2 (1 - sqrt(1 - 1 / n^2)). Bins are bounded: means over an
   infinite clear layer have no variance.
 - A pit through the bins, of the index of the air, that absorbs and does not scatter: in each bin the integral over the light that has
   come to it, air included, on paper.
+- The same pit through voxels, over a square each.
 - A glass plate above and its inner reflections, which are split off at the launch (P1): 1 + R of their sum, on paper.
 - A bin lies within one of its errors of the mean over other runs in 68 % of cases, with random and with evenly spread draws.
 Statistic: z, level 1e-4 over all."""
 import math
 import os
+import re
 import statistics
+import struct
 import sys
 import tempfile
 
@@ -25,7 +28,7 @@ RUNS = 30
 def sections_of(text, *options):
     with tempfile.TemporaryDirectory() as keep:
         records = cml.run(text, *options, keep=keep)
-        return [(record, cml.read_sections(record["output"]) | {"A_rz": grid_of(record["output"])}) for record in records]
+        return [(record, cml.read_sections(record["output"]) | {"A_rz": grid_of(record["output"])} | voxels_of(record["output"])) for record in records]
 
 
 def grid_of(path):
@@ -33,6 +36,22 @@ def grid_of(path):
     with open(path, encoding="utf-8") as file:
         behind = file.read().split("\nA_rz\n")[1]
     return list(map(float, behind.split("#")[0].split("\n\n")[0].split()))
+
+
+def voxels_of(path):
+    """{name: values, x fastest} of the image of voxels beside a result, where there is one; errors are se_ as in sections."""
+    path = path[:-4] + ".volume.vti"
+    if not os.path.exists(path):
+        return {}
+    with open(path, "rb") as file:
+        data = file.read()
+    begin = data.index(b"_", data.index(b"<AppendedData")) + 1
+    found = {}
+    for name, offset in re.findall(rb'Name="(\w+)"[^>]*offset="(\d+)"', data[:begin]):
+        at = begin + int(offset)
+        key = re.sub(r"(.*)_se$", r"se_\1", name.decode())
+        found[key] = struct.unpack_from(f"<{struct.unpack_from('<Q', data, at)[0] // 4}f", data, at + 8)
+    return found
 
 
 def spread(verdict, name, values, truth):
@@ -43,7 +62,7 @@ def spread(verdict, name, values, truth):
 def turbid(verdict):
     layers, mua = ["1.4 1 50 0.8 0.1", "1.5 3 20 0 0.1"], (1, 3)
     for nr, nz in ((3, 4), (4, 20)):
-        text = cml.repeated(RUNS, layers, photons=2000, grid=f"{0.2 / nz} 0.05", bins=f"{nz} {nr} 1", extra=["fluence", "beam disk 0.05"])
+        text = cml.repeated(RUNS, layers, photons=2000, grid=f"{0.2 / nz} 0.05", bins=f"{nz} {nr} 1", extra=["fluence", "beam disk 0.05", "map 3 2 0.04 0.06 volume"])
         runs = sections_of(text)
         for record, _ in runs:
             cml.check_balance(verdict, "turbid", record)
@@ -53,6 +72,9 @@ def turbid(verdict):
         for i in range((nr - 1) * nz):  # the last radius of A_rz holds what lies beyond
             of = mua[i % nz * 2 // nz]
             spread(verdict, f"phi_rz[{i}] of {nz}", [found["phi_rz"][i] * of - found["A_rz"][i] for _, found in runs], 0)
+        for i in range(6 * nz):
+            of = mua[i // 6 * 2 // nz]
+            spread(verdict, f"phi_xyz[{i}] of {nz}", [found["phi_xyz"][i] * of - found["A_xyz"][i] for _, found in runs], 0)
 
 
 def furnace(verdict, name, layers, truth, n=1.5):
@@ -73,20 +95,27 @@ def furnace(verdict, name, layers, truth, n=1.5):
 def pit(verdict, mua):
     """A cone 0.1 deep and 0.2 wide: heights -0.1 + r / 2 inside. Light straight down, irradiance 1 / (pi 0.3^2)."""
     wide, dr, dz, nr, nz = 0.3, 0.05, 0.03, 6, 5
+    nx, ny, dx, dy, raised = 4, 3, 0.08, 0.07, -0.045
     text = cml.repeated(RUNS, [f"1 {mua} 0 0 1"], photons=2000, grid=f"{dz} {dr}", bins=f"{nz} {nr} 1",
-                        extra=["fluence", f"beam disk {wide}"], surfaces={0: "b 2  -0.1 0.2  0 1"})
+                        extra=["fluence", f"beam disk {wide}", f"map {nx} {ny} {dx} {dy} volume top={raised}"], surfaces={0: "b 2  -0.1 0.2  0 1"})
     runs = [found for _, found in sections_of(text)]
+
+    def light_of(r, top):  # mean over the depths of a bin at r
+        surface = max(0, 0.1 - r / 2)
+        air = min(max(surface - top, 0), dz)
+        return (air + (math.exp(-mua * max(top - surface, 0)) - math.exp(-mua * max(top + dz - surface, 0))) / mua) / dz
+
     steps = 400
     for i in range(nr * nz):
-        ir, iz = divmod(i, nz)
-        truth = 0.0
-        for k in range(steps):  # the mean over the ring, by r dr
-            r = math.sqrt((ir * dr) ** 2 + (k + 0.5) / steps * (2 * ir + 1) * dr * dr)
-            surface = max(0, 0.1 - r / 2)
-            top, bottom = iz * dz, (iz + 1) * dz
-            air = min(max(surface - top, 0), dz)
-            truth += (air + (math.exp(-mua * max(top - surface, 0)) - math.exp(-mua * max(bottom - surface, 0))) / mua) / dz / steps
+        ir, iz = divmod(i, nz)  # the mean over the ring, by r dr
+        truth = statistics.fmean(light_of(math.sqrt((ir * dr) ** 2 + (k + 0.5) / steps * (2 * ir + 1) * dr * dr), iz * dz) for k in range(steps))
         spread(verdict, f"pit of {mua}, bin {i}", [found["phi_rz"][i] * math.pi * wide**2 for found in runs], truth)
+    steps = 24
+    for i in range(nx * ny * nz):
+        x, y = (i % nx - nx / 2) * dx, (i // nx % ny - ny / 2) * dy
+        truth = statistics.fmean(light_of(math.hypot(x + (k % steps + 0.5) / steps * dx, y + (k // steps + 0.5) / steps * dy), raised + i // (nx * ny) * dz)
+                                 for k in range(steps * steps))
+        spread(verdict, f"pit of {mua}, voxel {i}", [found["phi_xyz"][i] * math.pi * wide**2 for found in runs], truth)
 
 
 def glass(verdict):
@@ -100,18 +129,24 @@ def glass(verdict):
 
 
 def coverage(verdict, sampling, count):
-    text = cml.repeated(count, ["1.4 1 50 0.8 0.1"], photons=3000, grid="0.02 0.02", bins="5 5 1", extra=["fluence"])
+    text = cml.repeated(count, ["1.4 1 50 0.8 0.1"], photons=3000, grid="0.02 0.02", bins="5 5 1", extra=["fluence", "map 4 4 0.02 0.02 volume"])
     runs = [found for _, found in sections_of(text, "--sampling", sampling)]
+    for keys in (("phi_rz", "phi_z"), ("phi_xyz",)):
+        coverage_of(verdict, f"{sampling}, {keys[-1]}", runs, keys)
+
+
+def coverage_of(verdict, name, runs, keys):
+    count = len(runs)
     within = tried = 0
-    for key in ("phi_rz", "phi_z"):
+    for key in keys:
         for i in range(len(runs[0][key])):
             values = [found[key][i] for found in runs]
             for k, found in enumerate(runs):
                 others = (sum(values) - values[k]) / (count - 1)
                 within += abs(values[k] - others) < found["se_" + key][i] * math.sqrt(1 + 1 / (count - 1))
                 tried += 1
-    verdict.check(f"errors, {sampling}", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
-    print(f"errors of fluence, {sampling}: {within / tried:.3f} of {tried} within one")
+    verdict.check(f"errors, {name}", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
+    print(f"errors of fluence, {name}: {within / tried:.3f} of {tried} within one")
 
 
 def compare(verdict):

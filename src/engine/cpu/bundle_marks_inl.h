@@ -50,6 +50,18 @@ static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *
             for (int i = first; i < first + CML_GROUP; i++) phi[cell[i]] += score[i];
 }
 
+/* The same into voxels, which threads share. */
+static void cml_add_voxel_scores(const struct cml_flight *f, const cml_u32 *score)
+{
+    const struct cml_bundle *b = f->b;
+    for (int i = 0; i < b->lanes; i++) {
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
+        if (score[i])
+            cml_mark_voxel(&f->world->setup, &f->to, b->index_low[i], cml_along(from, b->s[i], u),
+                           CML_OF_MEDIUM(b, bins)[i], score[i]);
+    }
+}
+
 /* The lanes that are about to interact. */
 static void cml_mark_interactions(struct cml_flight *f)
 {
@@ -58,6 +70,7 @@ static void cml_mark_interactions(struct cml_flight *f)
     const int lanes = f->b->lanes;
     cml_bundle_find_scores(&f->world->setup, f->b, cell, score, marked);
     cml_add_scores(&f->to, cell, score, lanes);
+    if (f->to.phi_xyz) cml_add_voxel_scores(f, score);
     for (int first = 0; first < lanes; first += CML_GROUP)
         cml_for_lanes(f, (uint64_t)cml_group_equal(marked + first, 1) << first & f->live,
                       cml_mark_lane_flight);

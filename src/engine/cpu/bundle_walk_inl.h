@@ -419,7 +419,8 @@ static void cml_scatter_volume(const struct cml_flight *f)
     const struct cml_bundle *b = f->b;
     for (int i = 0; i < b->lanes; i++) {
         const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
-        if (b->dw[i]) cml_deposit_volume(&f->world->setup, &f->to, p, CML_OF_MEDIUM(b, bins)[i], b->dw[i]);
+        if (b->dw[i])
+            cml_add_to_voxel(&f->to, cml_voxel(&f->world->setup, p, CML_OF_MEDIUM(b, bins)[i]), b->dw[i]);
     }
 }
 

@@ -241,7 +241,7 @@ class Scene:
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; backing: what
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. fluence: track length per volume over r and z. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
+    exitance of every triangle. fluence: track length per volume over r and z, and with a map's volume over its voxels. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
     angle. saved: packets one by one, in a file. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)

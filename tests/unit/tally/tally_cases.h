@@ -10,7 +10,8 @@
 
 static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
 
-/* The same with two pixels and the one outside, eight voxels and the one outside, two facets. */
+/* The same with two pixels and the one outside, eight voxels and the one outside, their fluence, two facets.
+ */
 static const struct cml_grid map_grid = {.nr = 3,
                                          .nz = 4,
                                          .na = 2,
@@ -20,6 +21,7 @@ static const struct cml_grid map_grid = {.nr = 3,
                                          .ny = 1,
                                          .map_na = 2,
                                          .volume = true,
+                                         .phi_volume = true,
                                          .facets = 2};
 
 static inline struct cml_tally make_tally(const struct cml_grid *of)

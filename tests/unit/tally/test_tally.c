@@ -56,11 +56,12 @@ static void moving_takes_every_cell_once(void **state)
 }
 
 /* The maps of a tally: arrays with their numbers of cells. */
-#define MAPS 6
+#define MAPS 7
 static int map_cells(const struct cml_tally *t, uint64_t **cells)
 {
-    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya, t->Rd_xya2, t->Tt_xya2, t->A_xyz, t->facets};
-    const int counts[MAPS] = {6, 6, 6, 6, 9, 2 * CML_FACET_SCORES};
+    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya,  t->Rd_xya2, t->Tt_xya2,
+                                    t->A_xyz,  t->phi_xyz, t->facets};
+    const int counts[MAPS] = {6, 6, 6, 6, 9, 8 * CML_VOXEL_GROUPS, 2 * CML_FACET_SCORES};
     int n = 0;
     for (int a = 0; a < MAPS; a++)
         for (int i = 0; i < counts[a]; i++) cells[n++] = &arrays[a][i];
@@ -72,7 +73,7 @@ static void maps_have_cells_of_their_own(void **state)
     (void)state;
     struct cml_tally a = make_tally(&map_grid);
     struct cml_result result = make_result(&map_grid, 64);
-    uint64_t *cells[64];
+    uint64_t *cells[64 + 8 * CML_VOXEL_GROUPS];
     const int n = map_cells(&a, cells);
     assert_int_equal(cml_tally_cells(&map_grid), cml_tally_cells(&grid) + (size_t)n);
     for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
@@ -85,6 +86,7 @@ static void maps_have_cells_of_their_own(void **state)
         assert_true(result.Rd_xya2[i] == 2 * a.Rd_xya2[i] && result.Tt_xya2[i] == 2 * a.Tt_xya2[i]);
     }
     for (int i = 0; i < 9; i++) assert_true(result.A_xyz[i] == 2 * a.A_xyz[i]);
+    for (int i = 0; i < 8 * CML_VOXEL_GROUPS; i++) assert_true(result.phi_xyz[i] == 2 * a.phi_xyz[i]);
     for (int i = 0; i < 2 * CML_FACET_SCORES; i++) assert_true(result.facets[i] == 2 * a.facets[i]);
     for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
     for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
@@ -107,12 +109,14 @@ static void borrowed_maps_are_not_merged(void **state)
     cml_tally_borrow(&thread, &owner);
     thread.Rd_xya[5] += 7;
     thread.A_xyz[8] += 8;
+    thread.phi_xyz[127] += 8;
     thread.facets[1] += 9;
     thread.A_rz[11] += 10;
     thread.A_l[0] += 11;
     cml_tally_move(&owner, &thread);
     assert_int_equal(owner.Rd_xya[5], 7);
     assert_int_equal(owner.A_xyz[8], 8);
+    assert_int_equal(owner.phi_xyz[127], 8);
     assert_int_equal(owner.facets[1], 9);
     assert_int_equal(owner.A_rz[11], 10);
     assert_int_equal(owner.A_l[0], 11);

@@ -83,10 +83,23 @@ static cml_status read_all(const struct cml_options *options, struct curves *c, 
     return CML_OK;
 }
 
-static cml_status draw_curves(const struct cml_options *options, const struct cml_shown *shown,
+/* Gates of a detector, under its name: *shown is one of any; axis: [64] room for its words. */
+static void name_gates(const char *of, struct cml_shown *shown, char axis[64])
+{
+    if (shown->panel[0].quantity != CML_QUANTITY_detector_t) return;
+    snprintf(axis, 64, "%.40s  [%s]", of, shown->panel[0].axis);
+    shown->panel[0].axis = axis;
+    shown->panel[0].detector = of;
+}
+
+static cml_status draw_curves(const struct cml_options *options, const struct cml_shown *kind,
                               enum cml_picture picture, struct cml_error *err)
 {
     const size_t count = (size_t)options->num_operands;
+    char axis[64];
+    struct cml_shown own = *kind;
+    const struct cml_shown *shown = &own;
+    name_gates(options->of, &own, axis);
     struct curves c = {.plot = {.shown = shown, .picture = picture, .style = options->style},
                        .results = calloc(count, sizeof *c.results),
                        .others = calloc(count, sizeof *c.others),
@@ -121,12 +134,32 @@ static const char *array_of(const char *of)
     return strcmp(of, "Tt") == 0 ? "Tt_xy" : of;
 }
 
+static bool is_volume(const struct cml_options *options)
+{
+    return options->of && cml_hdf5_is_volume(options->of);
+}
+
+/* Through the axis, unless another is asked for. */
+static struct cml_voxel_cut cut_of(const struct cml_options *options)
+{
+    const char axis = options->cut_axis;
+    return axis ? (struct cml_voxel_cut){axis, options->cut_at} : (struct cml_voxel_cut){'y', 0};
+}
+
+/* How what is no result over (r, z) lies. */
+static const struct cml_map_axes *axes_of(const struct cml_options *options)
+{
+    const char across = is_volume(options) ? cut_of(options).axis : 'z';
+    return across == 'x' ? &cml_map_yz : across == 'y' ? &cml_map_xz : &cml_map_xy;
+}
+
 /* The map of one operand, and what stands beside its colours. Images know no units: all that ours hold are
  * shares of the light per area. */
-static cml_status read_map(const char *path, const char *of, const struct cml_shown *shown,
+static cml_status read_map(const struct cml_options *options, const char *path, const struct cml_shown *shown,
                            struct cml_pixels *map, char quantity[QUANTITY], struct cml_error *err)
 {
-    const char *array = array_of(of);
+    const char *of = options->of, *array = array_of(of);
+    const struct cml_voxel_cut cut = cut_of(options);
     char unit[CML_HDF5_UNIT] = "1/cm2";
     struct cml_outcome outcome;
     if (shown) {
@@ -137,11 +170,13 @@ static cml_status read_map(const char *path, const char *of, const struct cml_sh
         return status;
     }
     CML_TRY(is_map(path) ? cml_vti_read(path, array, map, err)
-                         : cml_hdf5_read_map(path, array, map, unit, err));
+                         : cml_hdf5_read_map(path, array, &cut, map, unit, err));
     if (array != of)
         snprintf(quantity, QUANTITY, "%.2s(x,y)  [1/cm²]", array);
     else
         snprintf(quantity, QUANTITY, "%.100s  [%s]", of, strcmp(unit, "1/cm2") == 0 ? "1/cm²" : unit);
+    const size_t used = strlen(quantity);
+    if (is_volume(options)) snprintf(quantity + used, QUANTITY - used, ", %c = %g cm", cut.axis, cut.at);
     return CML_OK;
 }
 
@@ -161,7 +196,7 @@ static cml_status draw_maps(const struct cml_options *options, const struct cml_
                                       .quantity = quantity,
                                       .grey =
                                           fluence ? "no light, nothing absorbs, or two media" : "no light",
-                                      .axes = !shown         ? &cml_map_xy
+                                      .axes = !shown         ? axes_of(options)
                                               : shown->polar ? &cml_map_polar
                                                              : &cml_map_rz,
                                       .picture = picture,
@@ -169,7 +204,7 @@ static cml_status draw_maps(const struct cml_options *options, const struct cml_
     cml_status status = maps && names ? CML_OK : cml_fail_memory(err, 1, "the maps");
     for (int i = 0; i < count && status == CML_OK; i++) {
         names[i] = cml_plot_label(options, i);
-        status = read_map(options->operands[i], options->of, shown, &maps[i], quantity, err);
+        status = read_map(options, options->operands[i], shown, &maps[i], quantity, err);
     }
     if (status == CML_OK) status = cml_gnuplot_draw(cml_map_script, &plot, picture_path(options), err);
     for (int i = 0; i < count && maps; i++) cml_pixels_clear(&maps[i]);
@@ -233,6 +268,8 @@ static cml_status check_style(const struct cml_options *options, enum kind kind,
     if (!swept && (options->over || options->by))
         return cml_fail(err, CML_E_INPUT, "--%s (expected with the table of a sweep, NAME.sweep.csv)",
                         options->over ? "over" : "by");
+    if (options->cut_axis && !(kind == MAPS && is_volume(options)))
+        return cml_fail(err, CML_E_INPUT, "--cut (expected with --of A_xyz or phi_xyz of an .h5)");
     if (curves && (coloured || style->percentile < 100))
         return cml_fail(err, CML_E_INPUT, "--%s (expected with maps only)",
                         coloured ? "crange" : "percentile");

@@ -74,7 +74,7 @@ static cml_status draw(const struct cml_options *options, const struct curves *c
     write_axis(c->swept.over, over);
     snprintf(of, sizeof of, "%.120s%s", c->swept.of, total ? "  [-]" : "");
     const struct cml_shown shown = {
-        .num_panels = 1, .panel = {{CML_QUANTITY_Rd, CML_SHOWN_PLAIN, meaning_of(c->swept.of), of}}};
+        .num_panels = 1, .panel = {{CML_QUANTITY_Rd, CML_SHOWN_PLAIN, meaning_of(c->swept.of), of, NULL}}};
     const struct cml_plot plot = {.shown = &shown,
                                   .num_curves = c->swept.count,
                                   .curves = c->curve,

@@ -13,6 +13,8 @@ static const char palette[] =
     "6 '#35B779', 7 '#6ECE58', 8 '#B5DE2B', 9 '#FDE725')\n";
 
 const struct cml_map_axes cml_map_xy = {{"x [cm]", "y [cm]"}, false, false, false, {NULL, NULL}};
+const struct cml_map_axes cml_map_xz = {{"x [cm]", "depth z [cm]"}, true, false, false, {NULL, NULL}};
+const struct cml_map_axes cml_map_yz = {{"y [cm]", "depth z [cm]"}, true, false, false, {NULL, NULL}};
 const struct cml_map_axes cml_map_rz = {{"radius r [cm]", "depth z [cm]"}, true, true, false, {NULL, NULL}};
 static const char every_30[] = "'-90' -90, '-60' -60, '-30' -30, '0' 0, '30' 30, '60' 60, '90' 90";
 const struct cml_map_axes cml_map_polar = {

@@ -17,7 +17,7 @@ struct cml_map_axes {
     bool round;           /* a disc of 90 degrees; pixels outside are -1 */
     const char *ticks[2]; /* for gnuplot, in place of round numbers; NULL: those */
 };
-extern const struct cml_map_axes cml_map_xy, cml_map_rz, cml_map_polar;
+extern const struct cml_map_axes cml_map_xy, cml_map_xz, cml_map_yz, cml_map_rz, cml_map_polar;
 
 struct cml_map_plot {
     int count;

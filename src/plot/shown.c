@@ -9,11 +9,11 @@
 
 #define CURVE(name_, quantity_, as_, title_, axis_)                                                          \
     {                                                                                                        \
-        .name = name_, .num_panels = 1, .panel = { {CML_QUANTITY_##quantity_, as_, title_, axis_} }          \
+        .name = name_, .num_panels = 1, .panel = { {CML_QUANTITY_##quantity_, as_, title_, axis_, NULL} }    \
     }
 #define MAP(name_, quantity_, as_, colours_, polar_)                                                         \
     {                                                                                                        \
-        .name = name_, .panel = {{CML_QUANTITY_##quantity_, as_, NULL, NULL}}, .map = colours_,              \
+        .name = name_, .panel = {{CML_QUANTITY_##quantity_, as_, NULL, NULL, NULL}}, .map = colours_,        \
         .polar = polar_                                                                                      \
     }
 
@@ -21,8 +21,8 @@
 static const struct cml_shown all[] = {
     {.name = "profiles",
      .num_panels = 2,
-     .panel = {{CML_QUANTITY_Rd_r, CML_SHOWN_TIMES_R, "Reflectance", "r·Rd(r)  [1/cm]"},
-               {CML_QUANTITY_Tt_r, CML_SHOWN_TIMES_R, "Transmittance", "r·Tt(r)  [1/cm]"}}},
+     .panel = {{CML_QUANTITY_Rd_r, CML_SHOWN_TIMES_R, "Reflectance", "r·Rd(r)  [1/cm]", NULL},
+               {CML_QUANTITY_Tt_r, CML_SHOWN_TIMES_R, "Transmittance", "r·Tt(r)  [1/cm]", NULL}}},
     CURVE("Rd_r", Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"),
     CURVE("Tt_r", Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"),
     CURVE("Rd_a", Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"),
@@ -31,6 +31,7 @@ static const struct cml_shown all[] = {
     CURVE("Rd_t", Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"),
     CURVE("Tt_t", Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"),
     CURVE("A_t", A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"),
+    CURVE("detector_NAME_t", detector_t, CML_SHOWN_PLAIN, "Detected by time", "1/ps"),
     CURVE("phi_z", phi_z, CML_SHOWN_PLAIN, "Fluence by depth", "φ(z)  [-]"),
     CURVE("fluence", A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"),
     MAP("A_rz", A_rz, CML_SHOWN_PLAIN, "A(r,z)  [1/cm³]", false),
@@ -42,6 +43,13 @@ static const struct cml_shown all[] = {
 };
 enum { NUM_SHOWN = sizeof all / sizeof *all };
 
+static bool is_called(const struct cml_shown *shown, const char *name)
+{
+    const size_t size = strlen(name);
+    if (shown->panel[0].quantity != CML_QUANTITY_detector_t) return strcmp(shown->name, name) == 0;
+    return size > 11 && strncmp(name, "detector_", 9) == 0 && strcmp(name + size - 2, "_t") == 0;
+}
+
 cml_status cml_shown_find(const char *name, const struct cml_shown **shown, struct cml_error *err)
 {
     char names[256] = "";
@@ -51,7 +59,7 @@ cml_status cml_shown_find(const char *name, const struct cml_shown **shown, stru
         const size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, "%s%s", i > 1 ? ", " : "", all[i].name);
         *shown = &all[i];
-        if (strcmp(name, all[i].name) == 0) return CML_OK;
+        if (is_called(&all[i], name)) return CML_OK;
     }
     return cml_fail(err, CML_E_INPUT, "--of %s (expected one of %s; or an array of a map)", name, names);
 }
@@ -63,7 +71,7 @@ static bool is_angle(const struct cml_shown_panel *panel)
 
 static bool is_time(const struct cml_shown_panel *panel)
 {
-    return cml_quantities[panel->quantity].axis[0] == CML_AXIS_gate;
+    return panel->detector || cml_quantities[panel->quantity].axis[0] == CML_AXIS_gate;
 }
 
 static bool is_depth(const struct cml_shown_panel *panel)
@@ -85,7 +93,10 @@ struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
                         : is_time(panel)  ? "t_mid_ps"
                                           : "r_mid_cm";
     const bool fluence = panel->as == CML_SHOWN_OVER_MUA;
-    return (struct cml_curve_columns){fluence ? "fluence" : cml_quantities[panel->quantity].name, place};
+    return (struct cml_curve_columns){fluence           ? "fluence"
+                                      : panel->detector ? panel->detector
+                                                        : cml_quantities[panel->quantity].name,
+                                      place};
 }
 
 /* A fluence without absorption is nothing that was tallied. */
@@ -137,23 +148,37 @@ static cml_status check_there(const struct cml_outcome *o, const char *path, enu
                     cml_quantities[quantity].name, line);
 }
 
+/* Which of the parts of a quantity is shown. */
+static cml_status find_part(const struct cml_outcome *o, const char *path,
+                            const struct cml_shown_panel *panel, int *part, struct cml_error *err)
+{
+    enum cml_quantity quantity = panel->quantity;
+    *part = 0;
+    if (!panel->detector) return check_there(o, path, quantity, err);
+    if (cml_outcome_find(o, panel->detector, &quantity, part) && o->value[quantity]) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: no %.60s (expected gates of one of its detectors)", path,
+                    panel->detector);
+}
+
 cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const struct cml_shown_panel *panel,
                            struct cml_curve *curve, struct cml_error *err)
 {
-    const double *values = o->value[panel->quantity];
-    const double width = cml_outcome_width(o, panel->quantity);
+    const double width = cml_outcome_width(o, panel->detector ? CML_QUANTITY_Rd_t : panel->quantity);
     const bool whole = is_angle(panel) || is_time(panel);
-    const int bins = (int)cml_outcome_size(o, panel->quantity);
+    const int bins = (int)cml_outcome_part_size(o, panel->quantity);
+    int part;
     double *mua;
     *curve = (struct cml_curve){0};
-    CML_TRY(check_there(o, path, panel->quantity, err));
+    CML_TRY(find_part(o, path, panel, &part, err));
     CML_TRY(find_absorption(o, path, panel->as, false, &mua, err));
     const cml_status status = cml_curve_create(bins, true, curve, err);
     if (status != CML_OK) {
         free(mua);
         return status;
     }
-    const double *errors = cml_outcome_errors(o, panel->quantity);
+    const size_t first = (size_t)part * (size_t)bins;
+    const double *values = o->value[panel->quantity] + first,
+                 *errors = cml_outcome_errors(o, panel->quantity);
     curve->n = whole ? bins : bins - 1;
     for (int i = 0; i < curve->n; i++) {
         const double x = (i + 0.5) * width;
@@ -161,7 +186,7 @@ cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const 
         curve->shared |= mua && isnan(mua[i]);
         curve->x[i] = x;
         curve->y[i] = values[i] * factor;
-        curve->error[i] = errors ? errors[i] * factor : 0;
+        curve->error[i] = errors ? errors[first + (size_t)i] * factor : 0;
     }
     curve->end = end_of(curve, width, whole);
     free(mua);

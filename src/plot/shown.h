@@ -16,6 +16,7 @@ struct cml_shown_panel {
     enum cml_quantity quantity;
     enum cml_shown_as as;
     const char *title, *axis; /* above the panel; beside its values, with their unit */
+    const char *detector;     /* "detector_NAME_t", whose gates they are; NULL: of no detector */
 };
 
 struct cml_shown {
@@ -26,7 +27,8 @@ struct cml_shown {
     bool polar;      /* a map over directions: the angle from the middle on, the azimuth around it */
 };
 
-/* NULL: what is shown without being asked, r Rd(r) and r Tt(r). CML_E_INPUT with all names. */
+/* The names of gates of a detector, detector_NAME_t, are all of one entry, for the caller to fill in which.
+ * NULL: what is shown without being asked, r Rd(r) and r Tt(r). CML_E_INPUT with all names. */
 CML_NODISCARD cml_status cml_shown_find(const char *name, const struct cml_shown **shown,
                                         struct cml_error *err);
 

@@ -33,7 +33,7 @@ expect_error 2 "$work/skinmap.volume.vti:3: WholeExtent = 0 81 0 61 0 30 (expect
 expect_error 2 "$work/skinmap.mco (expected a map, like $map)" plot "$map" "$work/skinmap.mco" -o "$work/none.svg"
 expect_error 2 "$map (expected a result or a curve, like $work/skinmap.mco)" \
     plot "$work/skinmap.mco" "$map" -o "$work/none.svg"
-expect_error 2 "--of Rd (expected one of Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, phi_z, fluence, A_rz, phi_rz, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; or an array of a map)" plot "$work/skinmap.mco" --of Rd -o "$work/none.svg"
+expect_error 2 "--of Rd (expected one of Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence, A_rz, phi_rz, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; or an array of a map)" plot "$work/skinmap.mco" --of Rd -o "$work/none.svg"
 head -c 20000 "$map" >"$work/short.vti"
 expect_error 2 "$work/short.vti: $(($(wc -c <"$work/short.vti") - $(grep -abo '   _' "$map" | head -1 | cut -d: -f1) - 4)) \
 bytes of data (expected 79088: 8 + 4 x 81 x 61 at 59316)" plot "$work/short.vti" --of Tt_xy_se -o "$work/none.svg"
@@ -92,6 +92,39 @@ pixels=$(sed -n '/^\$map0/,/^EOD/p' "$work/script" | sed '1d;$d' | uniq -c | awk
 test "$pixels" = "150: NaN NaN 1 1 2 2 301
 150: 3 3 4 4 101 101 301" || complain "pixels: $pixels"
 told 'matrix using (0.005 + $1 * 0.01):(0.00333333333 + $2 * 0.00666666667):3' "places"
+
+# Cuts through voxels, against their image; z points down.
+for cut in x=-0.2 y=0.1 z=0.03; do
+    expect_code 0 plot "$work/skinmap.h5" --of A_xyz --cut $cut --linear -o "$work/cut.svg"
+    told "A_xyz  [1/cm3], ${cut%=*} = ${cut#*=} cm" "$cut"
+    python3 - "$work/skinmap.volume.vti" $cut >"$work/cut" 2>&1 3<"$work/script" <<'EOF' || complain "cut $cut: $(cat "$work/cut")"
+import re
+import struct
+import sys
+data = open(sys.argv[1], "rb").read()
+n = list(map(int, re.search(rb'WholeExtent="0 (\d+) 0 (\d+) 0 (\d+)', data).groups()))
+corner = list(map(float, re.search(rb'Origin="(\S+) (\S+) ([^"]+)', data).groups()))
+width = list(map(float, re.search(rb'Spacing="(\S+) (\S+) ([^"]+)', data).groups()))
+begin = data.index(b"_", data.index(b"<AppendedData")) + 1
+values = struct.unpack_from(f"<{n[0] * n[1] * n[2]}f", data, begin + 8)
+axis, place = "xyz".index(sys.argv[2][0]), float(sys.argv[2][2:])
+at = [0, 0, 0]
+at[axis] = int((place - corner[axis]) / width[axis])
+across, along = [i for i in range(3) if i != axis]
+rows = re.search(r"^\$map0.*\n((?:.*\n)*?)EOD", open(3).read(), re.M)[1].splitlines()
+repeat = [-(-300 // n[i]) if n[i] < 300 else 1 for i in (across, along)]
+assert len(rows) == n[along] * repeat[1], len(rows)
+for at[along] in range(n[along]):
+    row = rows[at[along] * repeat[1]].split()[::repeat[0]]
+    for at[across] in range(n[across]):
+        true = values[(at[2] * n[1] + at[1]) * n[0] + at[0]]
+        assert abs(float(row[at[across]]) - true) <= 1e-4 * true, (at, row[at[across]], true)
+EOF
+done
+expect_error 2 "--cut y=9 (expected a place of -0.366 to 0.366 cm, in the voxels of $work/skinmap.h5)" \
+    plot "$work/skinmap.h5" --of A_xyz --cut y=9 -o "$work/none.svg"
+expect_error 2 "--cut (expected with --of A_xyz or phi_xyz of an .h5)" plot "$work/skinmap.h5" --of Rd_xy --cut y=0 -o "$work/none.svg"
+expect_error 2 "--cut w=0 (expected x=, y= or z= and a place in cm)" plot "$work/skinmap.h5" --of A_xyz --cut w=0 -o "$work/none.svg"
 
 # A centimetre is as long in x as in y, whatever the map.
 for shape in "3 2 1 1" "3 2 0.01 0.001" "3 2 1e-3 9e4" "2 3 1 0.5"; do

@@ -14,6 +14,8 @@ scene.mco A
 60 40 9
 map 8 4 0.1 0.1
 detector map 3 2 0.2 0.1 at=0.1,0.3 z=-0.2 name=a_map_of
+detector ring 0.05 2 name=far
+time 60 20
 3
 1
 b 1 0.05 0.1 0 0
@@ -81,7 +83,8 @@ if name.endswith("_rz"):
     assert f"set yrange [{(nz - 1) * dz:.9g}:0]" in text, "z does not point down"
 else:
     key, n, step, last = {"fluence": ("A_z", nz, dz, 1), "A_z": ("A_z", nz, dz, 1), "Rd_r": ("Rd_r", nr, dr, 1), "Tt_r": ("Tt_r", nr, dr, 1),
-                          "Rd_a": ("Rd_a", na, math.pi / 2 / na, 0), "Tt_a": ("Tt_a", na, math.pi / 2 / na, 0)}[name]
+                          "Rd_a": ("Rd_a", na, math.pi / 2 / na, 0), "Tt_a": ("Tt_a", na, math.pi / 2 / na, 0),
+                          "detector_far_t": (name, 20, 3, 0)}[name]
     values, errors = section(key, n), section("se_" + key, n)
     points = [[float(word) for word in line.split()] for line in text.split("$c0_0 << EOD\n")[1].split("EOD")[0].split("\n") if line]
     want = []
@@ -98,10 +101,13 @@ print("off by", worst)
 sys.exit(worst > 2e-4)
 END
 }
-for of in Rd_r Tt_r Rd_a Tt_a A_z fluence A_rz fluence_rz; do
+for of in Rd_r Tt_r Rd_a Tt_a A_z fluence A_rz fluence_rz detector_far_t; do
     numbers $of "$a"
     test $h5 = 0 || numbers $of "$work/scene.h5"
 done
+
+told 'detector_far_t  [1/ps]' "gates of a detector"
+expect_error 2 "$a: no detector_near_t (expected gates of one of its detectors)" plot "$a" --of detector_near_t -o "$work/none.svg"
 
 # A layer without absorption is a gap in the curve, not a line across it.
 expect_code 0 plot "$a" --of fluence -o "$work/gap.svg"

@@ -150,12 +150,15 @@ const struct cml_option cml_option_table[] = {
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,
-     "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, phi_z, fluence (A_z/mua), or in colours "
+     "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence (A_z/mua), "
+     "or in colours "
      "A_rz, phi_rz, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; default "
      "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file. Of a sweep: a column, "
      "default "
      "Rd",
      TEXT(of)},
+    {"cut", 0, "x|y|z=A", PLOT, NULL,
+     "of voxels, A_xyz and phi_xyz of an .h5: where they are cut, cm; default y=0", .read = cml_read_cut},
     {"over", 0, "NAME[,NAME]", PLOT, NULL,
      "of a sweep: the column along the lower axis, default what was swept first; two: in colours over both",
      TEXT(over)},

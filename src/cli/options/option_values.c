@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "engine/engines.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -270,6 +271,16 @@ cml_status cml_read_alpha(const struct cml_option *option, const char *value, st
 {
     if (cml_parse_double(value, &options->alpha) && options->alpha > 0 && options->alpha < 1) return CML_OK;
     return fail(err, option, value, "a number above 0 and below 1");
+}
+
+cml_status cml_read_cut(const struct cml_option *option, const char *value, struct cml_options *options,
+                        struct cml_error *err)
+{
+    const bool named = value[0] >= 'x' && value[0] <= 'z' && value[1] == '=';
+    if (!named || !cml_parse_double(value + 2, &options->cut_at) || !isfinite(options->cut_at))
+        return fail(err, option, value, "x=, y= or z= and a place in cm");
+    options->cut_axis = value[0];
+    return CML_OK;
 }
 
 cml_status cml_read_log(const struct cml_option *option, const char *value, struct cml_options *options,

@@ -33,6 +33,8 @@ struct cml_options {
     double alpha;                /* level of `compare` */
     struct cml_plot_style style; /* of `plot` */
     const char *of;              /* what `plot` shows, NULL: not given */
+    char cut_axis;               /* of a cut through voxels, 'x', 'y' or 'z'; 0: not given */
+    double cut_at;               /* cm */
     const char *over, *by;       /* columns of the table of a sweep's results, NULL: not given */
     int num_labels;
     const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */

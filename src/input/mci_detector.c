@@ -64,15 +64,18 @@ static cml_status check_radii(const struct cml_mci_line_options *options, const 
     return cml_mci_fail_option(options, "r1 r2", value, "r1 < r2");
 }
 
-static cml_status read_shape(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+/* `word` is the first one. */
+static cml_status read_shape(const struct cml_mci_line_options *options, const char *word,
+                             struct cml_detector_def *detector)
 {
-    const char *word = cml_text_word(&options->reader->cursor);
     double number[4] = {0};
     int s = 0;
     while (s < NUM_SHAPES && !(word && strcmp(shapes[s].name, word) == 0)) s++;
     if (s == NUM_SHAPES)
         return cml_mci_fail_option(options, "shape", word,
-                                   "disk R, ring R1 R2, rectangle W H or map NX NY DX DY");
+                                   detector->table ? "disk R, ring R1 R2, rectangle W H or map NX NY DX DY"
+                                                   : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or "
+                                                     "table \"FILE\"");
     for (int i = 0; i < shapes[s].numbers; i++) {
         const struct cml_mci_field *field = &shapes[s].field[i];
         word = cml_text_word(&options->reader->cursor);
@@ -175,14 +178,15 @@ static cml_status set_option(const struct cml_mci_line_options *options, struct 
 static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int n = scene->num_detectors;
-    if (n == MOST_DETECTORS)
-        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "at most 32767 detectors");
+    if (n == MOST_DETECTORS) return cml_mci_fail(reader, "detector", "32768", "at most 32767 detectors");
     CML_TRY(cml_array_grow(&scene->detectors, (size_t)n, sizeof *scene->detectors, "detectors", reader->err));
     scene->detectors[scene->num_detectors++] = (struct cml_detector_def){.line = reader->text.line};
     return CML_OK;
 }
 
-cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
+/* Beginning with `word`. in: the .mci, where `reader` reads a table; else NULL. */
+static cml_status read_one(struct cml_mci_reader *reader, char *word, const struct cml_mci_reader *in,
+                           struct cml_scene *scene)
 {
     struct cml_mci_line_options options = {
         .reader = reader,
@@ -192,8 +196,12 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
         .list = "at=, z=, side=, na=, angle=, azimuth=, diffuse or name="};
     CML_TRY(add_detector(reader, scene));
     struct cml_detector_def *detector = &scene->detectors[scene->num_detectors - 1];
-    cml_mci_cut_comment(reader->cursor);
-    CML_TRY(read_shape(&options, detector));
+    if (in) {
+        detector->line = in->text.line;
+        detector->row = reader->text.line;
+        CML_TRY(cml_text_copy(reader->text.path, &detector->table, reader->err));
+    }
+    CML_TRY(read_shape(&options, word, detector));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(&options, &more));
         if (more) CML_TRY(set_option(&options, detector));
@@ -204,12 +212,56 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
+static cml_status read_rows(struct cml_mci_reader *rows, const struct cml_mci_reader *in,
+                            struct cml_scene *scene)
+{
+    const int before = scene->num_detectors;
+    while ((rows->cursor = cml_text_next(&rows->text))) {
+        cml_mci_cut_comment(rows->cursor);
+        char *word = cml_text_word(&rows->cursor);
+        if (word) CML_TRY(read_one(rows, word, in, scene));
+    }
+    return scene->num_detectors > before
+               ? CML_OK
+               : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
+}
+
+static cml_status read_table(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
+    const char *name = cml_text_word(&reader->cursor), *more = cml_text_word(&reader->cursor);
+    char *path = NULL;
+    if (!name || name[0] == '"' || name[0] == '\0')
+        return cml_mci_fail(reader, "detector: file", name,
+                            "the name of a file with a detector in each line");
+    if (more)
+        return cml_mci_fail(reader, "detector: text after the file", more,
+                            "the end of the line or a # comment");
+    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
+    cml_status status = cml_text_read(reader->options->source, path, &rows.text, reader->err);
+    if (status == CML_OK) status = read_rows(&rows, reader, scene);
+    status = cml_mci_name_line(reader, "detector", path, status);
+    cml_text_clear(&rows.text);
+    free(path);
+    return status;
+}
+
+cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    cml_mci_cut_comment(reader->cursor);
+    char *word = cml_text_word(&reader->cursor);
+    return word && strcmp(word, "table") == 0 ? read_table(reader, scene)
+                                              : read_one(reader, word, NULL, scene);
+}
+
 /* ---- settings ---- */
 
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
 {
-    return cml_fail_field(reader->err, scene->file, scene->detectors[k].line, field, value, expected);
+    const struct cml_detector_def *d = &scene->detectors[k];
+    return cml_fail_field(reader->err, d->table ? d->table : scene->file, d->table ? d->row : d->line, field,
+                          value, expected);
 }
 
 /* A ring without a hole has a radius. */
@@ -260,7 +312,7 @@ static int compare_names(const void *a, const void *b)
 {
     const struct cml_detector_def *const *one = a, *const *other = b;
     const int order = strcmp((*one)->name, (*other)->name);
-    return order ? order : ((*one)->line > (*other)->line) - ((*one)->line < (*other)->line);
+    return order ? order : (*one > *other) - (*one < *other); /* neighbours in one array */
 }
 
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
@@ -273,10 +325,12 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     qsort(sorted, n, sizeof *sorted, compare_names);
     cml_status status = CML_OK;
     for (size_t i = 1; status == CML_OK && i < n; i++) {
-        char expected[80];
-        if (strcmp(sorted[i - 1]->name, sorted[i]->name) != 0) continue;
-        snprintf(expected, sizeof expected, "another name than that of the detector in line %d",
-                 sorted[i - 1]->line);
+        const struct cml_detector_def *first = sorted[i - 1];
+        char expected[400];
+        if (strcmp(first->name, sorted[i]->name) != 0) continue;
+        snprintf(expected, sizeof expected, "another name than that of the detector in line %d%s%.300s",
+                 first->table ? first->row : first->line, first->table ? " of " : "",
+                 first->table ? first->table : "");
         status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors), "detector: name",
                                sorted[i]->name, expected);
     }

@@ -6,7 +6,8 @@
 #include "scene/scene.h"
 
 /* Reads the current line "detector SHAPE [at=x,y] [z=z] [side=top|bottom] [na=N] [angle=degrees]
- * [azimuth=degrees] [diffuse] [name=NAME]", cursor behind the keyword; angles become rad. CML_E_INPUT. */
+ * [azimuth=degrees] [diffuse] [name=NAME]", cursor behind the keyword; angles become rad. Or
+ * "detector table FILE", each line of which is what stands behind the keyword. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene);
 
 /* Where a detector has the number `member`, as of detector.radius: of what its line has, and one that sees

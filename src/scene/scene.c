@@ -68,7 +68,10 @@ void cml_scene_clear(struct cml_scene *scene)
         cml_boundary_clear(&scene->boundaries[b]);
     clear_bodies(scene);
     for (int k = 0; scene->beams && k < scene->num_beams; k++) clear_beam(&scene->beams[k]);
-    for (int k = 0; scene->detectors && k < scene->num_detectors; k++) free(scene->detectors[k].name);
+    for (int k = 0; scene->detectors && k < scene->num_detectors; k++) {
+        free(scene->detectors[k].name);
+        free(scene->detectors[k].table);
+    }
     free(scene->detectors);
     free(scene->beams);
     free(scene->shares);
@@ -123,8 +126,10 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     to->saved.name = copied_text(from->saved.name, failed);
     to->text = copied_text(from->text, failed);
     to->settings = copied_text(from->settings, failed);
-    for (int k = 0; to->detectors && k < to->num_detectors; k++)
+    for (int k = 0; to->detectors && k < to->num_detectors; k++) {
         to->detectors[k].name = copied_text(from->detectors[k].name, failed);
+        to->detectors[k].table = copied_text(from->detectors[k].table, failed);
+    }
 }
 
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)

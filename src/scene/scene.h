@@ -184,6 +184,8 @@ struct cml_detector_def {
     double azimuth;   /* rad */
     bool diffuse;     /* no light that never was in the material */
     int line;         /* of the .mci */
+    char *table;      /* the file whose line `row` says all this; NULL: the .mci */
+    int row;
 };
 
 /* Of light in vacuum, cm/ps. */

@@ -3,7 +3,7 @@
 - Weights, mean path and interactions by medium, and mean largest depth: a hill over two layers, under a tilted wide beam and under one at normal incidence on a plane, of which a part is split off: disks, rings
   and rectangles at several levels and axes on both sides; all of it to the digits that a trace has.
 - Shapes that tile the plane: their sums are Rsp + Rd or Tt, in units of weight.
-- Hundreds of them, and a table of one by one, give the same numbers.
+- Hundreds of them, in lines, in the lines of a file, and one by one give the same numbers.
 - Gates of what detectors see, times exp(-x c t / n), summed, are what they see with x more absorption in all layers, of flights of their own.
 - A camera that is focused on one of three points of light along a slope sees it in one pixel, and the others where their cones cross that level, on paper.
 - Fibres over a hill, furrows that go on for ever and a mesh that overhangs: light that comes from one disk with the cosine law into another, over the area of that, is the same the other
@@ -161,11 +161,17 @@ def tiles(verdict):
 
 
 def hundreds(verdict):
-    """A grid of 20 x 20 disks and one alone: what a detector sees does not depend on its neighbours."""
+    """A grid of 20 x 20 disks and one alone: what a detector sees does not depend on its neighbours, nor on the file that says it."""
     disks = [f"detector disk 0.04 at={0.1 * i - 1!r},{0.1 * k - 1!r} na=0.5 name=g{i}_{k}" for i in range(20) for k in range(20)]
     chosen = random.Random(3).sample(range(400), 8)
     scene = {"photons": 20000, "surfaces": HILL["surfaces"], "n_below": 1.3}
     many = cml.run(cml.mci(HILL["layers"], extra=disks, **scene))[0]
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "grid.txt"), "w", encoding="utf-8") as file:
+            file.writelines(line[len("detector "):] + "\n" for line in disks)
+        table = cml.run(cml.mci(HILL["layers"], extra=['detector table "grid.txt"'], **scene), keep=folder)[0]
+    seen = [{key: record[key] for key in record if key.startswith("detector_")} for record in (many, table)]
+    verdict.check("hundreds", len(seen[0]) >= 800 and seen[0] == seen[1], "a table differs")
     for k in chosen:
         alone = cml.run(cml.mci(HILL["layers"], extra=[disks[k]], **scene))[0]
         name = "detector_" + re.search(r"name=(\w+)", disks[k])[1]

@@ -5,20 +5,22 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
-from typing import Optional, Sequence
+from typing import Optional, Sequence, Union
 
 from . import errors
 from .surfaces import shortest
 
-SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy")}
+SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy"), "table": ()}
 
 
 @dataclass
 class Detector:
     """Sees packets that leave on a side where the line of their last flight crosses the level z in its shape. kind: "disk" (of `radius`
-    cm), "ring" (from `r1` to `r2`), "rectangle" (`width` by `height`) or "map" (nx by ny pixels of dx by dy cm). at: x, y of its middle [cm]. z: None, the
+    cm), "ring" (from `r1` to `r2`), "rectangle" (`width` by `height`), "map" (nx by ny pixels of dx by dy cm) or "table" (a `file` with a detector in each
+    line, as behind the word `detector` of an .mci, and nothing else here). at: x, y of its middle [cm]. z: None, the
     nominal plane of the side; or a depth [cm], on which a camera is focused. side: "top" or "bottom". na: numerical aperture about an axis that lies at
     `angle` degrees to the outward vertical, at `azimuth`; None: all directions. diffuse: no light that never was in the material. name: of its results,
     `detector_NAME`; without one its number counts, from 1.
@@ -47,9 +49,14 @@ class Detector:
     ny: Optional[int] = None
     dx: Optional[float] = None
     dy: Optional[float] = None
+    file: Optional[Union[str, os.PathLike[str]]] = None
 
     def __post_init__(self) -> None:
         errors.choice("Detector.kind", self.kind, *SHAPES)
+        if (self.kind == "table") != (self.file is not None):
+            raise errors.refuse("Detector.file", self.file, "the path of a file of detectors for a table, else None")
+        if self.file is not None:
+            errors.existing_file("Detector.file", self.file)
         for name in sorted({name for names in SHAPES.values() for name in names}):
             value = getattr(self, name)
             if name not in SHAPES[self.kind]:
@@ -76,6 +83,8 @@ class Detector:
             raise errors.refuse("Detector.name", self.name, "1 to 24 letters, digits and underscores")
 
     def line(self) -> str:
+        if self.file is not None:
+            return "detector table " + errors.quoted_file("Detector.file", self.file)
         words = ["detector", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
         words += ["at=" + ",".join(map(shortest, self.at))] if tuple(self.at) != (0.0, 0.0) else []
         words += [] if self.z is None else [f"z={shortest(self.z)}"]

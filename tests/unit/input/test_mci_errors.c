@@ -431,9 +431,14 @@ static void maps_that_are_none(void **state)
 static void detectors_that_are_none(void **state)
 {
     static const struct refusal table[] = {
-        {NAME "detector\n",
-         "x.mci:4: detector: shape is missing (expected disk R, ring R1 R2, rectangle W H or "
-         "map NX NY DX DY)"},
+        {NAME "detector\n", "x.mci:4: detector: shape is missing (expected disk R, ring R1 R2, rectangle W "
+                            "H, map NX NY DX DY or "
+                            "table \"FILE\")"},
+        {NAME "detector table\n",
+         "x.mci:4: detector: file is missing (expected the name of a file with a detector in each line)"},
+        {NAME "detector table \"none.txt\" na=1\n",
+         "x.mci:4: detector: text after the file = na=1 (expected the "
+         "end of the line or a # comment)"},
         {NAME "detector disk 0\n", "x.mci:4: detector: radius = 0 (expected a length of 1e-30..1e30 cm)"},
         {NAME "detector ring 2 2\n", "x.mci:4: detector: r1 r2 = 2 2 (expected r1 < r2)"},
         {NAME "detector map 3 0 1 1\n", "x.mci:4: detector: ny = 0 (expected a whole number of 1..1e9)"},

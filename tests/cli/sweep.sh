@@ -140,7 +140,12 @@ for option in photons seed; do
 done
 expect_error 2 "--sweep $work/one.csv (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --sweep "$work/one.csv"
 sed '5a photons "exits"' "$work/ridges.mci" >"$work/saved.mci"
-expect_error 2 "$work/saved.mci:6: a photons line and --sweep, whose rows would write one file (expected no such line)" "$work/saved.mci" --sweep "$work/one.csv"
+expect_error 2 "$work/saved.mci:6: a photons line and --reweight, whose rows have no packets of their own (expected no such line)" \
+    "$work/saved.mci" --sweep "$work/one.csv" --reweight -o "$work"
+# Each row saves packets in a file of its own.
+mkdir "$work/saved"
+expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet -o "$work/saved"
+test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"

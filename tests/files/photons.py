@@ -4,7 +4,7 @@
 - Rows at random are what `trace` tells of these packets: place, direction, weight, path and interactions by medium, largest depth, touches.
 - Rows with exp(-x l), l the path in the layer, give Rd and Tt of a slab that absorbs x more, which adding-doubling knows: |z| < 4.
 - Threads, ranks, a stop with --resume and --more leave the same bytes, but for the group `call`; a limit leaves the first rows.
-- The arrays are those of Python's read_photons.
+- The arrays are those of Python's read_photons. A row of a sweep has a file of its own, that of a run with --set.
 Statistic: exact, but for the third: errors from the spread of the rows, which takes packets for independent. Shares the packets; the third nothing."""
 import os
 import re
@@ -191,10 +191,25 @@ def detected(verdict):
         verdict.check("detected", len(mc.read_photons(path)) == 0, "rows of nothing")
 
 
+def swept(verdict):
+    """Row 2 has the packets of a run with --set."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "scene.mci")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(scene(2000))
+        with open(os.path.join(folder, "rows.csv"), "w", encoding="utf-8") as file:
+            file.write("layer1.mua\n2\n3\n")
+        cml.run(path, "--sweep", os.path.join(folder, "rows.csv"), keep=folder)
+        cml.run(path, "--set", "layer1.mua=3", keep=folder)
+        row, run, other = (contents(os.path.join(folder, f"exits{name}.photons.h5"))[0] for name in ("-0002", "", "-0001"))
+        verdict.check("sweep", row == run and row["weight"] != other["weight"], "other rows")
+
+
 verdict = cml.Verdict("saved packets")
 for engine in ("cpu", "reference"):
     tallies(verdict, engine)
 another_absorption(verdict)
 limits(verdict)
 detected(verdict)
+swept(verdict)
 verdict.finish(limit=4)

@@ -57,21 +57,27 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     cml_status status = CML_OK;
     for (int i = 0; i < list.count; i++) {
         scenes[i] = sweep->base->scenes[0];
-        scenes[i].output = NULL;
+        scenes[i].output = scenes[i].saved.name = NULL;
     }
     for (int i = 0; i < tables; i++) {
         scenes[i].format = i == 0 ? 'A' : 'B';
         scenes[i].map = (struct cml_map_def){0};
         scenes[i].facets = false;
+        scenes[i].saved.limit = 0;
     }
     for (int i = 0; status == CML_OK && i < list.count; i++)
         status = i < tables
                      ? cml_report_path(sweep->base->scenes[0].output, suffixes[i], &scenes[i].output, err)
                      : cml_sweep_row_output(sweep, i - tables, &scenes[i].output, err);
+    for (int i = tables; status == CML_OK && i < list.count; i++)
+        status = cml_sweep_name_saved(sweep, i - tables, &scenes[i].saved.name, err);
     if (status == CML_OK)
         status =
             cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, cml_show_note, &sweep->outputs, err);
-    for (int i = 0; i < list.count; i++) free(scenes[i].output);
+    for (int i = 0; i < list.count; i++) {
+        free(scenes[i].output);
+        free(scenes[i].saved.name);
+    }
     return status;
 }
 
@@ -135,9 +141,9 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     if (sweep->base->count != 1)
         return cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
                         options->sweep, options->operands[0], sweep->base->count);
-    if (sweep->base->scenes[0].saved.limit)
+    if (options->reweight && sweep->base->scenes[0].saved.limit)
         return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: a photons line and --sweep, whose rows would write one file "
+                        "%s:%d: a photons line and --reweight, whose rows have no packets of their own "
                         "(expected no such line)",
                         sweep->base->scenes[0].file, sweep->base->scenes[0].saved.line);
     CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));

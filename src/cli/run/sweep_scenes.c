@@ -25,6 +25,18 @@ cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char
     return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
 }
 
+cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,
+                                struct cml_error *err)
+{
+    const char *of_all = sweep->base->scenes[0].saved.name;
+    if (!of_all) return CML_OK;
+    const size_t size = strlen(of_all) + 32;
+    free(*name);
+    *name = malloc(size);
+    if (*name) snprintf(*name, size, "%s-%0*d", of_all, sweep->digits, row + 1);
+    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
+}
+
 cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row, struct cml_settings *settings,
                                   struct cml_error *err)
 {
@@ -68,9 +80,10 @@ cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row, const stru
 {
     char *output = NULL;
     CML_TRY(cml_sweep_row_output(sweep, row, &output, err));
-    const cml_status status =
+    cml_status status =
         cml_copy_scene(sweep->options, settings, output, sweep->inputs, &sweep->base->scenes[0], scene, err);
     free(output);
+    if (status == CML_OK) status = cml_sweep_name_saved(sweep, row, &scene->saved.name, err);
     return cml_sweep_name_row(sweep, row, status, err);
 }
 

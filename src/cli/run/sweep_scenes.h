@@ -30,6 +30,11 @@ struct cml_sweep_run {
 CML_NODISCARD cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char **name,
                                               struct cml_error *err);
 
+/* Gives the scene of a row a name of its own for saved packets, "NAME-0001", where there are any: *name is
+ * replaced, and the caller's to free. */
+CML_NODISCARD cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,
+                                              struct cml_error *err);
+
 /* Of a row all but the seed and labels, for the scene. */
 CML_NODISCARD cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row,
                                                 struct cml_settings *settings, struct cml_error *err);

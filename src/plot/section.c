@@ -160,8 +160,9 @@ static void write_beam_above(struct frame *f, const struct cml_section_beam *bea
             write_arrow(f, x + beam->slope * tail, tail, x + beam->slope * end, end, side == 0);
         if (side == 0 || beam->spread == 0) continue;
         const double rise = fmin(end - tail, 0.2 * width / fmax(fabs(tan(turned)), 1e-9));
-        write_arrow(f, beam->x + beam->slope * end - rise * tan(turned), end - rise,
-                    beam->x + beam->slope * end, end, false);
+        const double rim =
+            beam->x - side * beam->half_width + beam->slope * end; /* the outermost ray to it */
+        write_arrow(f, rim - rise * tan(turned), end - rise, rim, end, false);
     }
     write_text_over(f, beam->text, beam->x + beam->slope * tail,
                     (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above + 0.035 * row);

@@ -3,6 +3,10 @@
 #ifndef CML_BOUNDARY_H
 #define CML_BOUNDARY_H
 
+/* Cells of grids, voxels and facets are too many for 64 sums of each, those of the batches (balance.h):
+ * their errors come from 16 groups of four batches, photon i in group i mod 16. */
+#define CML_NUM_GROUPS 16
+
 enum cml_surface_kind {
     CML_SURFACE_PLANE,
     CML_SURFACE_CONE, /* rings of capped cones about the z axis */
@@ -32,9 +36,6 @@ enum cml_facet_score {
     CML_FACET_ESCAPED_SQUARES, /* of the packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h) */
     CML_FACET_SCORES
 };
-
-/* Of packets, by index, for the errors of phi_xyz (P14): its bins are too many for batches. */
-#define CML_VOXEL_GROUPS 16
 
 /* Where the facets of a boundary stand among those of all. count 0: none are scored. */
 struct cml_facet_range {

@@ -74,8 +74,10 @@ CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 
     cml_add(to, to->windows->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
 }
 
-CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
+/* One for all packets: the host knows of which group they are. */
+CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int cell, cml_u32 dw)
 {
+    (void)index;
     cml_add(to, to->windows->absorbed, (cml_u32)cell, dw);
 }
 

@@ -169,7 +169,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
 CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)
-        if (l->mine[i]) cml_add_to_cell(to, (int)l->cell[i], l->dw[i]);
+        if (l->mine[i]) cml_add_to_cell(to, 0, (int)l->cell[i], l->dw[i]);
 }
 
 #endif

@@ -17,16 +17,17 @@ struct cml_branches {
     cml_u32 *interactions;   /* the same */
 };
 
-/* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
- * [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each: A_xyz: [nz
- * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. Of one thread again,
- * expected: [scores of the tail] (P15) or NULL; expected_late: the same once more, of the batch of a packet
- * that is late, or NULL. */
+/* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] of every group, or
+ * NULL, A_l: [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each:
+ * A_xyz: [nz ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. Of one thread
+ * again, expected: [scores of the tail] (P15) or NULL; expected_late: the same once more, of the batch of a
+ * packet that is late, or NULL. */
 struct cml_deposits {
+    cml_u32 group_cells; /* from A_rz of a group to that of the next; 0: they have one */
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared;   /* by all threads */
-    cml_u64 *phi_xyz;    /* [nz ny nx][CML_VOXEL_GROUPS] or NULL, all threads' */
+    cml_u64 *phi_xyz;    /* [nz ny nx][CML_NUM_GROUPS] or NULL, all threads' */
     cml_u64 *specular;   /* one thread's sum */
     cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
     struct cml_branches *branches; /* where the world has windows */
@@ -81,9 +82,15 @@ CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
     if (to->upright[0]) cml_add_once(to->upright[0], to->upright[1], w, 1);
 }
 
-CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
+/* The first cell of A_rz of the packet's group. */
+CML_FN cml_u32 cml_first_cell(const struct cml_deposits *to, cml_u64 index)
 {
-    to->A_rz[cell] += dw;
+    return (cml_u32)index % CML_NUM_GROUPS * to->group_cells;
+}
+
+CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int cell, cml_u32 dw)
+{
+    to->A_rz[cml_first_cell(to, index) + (cml_u32)cell] += dw;
 }
 
 CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)

@@ -37,7 +37,7 @@ CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_depos
 {
     const cml_u64 voxel = cml_voxel(setup, p, bins);
     if (voxel < (cml_u64)setup->map.nx * (cml_u64)setup->map.ny * (cml_u64)setup->nz)
-        cml_add_shared(&to->phi_xyz[voxel * CML_VOXEL_GROUPS + index % CML_VOXEL_GROUPS], w);
+        cml_add_shared(&to->phi_xyz[voxel * CML_NUM_GROUPS + index % CML_NUM_GROUPS], w);
 }
 
 CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_deposits *to,

@@ -92,7 +92,7 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
 #endif
     const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
-    cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
+    cml_add_to_cell(to, packet->index, ir * (setup->nz + 2) + iz, dw);
 }
 
 /* P3: w * absorb rounded up or down at random, so that the integer weight keeps the mean. The random number

@@ -103,7 +103,7 @@ static void run_stage(int stage)
         interact(0);
         break;
     case SCATTER:
-        cml_scatter_deposits(&bundle, &tally);
+        cml_scatter_deposits(&bundle, &tally, 0);
         break;
     case REACH:
         sink = (cml_u32)cml_bundle_reach_planes(&bundle);

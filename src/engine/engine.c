@@ -77,6 +77,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
+    grid.rz_errors = grid.absorption && cml_rz_cells(&grid) <= CML_CELLS_WITH_ERRORS;
     grid.row_cells = cml_row_cells(&grid);
     return grid;
 }

@@ -386,7 +386,9 @@ static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_t
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struct cml_branches *branches)
 {
     uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
-    const struct cml_deposits to = {.A_rz = tally->A_rz,
+    const struct cml_deposits to = {.group_cells =
+                                        tally->grid.rz_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
+                                    .A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,
                                     .A_xyz = tally->A_xyz,

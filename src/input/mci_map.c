@@ -171,9 +171,8 @@ cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct c
 {
     const struct cml_map_def *map = &scene->map;
     const double pixels = (double)map->nx * map->ny, most = 2147483648.0;
-    const double layers =
-        (map->volume ? scene->nz * (scene->fluence.line ? 1.0 + CML_VOXEL_GROUPS : 1.0) : 0) +
-        (scene->facets ? CML_FACET_SCORES * (scene->num_layers + 1.0) : 0);
+    const double layers = (map->volume ? scene->nz * (scene->fluence.line ? 1.0 + CML_NUM_GROUPS : 1.0) : 0) +
+                          (scene->facets ? CML_FACET_SCORES * (scene->num_layers + 1.0) : 0);
     const double cells = pixels * (4.0 * (map->angles ? scene->na : 1) + layers);
     if (cells <= most) return CML_OK;
     char value[64], expected[120];

@@ -43,7 +43,7 @@ static void voxel_errors(const void *context, size_t begin, size_t count, double
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++)
         out[i] = source->scale *
-                 cml_result_voxel_error(source->report->sums, source->cells + (begin + i) * source->na);
+                 cml_result_cell_error(source->report->sums, source->cells + (begin + i) * source->na, 1);
 }
 
 /* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
@@ -250,7 +250,7 @@ void cml_add_volume_fields(struct cml_field_list *c)
     const struct cml_result *r = c->report->sums;
     if (r->A_xyz) add_voxels(c, CML_QUANTITY_A_xyz, r->A_xyz, 1, 1);
     if (!r->phi_xyz) return;
-    add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_VOXEL_GROUPS, r->grid.marks);
+    add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_NUM_GROUPS, r->grid.marks);
     cml_add_error_field(c, voxel_errors);
 }
 

@@ -133,7 +133,8 @@ static void join(struct group *group, const struct group *next)
 /* A packet leaves something in many bins of these, and does not score at most 1 in fluence. */
 static bool is_deep(enum cml_quantity which)
 {
-    return which == CML_QUANTITY_A_z || which == CML_QUANTITY_A_l_expected || cml_quantity_is_fluence(which);
+    return which == CML_QUANTITY_A_z || which == CML_QUANTITY_A_rz || which == CML_QUANTITY_A_l_expected ||
+           cml_quantity_is_fluence(which);
 }
 
 /* Variance of one packet's score from the file's own errors. */
@@ -193,10 +194,16 @@ static void estimate(const struct quantity *q, const struct group *group, double
     if (lent && !says) variance[lender] = own;
 }
 
+static bool is_by_groups(enum cml_quantity which)
+{
+    return cml_quantities[which].estimator == CML_FROM_GROUPS;
+}
+
 /* Degrees of freedom of the difference [Welch, Biometrika 34 (1947) 28]. */
 static double freedom_of(const struct quantity *q, const double variance[2])
 {
-    const double each = BATCHES - 1, sum = variance[0] + variance[1];
+    const double each = is_by_groups(q->which) ? CML_NUM_GROUPS - 1 : BATCHES - 1,
+                 sum = variance[0] + variance[1];
     if ((!q->error[0] && !q->error[1]) || !(sum > 0)) return INFINITY;
     if (!q->error[0] || !q->error[1]) return each;
     return each * sum * sum / (variance[0] * variance[0] + variance[1] * variance[1]);
@@ -223,8 +230,8 @@ static struct spread spread_of(const struct quantity *q, const struct group *gro
     return s;
 }
 
-/* Equal means agree whatever their errors: two runs that hold nothing have none. Errors come from 64 batches,
- * so the quotient is a Student deviate (Student 1908, Biometrika 6, 1). */
+/* Equal means agree whatever their errors: two runs that hold nothing have none. Errors come from batches, or
+ * groups of them, so the quotient is a Student deviate (Student 1908, Biometrika 6, 1). */
 static double deviate(const struct group *group, const struct spread *spread)
 {
     const double difference = group->mean[0] - group->mean[1];
@@ -237,7 +244,8 @@ static struct cml_compare_test test_group(const struct quantity *q, const struct
 {
     const struct spread spread = spread_of(q, group);
     const double width = cml_outcome_width(q->outcome[0], q->which), z = deviate(group, &spread);
-    const int row = q->which == CML_QUANTITY_phi_rz ? q->outcome[0]->nz : 1; /* bins of a radius */
+    const bool rz = q->which == CML_QUANTITY_phi_rz || q->which == CML_QUANTITY_A_rz;
+    const int row = rz ? q->outcome[0]->nz : 1; /* bins of a radius */
     struct cml_compare_test test = {.quantity = q->which,
                                     .first = group->first,
                                     .last = group->last,
@@ -286,7 +294,7 @@ bool cml_compare_tests(enum cml_quantity which)
 {
     const enum cml_estimator estimator = cml_quantities[which].estimator;
     return cml_quantity_is_total(which) || estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE ||
-           estimator == CML_FROM_EXPECTED;
+           estimator == CML_FROM_EXPECTED || estimator == CML_FROM_GROUPS;
 }
 
 /* Both results' own part under one name: detectors may stand in another order, or be in one of them alone,
@@ -308,6 +316,7 @@ static void test_part(const struct cml_outcome *const outcome[2], enum cml_quant
         q.value[k] = outcome[k]->value[which] + (size_t)own * size;
         q.error[k] = error ? error + (size_t)own * size : NULL;
     }
+    if (is_by_groups(which) && !(q.error[0] && q.error[1])) return;
     test_quantity(&q, c);
 }
 
@@ -315,8 +324,9 @@ static void test_all(const struct cml_outcome *const outcome[2], struct cml_comp
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity which = (enum cml_quantity)i;
-        if (!cml_compare_tests(which) || (which == CML_QUANTITY_A_z && c->no_absorption) ||
-            !outcome[0]->value[which] || !outcome[1]->value[which])
+        const bool absorption = which == CML_QUANTITY_A_z || which == CML_QUANTITY_A_rz;
+        if (!cml_compare_tests(which) || (absorption && c->no_absorption) || !outcome[0]->value[which] ||
+            !outcome[1]->value[which])
             continue;
         for (int part = 0; part < cml_outcome_parts(outcome[0], which); part++)
             test_part(outcome, which, part, c);

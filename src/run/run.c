@@ -181,7 +181,7 @@ static void note_batch(void *context, int batch, struct cml_tally *tally)
 {
     struct flight *flight = context;
     const double begin = cml_now();
-    cml_tally_note(tally);
+    cml_tally_note(tally, batch);
     pthread_mutex_lock(&flight->result_lock);
     cml_result_note(&flight->out->result, batch, tally);
     pthread_mutex_unlock(&flight->result_lock);

@@ -12,7 +12,7 @@
 
 static size_t cells_A(const struct cml_grid *grid)
 {
-    return grid->absorption ? (size_t)grid->nr * (size_t)grid->nz : 0;
+    return grid->absorption ? (size_t)cml_rz_groups(grid) * (size_t)grid->nr * (size_t)grid->nz : 0;
 }
 
 static size_t cells_ra(const struct cml_grid *grid)
@@ -249,7 +249,7 @@ static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *f
 
 /* A_rz with its cells beyond the grid: depths above z = 0 go into the first depth bin, all others into the
  * last bins. */
-static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
+static void add_absorption(struct cml_result *result, cml_u128 *to, const uint64_t *A_rz)
 {
     const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
     for (size_t i = 0; i <= nr; i++) {
@@ -257,7 +257,8 @@ static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
         for (size_t j = 0; j < nz + 2; j++) {
             const uint64_t cell = A_rz[i * (nz + 2) + j];
             const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
-            result->A_rz[ir * nz + iz] += cell;
+            if (!cell) continue; /* most groups get nothing in one range */
+            to[ir * nz + iz] += cell;
             if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
             if (j == 0) result->summary.balance[CML_BALANCE_ABOVE] += cell;
             if (j > nz) result->summary.balance[CML_BALANCE_OVERFLOW_Z] += cell;
@@ -301,7 +302,9 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     add_exits(result, result->Rd_ra, tally->Rd_ra);
     add_exits(result, result->Tt_ra, tally->Tt_ra);
-    if (tally->grid.absorption) add_absorption(result, tally->A_rz);
+    for (size_t g = 0; tally->grid.absorption && g < (size_t)cml_rz_groups(&tally->grid); g++)
+        add_absorption(result, result->A_rz + g * (size_t)tally->grid.nr * (size_t)tally->grid.nz,
+                       tally->A_rz + g * cml_rz_cells(&tally->grid));
     if (tally->grid.marks > 0) add_fluence(result, tally->phi);
     add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_maps(&tally->grid));
     add_rows(result->rows, tally->rows, tally->grid.row_cells);
@@ -484,14 +487,14 @@ double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
  * B groups differ by at most one packet; their sums lie n cells apart. */
 static double error_by_groups(const struct cml_result *result, int groups, const cml_u128 *sums, size_t n)
 {
-    double sum = 0, squares = 0, found = 0;
+    double of[CML_NUM_BATCHES], sum = 0, squares = 0, found = 0;
     const double photons = (double)result->photons;
-    for (int b = 0; b < groups; b++) sum += as_number(sums[(size_t)b * n]);
+    for (int b = 0; b < groups; b++) sum += of[b] = as_number(sums[(size_t)b * n]);
     const double mean = sum / photons;
     for (int b = 0; b < groups; b++) {
         const double size = (double)group_size(result->photons, groups, b);
         if (!(size > 0)) continue;
-        const double deviation = as_number(sums[(size_t)b * n]) / size - mean;
+        const double deviation = of[b] / size - mean;
         squares += size * deviation * deviation;
         found += 1;
     }
@@ -503,9 +506,16 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
 }
 
-double cml_result_voxel_error(const struct cml_result *result, const cml_u128 *cells)
+double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step)
 {
-    return error_by_groups(result, CML_VOXEL_GROUPS, cells, 1);
+    cml_u128 sum = 0;
+    for (size_t g = 0; g < (size_t)groups; g++) sum += cell[g * step];
+    return as_number(sum);
+}
+
+double cml_result_cell_error(const struct cml_result *result, const cml_u128 *cell, size_t step)
+{
+    return error_by_groups(result, CML_NUM_GROUPS, cell, step);
 }
 
 void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)

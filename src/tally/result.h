@@ -20,7 +20,7 @@ struct cml_summary {
 struct cml_result {
     struct cml_grid grid;
     uint64_t photons;                                               /* asked for */
-    cml_u128 *A_rz;                                                 /* [nr][nz] or NULL */
+    cml_u128 *A_rz;                                                 /* [cml_rz_groups][nr][nz] or NULL */
     cml_u128 *rows;                                                 /* as in a tally, or NULL */
     cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
     cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
@@ -117,8 +117,10 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
 
-/* The same of a voxel of phi_xyz, whose cells are those of CML_VOXEL_GROUPS groups. */
-double cml_result_voxel_error(const struct cml_result *result, const cml_u128 *cells);
+/* The same of what groups of photons have in cells `step` apart, of which this is the first: the sum of so
+ * many of them; and the error by CML_NUM_GROUPS. */
+double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step);
+double cml_result_cell_error(const struct cml_result *result, const cml_u128 *cell, size_t step);
 
 /* What detector k has seen, as a share of the launched weight, and its standard error. */
 void cml_result_detected(const struct cml_result *result, int k, double *value, double *error);

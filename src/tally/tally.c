@@ -21,7 +21,13 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
  * one more row of r, one more depth above and one below. */
 static size_t tally_cells_A(const struct cml_grid *grid)
 {
-    return grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
+    return grid->absorption ? (size_t)cml_rz_groups(grid) * cml_rz_cells(grid) : 0;
+}
+
+/* A_z of each of them. */
+static size_t tally_cells_depths(const struct cml_grid *grid)
+{
+    return grid->absorption ? (size_t)cml_rz_groups(grid) * ((size_t)grid->nz + 2) : 0;
 }
 
 static size_t tally_cells_phi(const struct cml_grid *grid)
@@ -113,6 +119,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     *tally = (struct cml_tally){.grid = *grid};
     const size_t bins = cml_tally_profile_bins(grid);
     tally->A_l = calloc(cml_tally_cells(grid), sizeof *tally->A_l);
+    tally->depths = calloc(tally_cells_depths(grid) + 1, sizeof *tally->depths);
     tally->summed = calloc(bins, sizeof *tally->summed);
     tally->brought = calloc(bins, sizeof *tally->brought);
     tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
@@ -120,7 +127,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
         tally->trail_length = calloc(trail_cells(grid), sizeof *tally->trail_length);
         tally->trail_count = calloc(trail_cells(grid), sizeof *tally->trail_count);
     }
-    if (!tally->A_l || !tally->summed || !tally->brought || !tally->late.rows ||
+    if (!tally->A_l || !tally->depths || !tally->summed || !tally->brought || !tally->late.rows ||
         (trail_cells(grid) && (!tally->trail_length || !tally->trail_count))) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
@@ -172,6 +179,7 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->balance, 0, sizeof tally->balance);
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
+    memset(tally->depths, 0, tally_cells_depths(&tally->grid) * sizeof *tally->depths);
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
     cml_tally_clear_late(tally);
 }
@@ -179,6 +187,7 @@ void cml_tally_zero(struct cml_tally *tally)
 void cml_tally_free(struct cml_tally *tally)
 {
     free(tally->A_l);
+    free(tally->depths);
     free(tally->summed);
     free(tally->brought);
     free(tally->late.rows);
@@ -279,6 +288,20 @@ static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64
     }
 }
 
+/* Sums A_z anew of the groups to which anything has come since the last note: of this batch, or late. */
+static void sum_depths(const struct cml_tally *tally, int batch)
+{
+    const size_t rows = (size_t)tally->grid.nr + 1, columns = (size_t)tally->grid.nz + 2;
+    const int groups = cml_rz_groups(&tally->grid);
+    unsigned changed = 1u << batch % groups;
+    for (int row = 0; row < tally->late.count; row++) changed |= 1u << tally->late.batch[row] % groups;
+    for (size_t g = 0; g < (size_t)groups; g++) {
+        if (!(changed >> g & 1u)) continue;
+        memset(tally->depths + g * columns, 0, columns * sizeof *tally->depths);
+        sum_table(tally->A_rz + g * rows * columns, rows, columns, NULL, tally->depths + g * columns);
+    }
+}
+
 /* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
@@ -290,7 +313,8 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
     sum_table(tally->Rd_ra, rows, na, sums + at.Rd_r, sums + at.Rd_a);
     sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
-    if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
+    if (tally->grid.absorption)
+        sum_table(tally->depths, (size_t)cml_rz_groups(&tally->grid), columns, NULL, sums + at.A_z);
     if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
     /* gates, detectors and expected values lie behind it in both */
     memcpy(sums + at.A_l, tally->A_l, (at.bins - at.A_l) * sizeof *sums);
@@ -298,9 +322,10 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
  * than its grids: the difference to the last sums is what came since. */
-void cml_tally_note(struct cml_tally *tally)
+void cml_tally_note(struct cml_tally *tally, int batch)
 {
     const size_t bins = cml_tally_profile_bins(&tally->grid);
+    if (tally->grid.absorption) sum_depths(tally, batch);
     sum_profiles(tally, tally->brought);
     for (size_t i = 0; i < bins; i++) {
         const uint64_t sum = tally->brought[i];

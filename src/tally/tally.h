@@ -26,6 +26,7 @@ struct cml_grid {
     int num_layers, num_bodies;
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
     bool depths;     /* A_z is tallied, of a thread that scores into an A_rz of others */
+    bool rz_errors;  /* each group of photons has an A_rz of its own */
     int gates;       /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
@@ -93,7 +94,7 @@ static inline size_t cml_grid_moments(const struct cml_grid *grid)
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
     struct cml_grid grid;
-    uint64_t *A_rz;              /* [nr + 1][nz + 2] or NULL */
+    uint64_t *A_rz;              /* [cml_rz_groups][nr + 1][nz + 2] or NULL */
     uint64_t *rows;              /* row_cells.h; or NULL */
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
                                   * shares, over all radii */
@@ -105,7 +106,7 @@ struct cml_tally {
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
-    uint64_t *phi_xyz;           /* [nz ny nx][CML_VOXEL_GROUPS], by index, as phi; or NULL */
+    uint64_t *phi_xyz;           /* [nz ny nx][CML_NUM_GROUPS], by index, as phi; or NULL */
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
     uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */
@@ -118,7 +119,8 @@ struct cml_tally {
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
     /* Totals and profiles (struct cml_profile_places) */
-    uint64_t *summed;  /* of all that was there at the last cml_tally_note; private */
+    uint64_t *depths;  /* [cml_rz_groups][nz + 2] of A_rz, or NULL; at the last cml_tally_note; private */
+    uint64_t *summed;  /* of all that was there then; private */
     uint64_t *brought; /* of what had come since the one before, but for late packets */
     struct cml_late late;
 };
@@ -136,6 +138,18 @@ double cml_tally_bytes(const struct cml_grid *grid);
 /* All cells zero, owned by the tally. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
+
+/* How many A_rz there are, one behind the other, and how many cells each has. With at most so many cells each
+ * group has its own: a thread's are then its own, too (CML_THREAD_CELLS). */
+#define CML_CELLS_WITH_ERRORS 65536
+static inline int cml_rz_groups(const struct cml_grid *grid)
+{
+    return grid->rz_errors ? CML_NUM_GROUPS : 1;
+}
+static inline size_t cml_rz_cells(const struct cml_grid *grid)
+{
+    return ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2);
+}
 
 /* The grid of one thread of several: without maps, volume and facets, with A_z instead of an A_rz beyond
  * CML_THREAD_CELLS, and without a phi beyond CML_THREAD_FLUENCE. Those are too large for a copy per thread,
@@ -188,8 +202,7 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch);
 void cml_tally_clear_late(struct cml_tally *tally);
 
 /* Sets `brought` to the totals and profiles of all that the tally itself has got since the last call, or
- * since it was zero, without what is in rows of late packets.
- */
-void cml_tally_note(struct cml_tally *tally);
+ * since it was zero, without what is in rows of late packets. All of it is of this batch, 0..63. */
+void cml_tally_note(struct cml_tally *tally, int batch);
 
 #endif

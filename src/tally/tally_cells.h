@@ -22,7 +22,7 @@ static inline size_t cml_cells_volume(const struct cml_grid *grid)
 /* Cells of phi_xyz; 0 when it is not tallied. */
 static inline size_t cml_cells_phi_volume(const struct cml_grid *grid)
 {
-    return grid->phi_volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz * CML_VOXEL_GROUPS : 0;
+    return grid->phi_volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz * CML_NUM_GROUPS : 0;
 }
 
 /* Cells of one of Rd_dir, Tt_dir and Rsp_dir. */

@@ -15,6 +15,13 @@ struct shot {
     struct cml_tally tally;
 };
 
+/* What groups of photons have apart, into the first of them. */
+static void join_groups(uint64_t *cells, size_t groups, size_t n)
+{
+    for (size_t g = 1; g < groups; g++)
+        for (size_t i = 0; i < n; i++) cells[i] += cells[g * n + i];
+}
+
 static void shoot(const char *text, const char *engine, enum cml_surface_kind kind, uint64_t photons,
                   struct shot *shot)
 {
@@ -28,6 +35,7 @@ static void shoot(const char *text, const char *engine, enum cml_surface_kind ki
     require_ok(cml_tally_create(&grid, &shot->tally, &err), &err);
     require_ok(cml_engine_run_range(shot->flight.engine, shot->flight.self, 0, photons, &shot->tally, &err),
                &err);
+    join_groups(shot->tally.A_rz, (size_t)cml_rz_groups(&grid), cml_rz_cells(&grid));
 }
 
 static void clear(struct shot *shot)

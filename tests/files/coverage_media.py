@@ -15,7 +15,7 @@ RUNS = int(sys.argv[1]) if len(sys.argv) > 1 else 20
 WITHIN = 0.05 if RUNS >= 400 else 0.2
 PACKETS = 300
 SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
-NAMES = ("A_l", "A_body")
+NAMES = ("A_l", "A_body", "A_rz")
 HILL = {b: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1" for b in (0, 1)}
 SPHERE = "1.4 2 20 0.7 0.4\ni sphere 0 0 0.15 0.1 1.5 8 5 0.5"
 SCENES = {

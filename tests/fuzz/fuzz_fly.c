@@ -79,7 +79,7 @@ static void check_tally(struct cml_tally *tally)
     FUZZ_CHECK(cml_result_create(&tally->grid, PHOTONS, &result, &err) == CML_OK);
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
     tally->late.count = 0;
-    cml_tally_note(tally);
+    cml_tally_note(tally, 0);
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
     FUZZ_CHECK(result.summary.count[CML_COUNT_PHOTONS] == PHOTONS);

@@ -68,7 +68,7 @@ static inline void assert_weight_balances(struct cml_tally *tally, uint64_t phot
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
-    cml_tally_note(tally);
+    cml_tally_note(tally, 0);
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
     assert_true(cml_result_imbalance(&result) == 0);

@@ -73,6 +73,7 @@ struct cml_flight {
     /* batches */
     struct cml_profile_places profiles; /* of the tally */
     int batch;                          /* under way: packets of it are launched; -1 before the first */
+    cml_u32 first_cell;                 /* of A_rz of that batch's group */
     uint64_t late;                      /* mask: lanes whose packets are of batches before it */
     uint64_t *late_profiles[CML_LANES]; /* of such a lane: its batch's row (cml_tally_late) */
     /* photons on their way in and out */

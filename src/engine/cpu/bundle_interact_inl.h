@@ -128,15 +128,6 @@ CML_LOOP void cml_bundle_spin_mixed(const struct cml_phase_cell *cell, struct cm
     cml_bundle_spin_by(cell, b, 0);
 }
 
-/* Depth bins (P7) of all lanes, where they have been moved to: [CML_LANES]. */
-CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struct cml_bundle *b, int *depths)
-{
-    const struct cml_setup setup = *shared;
-    const int lanes = b->lanes;
-#pragma omp simd
-    for (int i = 0; i < lanes; i++) depths[i] = cml_depth_bin(&setup, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
-}
-
 /* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
  * any is. */
 CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct cml_bundle *b, int *outside)

@@ -90,6 +90,7 @@ static void cml_begin_batch(struct cml_flight *f, int batch)
         f->late_profiles[i] = cml_tally_late(f->tally, (int)(b->index_low[i] % CML_NUM_BATCHES));
     }
     f->batch = batch;
+    f->first_cell = cml_first_cell(&f->to, (cml_u64)batch);
 }
 
 /* The next photons into hand, and the shifts that they have in common. Returns 0 when there are none. */

@@ -381,14 +381,15 @@ static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
     } while (cml_process_planes(f) && !cml_is_given_up(f));
 }
 
-/* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share,
- * and then also into the thread's own A_z: a cell's column is its depth.
- * No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups, which a
- * compiler unrolls.
+/* Deposits of the pass into the thread's own A_rz, that of the group of the batch under way, or with atomic
+ * additions into one that all threads share, and then also into the thread's own A_z: a cell's column is its
+ * depth. No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups,
+ * which a compiler unrolls.
  */
-static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
+static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally,
+                                 cml_u32 first_cell)
 {
-    uint64_t *A_rz = tally->A_rz;
+    uint64_t *A_rz = tally->A_rz + first_cell;
     const cml_u32 columns = (cml_u32)tally->grid.nz + 2;
     if (tally->grid.absorption)
         for (int first = 0; first < b->lanes; first += CML_GROUP)
@@ -400,16 +401,19 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         }
 }
 
-/* Those of late packets once more, into A_z of their batches. */
-static void cml_scatter_late(const struct cml_flight *f)
+/* Those of late packets into A_z of their batches. Where groups have an A_rz each they go into that of their
+ * own, and are gone then; else they are scattered with the others. */
+static void cml_scatter_late(struct cml_flight *f)
 {
-    const struct cml_bundle *b = f->b;
-    const size_t A_z = f->profiles.A_z;
-    _Alignas(64) int depths[CML_LANES];
-    cml_bundle_find_depths(&f->world->setup, b, depths);
+    struct cml_bundle *b = f->b;
+    const cml_u32 columns = (cml_u32)f->tally->grid.nz + 2;
     for (uint64_t rest = f->late; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);
-        f->late_profiles[i][A_z + (size_t)depths[i]] += b->dw[i];
+        if (!b->dw[i]) continue;
+        f->late_profiles[i][f->profiles.A_z + (cml_u32)b->cell[i] % columns] += b->dw[i];
+        if (!f->to.group_cells) continue;
+        cml_add_to_cell(&f->to, b->index_low[i], b->cell[i], b->dw[i]);
+        b->dw[i] = 0;
     }
 }
 
@@ -458,9 +462,9 @@ static void cml_flight_interact(struct cml_flight *f)
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
     if (f->tally->A_rz) {
-        cml_scatter_deposits(f->b, f->tally);
-        if (f->late) cml_scatter_late(f);
         if (f->to.A_xyz) cml_scatter_volume(f);
+        if (f->late) cml_scatter_late(f);
+        cml_scatter_deposits(f->b, f->tally, f->first_cell);
     }
     if (f->world->windows.cells)
         cml_weigh_lanes(f);

@@ -233,26 +233,28 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
 }
 
 /* A_rz of the block of a device that flies so many packets in a work-item. */
-static void add_absorption(const uint64_t *cells, uint32_t lanes, struct cml_tally *tally)
+static void add_absorption(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
+    uint64_t *const A_rz =
+        tally->A_rz + (size_t)(batch % cml_rz_groups(&tally->grid)) * cml_rz_cells(&tally->grid);
     const int rows = tally->grid.nz + 2;
     for (int ir = 0; ir <= tally->grid.nr; ir++) {
         const uint64_t *from =
             cells + (size_t)cml_device_column(ir, tally->grid.nr, (int)lanes) * (size_t)rows;
-        uint64_t *to = tally->A_rz + (size_t)ir * (size_t)rows;
+        uint64_t *to = A_rz + (size_t)ir * (size_t)rows;
         for (int iz = 0; iz < rows; iz++) to[iz] += from[iz];
     }
 }
 
 /* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. */
-static void add_cells(const uint64_t *cells, uint32_t lanes, struct cml_tally *tally)
+static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
     const size_t exits = (size_t)(tally->Tt_ra - tally->Rd_ra),
                  others = (size_t)(tally->Rd_ra - tally->A_l) + 2 * exits;
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];
     for (size_t i = 0; i < others; i++) tally->A_l[i] += cells[CML_CELL_LAYER + i];
-    if (tally->grid.absorption) add_absorption(cells + CML_CELL_LAYER + others, lanes, tally);
+    if (tally->grid.absorption) add_absorption(cells + CML_CELL_LAYER + others, lanes, batch, tally);
 }
 
 /* What devices fly for longer, once the run is to stop, is given up. The launches are those of a busy
@@ -279,7 +281,7 @@ static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work 
     }
     for (int i = 0; i < engine->count; i++) {
         CML_TRY(cml_opencl_flight_collect(&engine->flights[i], engine->cells, err));
-        add_cells(engine->cells, engine->flights[i].lanes, &engine->tally);
+        add_cells(engine->cells, engine->flights[i].lanes, piece->batch, &engine->tally);
     }
     return CML_OK;
 }

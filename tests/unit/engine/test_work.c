@@ -85,7 +85,7 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;
-    cml_tally_note(tally);
+    cml_tally_note(tally, batch);
     pthread_mutex_lock(&ledger->lock);
     ledger->wrong_notes += pending[batch] == 0;
     cml_result_note(&ledger->result, batch, tally);
@@ -128,7 +128,7 @@ static bool next_single(void *context, uint64_t most, int takers, struct cml_pie
 static void note_single(void *context, int batch, struct cml_tally *tally)
 {
     const struct single *single = context;
-    cml_tally_note(tally);
+    cml_tally_note(tally, batch);
     cml_result_note(single->result, batch, tally);
 }
 

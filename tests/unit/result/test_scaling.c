@@ -44,7 +44,7 @@ static void densities_integrate_to_totals(void **state)
     score(&tally, 1, 1, 2, true);
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
         memset(tally.summed, 0, cml_tally_profile_bins(&tally.grid) * sizeof *tally.summed);
-        cml_tally_note(&tally);
+        cml_tally_note(&tally, b);
         cml_result_note(&result, b, &tally);
         cml_result_add(&result, &tally);
     }

@@ -64,7 +64,7 @@ static inline void score_at_random(struct dice *dice, struct cml_tally *tally, i
 static inline void add_to_batch(struct cml_result *result, int batch, struct cml_tally *tally)
 {
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
-    cml_tally_note(tally);
+    cml_tally_note(tally, batch);
     cml_result_note(result, batch, tally);
     cml_result_add(result, tally);
 }

@@ -142,7 +142,7 @@ static void a_tally_may_serve_many_batches(void **state)
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
         cml_tally_move(&all, &piece);
-        cml_tally_note(&all);
+        cml_tally_note(&all, batch);
         cml_result_note(&result, batch, &all);
         if (n % 50 == 49) {
             cml_result_add(&result, &all);
@@ -288,6 +288,18 @@ static void the_error_of_a_total_is_that_of_its_bins(void **state)
     cml_result_free(&result);
 }
 
+/* One photon in each group, of which one leaves its weight in the cell: 1/16 +- sqrt(1/16 15/16 / 15). */
+static void the_error_of_a_cell_comes_of_its_groups(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, CML_NUM_GROUPS);
+    cml_u128 cells[2 * CML_NUM_GROUPS] = {[2 * 3] = (cml_u128)1 << 31, [1] = 5};
+    assert_near("error", cml_result_cell_error(&result, cells, 2), 1.0 / 16, 1e-15);
+    result.photons = 1;
+    assert_true(isnan(cml_result_cell_error(&result, cells, 2)));
+    cml_result_free(&result);
+}
+
 static void one_photon_has_no_error(void **state)
 {
     (void)state;
@@ -364,6 +376,7 @@ int main(void)
         cmocka_unit_test(a_broken_cell_does_not_balance),
         cmocka_unit_test(the_error_of_a_total_is_that_of_its_bins),
         cmocka_unit_test(errors_are_the_spread_of_batches),
+        cmocka_unit_test(the_error_of_a_cell_comes_of_its_groups),
         cmocka_unit_test(one_photon_has_no_error),
         cmocka_unit_test(a_result_does_not_overflow),
         cmocka_unit_test(summaries_merge_in_any_order),

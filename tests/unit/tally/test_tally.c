@@ -61,7 +61,7 @@ static int map_cells(const struct cml_tally *t, uint64_t **cells)
 {
     uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya,  t->Rd_xya2, t->Tt_xya2,
                                     t->A_xyz,  t->phi_xyz, t->facets};
-    const int counts[MAPS] = {6, 6, 6, 6, 9, 8 * CML_VOXEL_GROUPS, 2 * CML_FACET_SCORES};
+    const int counts[MAPS] = {6, 6, 6, 6, 9, 8 * CML_NUM_GROUPS, 2 * CML_FACET_SCORES};
     int n = 0;
     for (int a = 0; a < MAPS; a++)
         for (int i = 0; i < counts[a]; i++) cells[n++] = &arrays[a][i];
@@ -73,7 +73,7 @@ static void maps_have_cells_of_their_own(void **state)
     (void)state;
     struct cml_tally a = make_tally(&map_grid);
     struct cml_result result = make_result(&map_grid, 64);
-    uint64_t *cells[64 + 8 * CML_VOXEL_GROUPS];
+    uint64_t *cells[64 + 8 * CML_NUM_GROUPS];
     const int n = map_cells(&a, cells);
     assert_int_equal(cml_tally_cells(&map_grid), cml_tally_cells(&grid) + (size_t)n);
     for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
@@ -86,7 +86,7 @@ static void maps_have_cells_of_their_own(void **state)
         assert_true(result.Rd_xya2[i] == 2 * a.Rd_xya2[i] && result.Tt_xya2[i] == 2 * a.Tt_xya2[i]);
     }
     for (int i = 0; i < 9; i++) assert_true(result.A_xyz[i] == 2 * a.A_xyz[i]);
-    for (int i = 0; i < 8 * CML_VOXEL_GROUPS; i++) assert_true(result.phi_xyz[i] == 2 * a.phi_xyz[i]);
+    for (int i = 0; i < 8 * CML_NUM_GROUPS; i++) assert_true(result.phi_xyz[i] == 2 * a.phi_xyz[i]);
     for (int i = 0; i < 2 * CML_FACET_SCORES; i++) assert_true(result.facets[i] == 2 * a.facets[i]);
     for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
     for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
@@ -140,7 +140,7 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
         thread[t].A_rz[7 * (large.nz + 2) + 3] += 5; /* r bin 7, z bin 2 */
         thread[t].A_z[3] += 5;
         thread[t].Rd_ra[4] += 3;
-        cml_tally_note(&thread[t]);
+        cml_tally_note(&thread[t], 10 + t);
         cml_result_note(&result, 10 + t, &thread[t]);
     }
     for (int t = 0; t < 2; t++) cml_result_add(&result, &thread[t]);
@@ -176,7 +176,7 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
             row[at.A_z + 2] += (uint64_t)(20 - 5 * i);
         }
         assert_int_equal(tally.late.count, 3);
-        cml_tally_note(&tally);
+        cml_tally_note(&tally, batch);
         cml_result_note(&result, batch, &tally);
         cml_tally_clear_late(&tally);
         assert_int_equal(tally.late.count, 0);
@@ -187,6 +187,35 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
         assert_true(result.A_z[b * grid.nz + 1] == noted[b]);
     }
     for (size_t i = 0; i < CML_NUM_BATCHES * at.bins; i++) assert_int_equal(tally.late.rows[i], 0);
+    cml_tally_free(&tally);
+    cml_result_free(&result);
+}
+
+/* Batches 5 and 21 are of one group, 6 is of another: A_z is told apart by batch, A_rz by group. */
+static void groups_have_an_A_rz_each(void **state)
+{
+    (void)state;
+    struct cml_grid apart = grid;
+    apart.rz_errors = true;
+    const size_t cells = cml_rz_cells(&apart), A_z = cml_tally_profiles(&apart).A_z;
+    struct cml_tally tally = make_tally(&apart);
+    struct cml_result result = make_result(&apart, 1000);
+    tally.A_rz[5 * cells + 2] += 100; /* z bin 1 */
+    cml_tally_late(&tally, 5)[A_z + 2] += 30;
+    tally.A_rz[6 * cells + 2] += 7;
+    cml_tally_late(&tally, 6)[A_z + 2] += 7;
+    for (int n = 0; n < 2; n++) { /* the second time nothing has come */
+        cml_tally_note(&tally, 21);
+        cml_result_note(&result, 21, &tally);
+        cml_tally_clear_late(&tally);
+    }
+    cml_result_add(&result, &tally);
+    assert_true(result.A_z[21 * 4 + 1] == 70 && result.A_z[5 * 4 + 1] == 30 && result.A_z[6 * 4 + 1] == 7);
+    assert_true(result.A_rz[5 * 12 + 1] == 100 && result.A_rz[6 * 12 + 1] == 7);
+    assert_true(cml_result_cell_sum(result.A_rz + 1, CML_NUM_GROUPS, 12) == 107);
+    cml_tally_zero(&tally);
+    cml_tally_note(&tally, 5);
+    assert_int_equal(tally.brought[A_z + 2], 0);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }
@@ -215,6 +244,7 @@ int main(void)
         cmocka_unit_test(borrowed_maps_are_not_merged),
         cmocka_unit_test(threads_that_share_absorption_have_batches_of_their_own),
         cmocka_unit_test(late_packets_are_noted_in_their_own_batches),
+        cmocka_unit_test(groups_have_an_A_rz_each),
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -99,14 +99,15 @@ CML_FN int cml_has_facets(const struct cml_deposits *to)
 #define cml_mark_interaction(world, to, packet, from, t) ((void)(from), (void)(t))
 #define cml_mark_last(world, to, packet) ((void)0)
 
-CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)
+CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 index, cml_u64 voxel, cml_u32 dw)
 {
-    (void)to, (void)voxel, (void)dw;
+    (void)to, (void)index, (void)voxel, (void)dw;
 }
 
-CML_FN void cml_add_to_facet(const struct cml_deposits *to, int facet, enum cml_facet_score score, cml_u32 w)
+CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int facet,
+                             enum cml_facet_score score, cml_u32 w)
 {
-    (void)to, (void)facet, (void)score, (void)w;
+    (void)to, (void)index, (void)facet, (void)score, (void)w;
 }
 
 CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_term term, cml_u64 amount)

@@ -23,7 +23,8 @@ struct cml_branches {
  * again, expected: [scores of the tail] (P15) or NULL; expected_late: the same once more, of the batch of a
  * packet that is late, or NULL. */
 struct cml_deposits {
-    cml_u32 group_cells; /* from A_rz of a group to that of the next; 0: they have one */
+    cml_u32 group_cells;            /* from A_rz of a group to that of the next; 0: they have one */
+    cml_u64 voxel_step, facet_step; /* the same of A_xyz and facets */
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared;   /* by all threads */
@@ -93,14 +94,16 @@ CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int ce
     to->A_rz[cml_first_cell(to, index) + (cml_u32)cell] += dw;
 }
 
-CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)
+CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 index, cml_u64 voxel, cml_u32 dw)
 {
-    cml_add_shared(&to->A_xyz[voxel], dw);
+    cml_add_shared(&to->A_xyz[index % CML_NUM_GROUPS * to->voxel_step + voxel], dw);
 }
 
-CML_FN void cml_add_to_facet(const struct cml_deposits *to, int facet, enum cml_facet_score score, cml_u32 w)
+CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int facet,
+                             enum cml_facet_score score, cml_u32 w)
 {
-    cml_add_shared(&to->facets[(cml_u64)facet * CML_FACET_SCORES + (cml_u64)score], w);
+    const cml_u64 cell = (cml_u64)facet * CML_FACET_SCORES + (cml_u64)score;
+    cml_add_shared(&to->facets[index % CML_NUM_GROUPS * to->facet_step + cell], w);
 }
 
 #endif

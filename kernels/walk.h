@@ -85,7 +85,7 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     packet->absorbed += dw;
     cml_add_to_layer(to, packet->medium, dw);
     const real bins = world->media[packet->medium].bins;
-    if (cml_has_volume(to)) cml_add_to_voxel(to, cml_voxel(setup, packet->p, bins), dw);
+    if (cml_has_volume(to)) cml_add_to_voxel(to, packet->index, cml_voxel(setup, packet->p, bins), dw);
     if (!setup->tally_absorption) return;
 #ifndef __OPENCL_VERSION__
     if (to->A_t) to->A_t[cml_gate(setup->gates, packet->path)] += dw;
@@ -416,10 +416,11 @@ CML_FN int cml_facet_index(const struct cml_facet_range *range, int primitive)
     return range->first + (primitive < outer_plane ? primitive : outer_plane);
 }
 
-/* Weight w came from medium `from` to a primitive of the boundary at x, y, and `left` of it left it into
- * medium `other`. */
-CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_deposits *to, int boundary,
-                            int primitive, real x, real y, int from, int other, cml_u32 w, cml_u32 left)
+/* Weight w of a packet came from medium `from` to a primitive of the boundary at x, y, and `left` of it left
+ * it into medium `other`. */
+CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
+                            int boundary, int primitive, real x, real y, int from, int other, cml_u32 w,
+                            cml_u32 left)
 {
     const struct cml_facet_range range = world->surfaces[boundary].facets;
     if (range.count == 0) return;
@@ -427,8 +428,10 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
         primitive = (int)cml_map_pixel(&world->setup, x, y);
     const int facet = cml_facet_index(&range, primitive);
     const int came_from_below = from == boundary + 1, went_below = other == boundary + 1;
-    cml_add_to_facet(to, facet, came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE, w);
-    cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, left);
+    cml_add_to_facet(to, index, facet,
+                     came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE, w);
+    cml_add_to_facet(to, index, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE,
+                     left);
 }
 
 /* A packet that starts below planes has come through them without an event (P1): its specular part has left
@@ -442,9 +445,11 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     const int passed = source->inside ? 0 : packet->medium;
     const real x = packet->p.x, y = packet->p.y;
     for (int b = 0; b < passed; b++) {
-        cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w, packet->w);
-        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, source->specular, source->specular);
-        if (passed == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, source->between, source->between);
+        cml_score_facet(world, to, packet->index, b, 0, x, y, b, b + 1, packet->w, packet->w);
+        if (b == 0)
+            cml_score_facet(world, to, packet->index, 0, 0, x, y, 0, 0, source->specular, source->specular);
+        if (passed == 2)
+            cml_score_facet(world, to, packet->index, b, 0, x, y, 1, 1, source->between, source->between);
     }
 }
 
@@ -463,8 +468,8 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
     cml_boundary_event(world, packet, hit);
     cml_mark_last(world, to, packet);
     if (cml_has_facets(to))
-        cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
-                        packet->medium, arriving, packet->w);
+        cml_score_facet(world, to, packet->index, hit->boundary, hit->primitive, packet->p.x, packet->p.y,
+                        from, packet->medium, arriving, packet->w);
 }
 
 /* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to

@@ -78,6 +78,9 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
     grid.rz_errors = grid.absorption && cml_rz_cells(&grid) <= CML_CELLS_WITH_ERRORS;
+    const size_t voxels = (size_t)grid.nx * (size_t)grid.ny * (size_t)grid.nz;
+    if (grid.volume && voxels <= CML_CELLS_WITH_ERRORS) grid.voxel_step = voxels + 1;
+    if (grid.facets <= CML_FACETS_WITH_ERRORS) grid.facet_step = grid.facets * CML_FACET_SCORES;
     grid.row_cells = cml_row_cells(&grid);
     return grid;
 }

@@ -388,6 +388,8 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
     uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
     const struct cml_deposits to = {.group_cells =
                                         tally->grid.rz_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
+                                    .voxel_step = tally->grid.voxel_step,
+                                    .facet_step = tally->grid.facet_step,
                                     .A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,

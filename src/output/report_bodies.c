@@ -62,8 +62,15 @@ static void densities(const void *context, size_t begin, size_t count, double *o
     const struct cml_field_source *source = context;
     struct place place = place_of(source->report, begin);
     for (size_t i = 0; i < count; i++, move_on(source->report, &place))
-        out[i] = (double)source->cells[(begin + i) * CML_FACET_SCORES] * cml_field_per_photon(source) /
-                 area_of(source->report, &place);
+        out[i] = cml_field_sum(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &place);
+}
+
+static void density_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    struct place place = place_of(source->report, begin);
+    for (size_t i = 0; i < count; i++, move_on(source->report, &place))
+        out[i] = cml_field_error(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &place);
 }
 
 static void face_numbers(const void *context, size_t begin, size_t count, double *out)
@@ -78,8 +85,16 @@ static void face_densities(const void *context, size_t begin, size_t count, doub
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++) {
         const struct cml_body_face *face = &source->face[begin + i];
-        out[i] =
-            (double)source->cells[face->facet * CML_FACET_SCORES] * cml_field_per_photon(source) / face->area;
+        out[i] = cml_field_sum(source, face->facet * CML_FACET_SCORES) / face->area;
+    }
+}
+
+static void face_density_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) {
+        const struct cml_body_face *face = &source->face[begin + i];
+        out[i] = cml_field_error(source, face->facet * CML_FACET_SCORES) / face->area;
     }
 }
 
@@ -95,19 +110,21 @@ static const cml_u128 *first_scores(const struct cml_report *report)
 }
 
 /* Of facets, or, without the word body in their names, of faces that stand for them. */
-static void add_scores(struct cml_field_list *c, cml_field_values *values, const struct cml_body_face *face)
+static void add_scores(struct cml_field_list *c, const struct cml_body_face *face)
 {
     static const enum cml_facet_score scores[] = {CML_FACET_IRRADIANCE_ABOVE, CML_FACET_IRRADIANCE_BELOW,
                                                   CML_FACET_EXITANCE_ABOVE, CML_FACET_EXITANCE_BELOW};
     for (int i = 0; i < (int)(sizeof scores / sizeof *scores); i++) {
         const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_body_irradiance_outside + i);
-        struct cml_field_source *source = cml_add_field(c, quantity, values);
+        struct cml_field_source *source = cml_add_field(c, quantity, face ? face_densities : densities);
         struct cml_field *field = cml_last_field(c);
         source->cells = first_scores(c->report) + scores[i];
         source->face = face;
+        source->step = c->report->sums->grid.facet_step;
         field->single = true;
         if (face)
             snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name + strlen("body_"));
+        if (source->step) cml_add_error_field(c, face ? face_density_errors : density_errors);
     }
 }
 
@@ -121,7 +138,7 @@ void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_fa
     set_facets(c, CML_AXIS_face, drawn->faces.num_faces);
     cml_add_field(c, CML_QUANTITY_body_of_facet, face_numbers)->face = drawn->face;
     snprintf(cml_last_field(c)->name, sizeof cml_last_field(c)->name, "body");
-    add_scores(c, face_densities, drawn->face);
+    add_scores(c, drawn->face);
 }
 
 void cml_add_body_fields(struct cml_field_list *c)
@@ -134,7 +151,25 @@ void cml_add_body_fields(struct cml_field_list *c)
     if (!c->report->sums->facets) return;
     cml_add_field(c, CML_QUANTITY_body_of_facet, numbers);
     cml_add_field(c, CML_QUANTITY_body_area, areas);
-    add_scores(c, densities, NULL);
+    add_scores(c, NULL);
+}
+
+enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
+
+/* One of its fluxes, over all its facets; scores: that of the first. */
+static void set_flux(const struct cml_report *report, const cml_u128 *scores, int body, int side,
+                     struct cml_outcome *o)
+{
+    const struct cml_result *sums = report->sums;
+    const size_t step = sums->grid.facet_step, groups = cml_groups_of(step),
+                 at = (size_t)(body * SIDES + side);
+    cml_u128 group[CML_NUM_GROUPS] = {0};
+    for (size_t g = 0; g < groups; g++)
+        for (uint64_t i = 0; i < report->surfaces->bodies.item[body].primitives; i++)
+            group[g] += scores[g * step + i * CML_FACET_SCORES];
+    o->value[CML_QUANTITY_flux_body][at] =
+        cml_result_cell_sum(group, (int)groups, 1) * CML_WEIGHT_UNIT / (double)sums->photons;
+    if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
 /* Facets of bodies follow those of all boundaries. */
@@ -143,14 +178,13 @@ cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_ou
 {
     const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
     if (!report->sums->facets || bodies->count == 0) return CML_OK;
+    const size_t step = report->sums->grid.facet_step;
     CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, false, err));
+    if (step) CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, true, err));
     const cml_u128 *scores = first_scores(report);
-    double *to = o->value[CML_QUANTITY_flux_body];
-    for (int k = 0; k < bodies->count; k++, to += CML_FACET_EXITANCE_BELOW + 1) {
-        for (uint64_t i = 0; i < bodies->item[k].primitives; i++, scores += CML_FACET_SCORES)
-            for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++) to[s] += (double)scores[s];
-        for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++)
-            to[s] = to[s] * CML_WEIGHT_UNIT / (double)report->sums->photons;
+    for (int k = 0; k < bodies->count; k++) {
+        for (int side = 0; side < SIDES; side++) set_flux(report, scores + side, k, side, o);
+        scores += bodies->item[k].primitives * CML_FACET_SCORES;
     }
     return CML_OK;
 }

@@ -26,13 +26,22 @@ static void facet_values(const void *context, size_t begin, size_t count, double
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++) {
         const size_t facet = (begin + i) / source->per_facet;
-        out[i] = (double)source->cells[facet * CML_FACET_SCORES] * cml_field_per_photon(source) /
-                 facet_area(source, facet);
+        out[i] = cml_field_sum(source, facet * CML_FACET_SCORES) / facet_area(source, facet);
     }
 }
 
-/* For escaped weight only: of irradiances, which a packet may add to many times, no squares are kept. */
+/* Irradiance and exitance, which a packet may add to many times. */
 static void facet_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) {
+        const size_t facet = (begin + i) / source->per_facet;
+        out[i] = cml_field_error(source, facet * CML_FACET_SCORES) / facet_area(source, facet);
+    }
+}
+
+/* Of escaped weight. */
+static void escape_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++) {
@@ -117,12 +126,16 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
         struct cml_field_source *source = cml_add_field(c, scores[i].quantity, facet_values);
         source->cells = first + scores[i].score;
         source->squares = first + CML_FACET_ESCAPED_SQUARES;
+        source->step = c->report->sums->grid.facet_step;
         source->surface = &c->report->surfaces->item[b];
         source->per_facet = per_facet;
         name_field(c, prefix, "", scores[i].quantity);
         along_facets(c, b);
         cml_last_field(c)->single = true;
-        if (scores[i].score == CML_FACET_ESCAPED) cml_add_error_field(c, facet_errors);
+        if (scores[i].score == CML_FACET_ESCAPED)
+            cml_add_error_field(c, escape_errors);
+        else if (source->step)
+            cml_add_error_field(c, facet_errors);
     }
 }
 
@@ -132,11 +145,12 @@ void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *pre
     const cml_u128 *first = facets_of(c->report, b);
     if (!first) return;
     const cml_u128 *outer = first + (num_facets(c->report, b) - 1) * CML_FACET_SCORES;
+    const size_t step = c->report->sums->grid.facet_step;
     for (size_t i = 0; i < SCORES; i++) {
         if (!has_score(c->report, b, i)) continue;
         cml_add_number_field(c, scores[i].quantity,
-                             (double)outer[scores[i].score] * CML_WEIGHT_UNIT /
-                                 (double)c->report->sums->photons);
+                             cml_result_cell_sum(outer + scores[i].score, (int)cml_groups_of(step), step) *
+                                 CML_WEIGHT_UNIT / (double)c->report->sums->photons);
         cml_last_field(c)->units = "1";
         cml_last_field(c)->num_axes = 0;
         name_field(c, prefix, "outer_", scores[i].quantity);

@@ -29,7 +29,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
     return sum;
 }
 
-/* Pixels of a map, or voxels with na = 1: per area or volume, which are equal for all. */
+/* Pixels of a map: per area, which is equal for all. */
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -38,12 +38,31 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
 
+double cml_field_sum(const struct cml_field_source *source, size_t cell)
+{
+    const int groups = (int)cml_groups_of(source->step);
+    return cml_result_cell_sum(source->cells + cell, groups, source->step) * cml_field_per_photon(source);
+}
+
+double cml_field_error(const struct cml_field_source *source, size_t cell)
+{
+    return cml_result_cell_error(source->report->sums, source->cells + cell, source->step);
+}
+
+static void voxel_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    const double k = cml_field_per_photon(source) * source->scale;
+    const int groups = (int)cml_groups_of(source->step);
+    for (size_t i = 0; i < count; i++)
+        out[i] = cml_result_cell_sum(source->cells + (begin + i) * source->na, groups, source->step) * k;
+}
+
 static void voxel_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++)
-        out[i] = source->scale *
-                 cml_result_cell_error(source->report->sums, source->cells + (begin + i) * source->na, 1);
+        out[i] = cml_field_error(source, (begin + i) * source->na) * source->scale;
 }
 
 /* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
@@ -132,13 +151,14 @@ static void set_pixel_axes(struct cml_field_list *c)
     }
 }
 
-/* Room for the map's twelve fields, ten of bodies, fourteen for every boundary and two for every detector. */
+/* Room for the map's twelve fields, fourteen of bodies, eighteen for every boundary and two for every
+ * detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
     const size_t boundaries = (size_t)report->surfaces->count,
                  detectors = (size_t)report->scene->num_detectors,
-                 capacity = CML_NUM_QUANTITIES + 14 * boundaries + 2 * detectors;
+                 capacity = CML_NUM_QUANTITIES + 18 * boundaries + 2 * detectors;
     *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
@@ -233,25 +253,26 @@ void cml_add_map_fields(struct cml_field_list *c)
     add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya, r->Tt_xya2);
 }
 
+/* apart: from a voxel to the next; step: to what the next group of photons has in it, 0: there is one for
+ * all. Squares of what a packet leaves in a voxel would need a volume per packet. */
 static void add_voxels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
-                       size_t each, double scale)
+                       size_t apart, size_t step, double scale)
 {
     const struct cml_scene *scene = c->report->scene;
-    struct cml_field_source *source = cml_add_field(c, quantity, pixel_values);
+    struct cml_field_source *source = cml_add_field(c, quantity, voxel_values);
     source->cells = cells;
-    source->na = each;
+    source->na = apart;
+    source->step = step;
     source->scale = scale / (scene->map.dx * scene->map.dy * scene->dz);
     cml_last_field(c)->single = true;
+    if (step) cml_add_error_field(c, voxel_errors);
 }
 
-/* A_xyz without errors: squares of what a packet leaves in a voxel would need a volume per packet. */
 void cml_add_volume_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = c->report->sums;
-    if (r->A_xyz) add_voxels(c, CML_QUANTITY_A_xyz, r->A_xyz, 1, 1);
-    if (!r->phi_xyz) return;
-    add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_NUM_GROUPS, r->grid.marks);
-    cml_add_error_field(c, voxel_errors);
+    if (r->A_xyz) add_voxels(c, CML_QUANTITY_A_xyz, r->A_xyz, 1, r->grid.voxel_step, 1);
+    if (r->phi_xyz) add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_NUM_GROUPS, 1, r->grid.marks);
 }
 
 void cml_add_detector_fields(struct cml_field_list *c, int only)
@@ -289,5 +310,8 @@ void cml_add_outside_fields(struct cml_field_list *c)
     cml_add_number_field(c, CML_QUANTITY_Rd_outside, (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
     cml_add_number_field(c, CML_QUANTITY_Tt_outside, (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
     if (r->A_xyz)
-        cml_add_number_field(c, CML_QUANTITY_A_outside, (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
+        cml_add_number_field(c, CML_QUANTITY_A_outside,
+                             cml_result_cell_sum(r->A_xyz + pixels * (size_t)grid->nz,
+                                                 (int)cml_groups_of(grid->voxel_step), grid->voxel_step) *
+                                 per);
 }

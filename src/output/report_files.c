@@ -276,17 +276,18 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
 }
 
 /* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have
- * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores, an
- * error, an area and numbers; a body has its medium and its line of text. What grows may be copied while it
- * is small. */
+ * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores,
+ * errors of all, an area and numbers; a body has its medium and its line of text. What grows may be copied
+ * while it is small. */
 static double image_bytes(const struct cml_grid *grid, double cells)
 {
     const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
-    const double voxels = pixels * grid->nz * (grid->volume + 2 * grid->phi_volume);
+    const double voxels =
+        pixels * grid->nz * (grid->volume * (grid->voxel_step ? 2 : 1) + 2 * grid->phi_volume);
     const double bytes = 2 * cells * sizeof(double) +
                          4 * pixels * (1.0 + (grid->map_na > 1 ? grid->map_na : 0)) * sizeof(float) +
                          2 * (double)grid->detector_pixels * sizeof(float) + voxels * sizeof(float) +
-                         64.0 * (double)grid->facets + 320.0 * grid->num_bodies;
+                         80.0 * (double)grid->facets + 320.0 * grid->num_bodies;
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 

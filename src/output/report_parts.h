@@ -43,6 +43,7 @@ struct cml_field_source {
     double number;
     const cml_u128 *cells, *squares;
     size_t na;    /* cells of a pixel */
+    size_t step;  /* to the cells of the next group of photons; 0: there is one for all */
     double scale; /* from share of the launched weight to what is written */
     const struct cml_surface_def *surface;
     size_t per_facet; /* successive values that belong to one facet */
@@ -83,10 +84,15 @@ void cml_add_error_field(struct cml_field_list *list, cml_field_values *values);
 /* From units of weight to a share of one packet. */
 double cml_field_per_photon(const struct cml_field_source *source);
 
+/* What all groups have in a cell, as a share of one packet; and its standard error, where they are apart. */
+double cml_field_sum(const struct cml_field_source *source, size_t cell);
+double cml_field_error(const struct cml_field_source *source, size_t cell);
+
 /* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
 void cml_add_map_fields(struct cml_field_list *list);
 
-/* A_xyz, and phi_xyz with standard errors; nothing where they are not tallied. */
+/* A_xyz, with standard errors where it has few voxels, and phi_xyz with them; nothing where they are not
+ * tallied. */
 void cml_add_volume_fields(struct cml_field_list *list);
 
 /* detector_NAME_map of all detectors that are maps, or of number `only` if that is not below 0, with standard

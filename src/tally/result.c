@@ -355,8 +355,8 @@ static double difference(cml_u128 a, cml_u128 b)
 static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;
-    for (size_t i = 0; i < result->grid.facets; i++) {
-        const cml_u128 *score = result->facets + i * CML_FACET_SCORES;
+    for (size_t i = 0; i < cml_cells_facets(&result->grid); i += CML_FACET_SCORES) {
+        const cml_u128 *score = result->facets + i;
         in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
         out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
     }

@@ -24,10 +24,12 @@ __extension__ typedef __int128 cml_i128;
 struct cml_grid {
     int nr, nz, na;
     int num_layers, num_bodies;
-    bool absorption; /* A_rz is tallied; false: its cells do not exist */
-    bool depths;     /* A_z is tallied, of a thread that scores into an A_rz of others */
-    bool rz_errors;  /* each group of photons has an A_rz of its own */
-    int gates;       /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
+    bool absorption;               /* A_rz is tallied; false: its cells do not exist */
+    bool depths;                   /* A_z is tallied, of a thread that scores into an A_rz of others */
+    bool rz_errors;                /* each group of photons has an A_rz of its own */
+    size_t voxel_step, facet_step; /* the same of A_xyz, and of facets: cells from those of a group to those
+                                    * of the next; 0: groups share them */
+    int gates;                     /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
     int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
@@ -105,7 +107,7 @@ struct cml_tally {
     uint64_t *phi; /* [64][nr + 1][nz + 2] by batch, weight of the marks in a cell (P14); or NULL */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
-    uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
+    uint64_t *A_xyz;             /* [groups][nz ny nx + 1] or NULL */
     uint64_t *phi_xyz;           /* [nz ny nx][CML_NUM_GROUPS], by index, as phi; or NULL */
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
@@ -114,7 +116,8 @@ struct cml_tally {
     uint32_t *trail_count; /* the same */
     struct cml_saved_part *saved;           /* packets one by one; or NULL */
     uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
-    uint64_t *facets;                       /* [facets][CML_FACET_SCORES] or NULL */
+    uint64_t *facets; /* [groups][facets][CML_FACET_SCORES] or NULL; what escapes is in the first
+                       * group */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
@@ -142,6 +145,11 @@ CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cm
 /* How many A_rz there are, one behind the other, and how many cells each has. With at most so many cells each
  * group has its own: a thread's are then its own, too (CML_THREAD_CELLS). */
 #define CML_CELLS_WITH_ERRORS 65536
+#define CML_FACETS_WITH_ERRORS 16384
+static inline size_t cml_groups_of(size_t step)
+{
+    return step ? CML_NUM_GROUPS : 1;
+}
 static inline int cml_rz_groups(const struct cml_grid *grid)
 {
     return grid->rz_errors ? CML_NUM_GROUPS : 1;

@@ -167,9 +167,9 @@ static void cml_place_lane(struct cml_flight *f, int i)
         cml_store_ray(f->b, i, start->p, start->u);
         if (f->elsewhere) cml_launch_elsewhere(f, i, start);
     }
+    start->index = cml_lane_index(f->b, i);
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
     if (!f->to.phi) return;
-    start->index = cml_lane_index(f->b, i);
     cml_mark_first(f->world, &f->to, start);
     f->b->mark[i] = start->mark;
 }

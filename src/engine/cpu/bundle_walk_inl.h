@@ -229,8 +229,8 @@ static void cml_score_planes(const struct cml_flight *f)
         const int through = b->task[i] == CML_LANE_TRANSMITTED, upwards = b->uz[i] < 0, m = b->medium[i];
         const int boundary = through == upwards ? m - 1 : m, beyond = upwards ? m - 1 : m + 1;
         if (!through && b->task[i] != CML_LANE_REFLECTED) continue;
-        cml_score_facet(f->world, &f->to, boundary, 0, b->x[i], b->y[i], m, through ? beyond : m, b->w[i],
-                        b->w[i]);
+        cml_score_facet(f->world, &f->to, b->index_low[i], boundary, 0, b->x[i], b->y[i], m,
+                        through ? beyond : m, b->w[i], b->w[i]);
     }
 }
 
@@ -424,7 +424,8 @@ static void cml_scatter_volume(const struct cml_flight *f)
     for (int i = 0; i < b->lanes; i++) {
         const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
         if (b->dw[i])
-            cml_add_to_voxel(&f->to, cml_voxel(&f->world->setup, p, CML_OF_MEDIUM(b, bins)[i]), b->dw[i]);
+            cml_add_to_voxel(&f->to, b->index_low[i],
+                             cml_voxel(&f->world->setup, p, CML_OF_MEDIUM(b, bins)[i]), b->dw[i]);
     }
 }
 

@@ -33,6 +33,7 @@ QUANTITIES = {
     "Tt_expected": ((), "1", "transmittance, by what flat layers let through"),
     "A_l_expected": (("layer",), "1", "absorption by layer, by what flat layers absorb; above them as counted"),
     "A_body": (("body",), "1", "absorption by body"),
+    "flux_body": (("body", "side"), "1", "weight at each body's surface: arrives outside, inside, leaves outside, inside"),
     "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
     "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
     "Rd_a": (("alpha",), "sr-1", "diffuse reflectance by angle"),
@@ -83,6 +84,7 @@ AXES = {
     "body": ("1", "body, from 1, in the order of the file"),
     "medium": ("1", "medium: 0 above, layers from 1, below, then bodies"),
     "inside": ("1", "medium inside: layers from 1, then bodies"),
+    "side": ("1", "arrives outside, inside, leaves outside, inside"),
     "gate": ("ps", "time, middle of the gate"),
     "theta": ("rad", "angle of flight from the outward vertical, middle of the bin"),
     "phi": ("rad", "azimuth of flight, from x towards y, middle of the bin"),
@@ -206,6 +208,7 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     axes, media, above, below = _grid(words, len(text) // 2)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
+        axes["side"] = np.arange(1.0, 5)
     if "dRd_dmua" in sections:
         axes["inside"] = np.arange(1.0, len(sections["dRd_dmua"]) + 1)
     if "time" in sections:

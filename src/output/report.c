@@ -200,6 +200,16 @@ static void print_saved(FILE *stream, const struct cml_report *report)
     fputc('\n', stream);
 }
 
+/* Of windows. */
+static void print_parts(FILE *stream, const struct cml_result *result)
+{
+    const double parts = (double)result->summary.count[CML_COUNT_BRANCHES],
+                 whole = (double)result->summary.count[CML_COUNT_UNSPLIT];
+    if (parts > 0)
+        fprintf(stream, "  %.3g parts of packets a photon were split off\n", parts / (double)result->photons);
+    if (whole > 0) fprintf(stream, "  %.0f packets stayed whole, as too many parts waited\n", whole);
+}
+
 /* The words `books` and `residue` are those of the output files; the code says weight balance and
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
@@ -216,9 +226,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             (unsigned long long)cml_result_lost(result));
     print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
     print_saved(stream, report);
-    if (result->summary.count[CML_COUNT_BRANCHES])
-        fprintf(stream, "  %.3g parts of packets a photon were split off\n",
-                (double)result->summary.count[CML_COUNT_BRANCHES] / (double)result->photons);
+    print_parts(stream, result);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps", seconds, (double)result->photons / seconds,
             steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);

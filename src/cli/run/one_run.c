@@ -8,6 +8,7 @@
 #include "cli/run/aim.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
+#include "cli/run/unaimed.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "result/h5.h"
@@ -401,8 +402,10 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
                             : publish_run(call, setup, &run, NULL, NULL, record, err);
     if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
         cml_checkpoint_remove(twin->checkpoint);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK && call->row == 0) cml_unaimed_show(call->options, setup, &run);
     cml_run_result_free(&run);
-    return cml_cluster_agree(status, err);
+    return status;
 }
 
 /* Of what is written to a device there is nothing to continue. */

@@ -53,6 +53,22 @@ CML_FN int cml_is_in_shape(const struct cml_detector *detector, real x, real y, 
     return 1;
 }
 
+/* Share of a circle of radius r that lies in a disk whose middle is `away` from the circle's. */
+CML_FN real cml_share_in_disk(real r, real away, real radius)
+{
+    const real square =
+        (radius - (r - away)) * (radius + (r - away)) / (4 * r * away); /* of the sine of half the angle */
+    const real per_turn = (real)0.3183098861837907;
+    if (!(square > 0)) return 0;
+    if (square >= 1) return 1;
+    return square < (real)0.5 ? per_turn * cml_acos(1 - 2 * square) : 1 - per_turn * cml_acos(2 * square - 1);
+}
+
+CML_FN real cml_arc_share(struct cml_arc arc, real r)
+{
+    return cml_share_in_disk(r, arc.away, arc.outer) - cml_share_in_disk(r, arc.away, arc.inner);
+}
+
 /* x, y: where the ray crosses the detector's level, scene coordinates. */
 CML_FN int cml_detects(const struct cml_detector *detector, const struct cml_ray_out *ray, real x, real y,
                        cml_u64 *pixel)

@@ -24,7 +24,7 @@ enum cml_purpose {
     CML_PURPOSE_MARK,    /* event 0: [0] place of the first mark (marks.h); event 1 + e: [0] which marks of a
                             long    flight count, e interactions and boundary events before it */
     CML_PURPOSE_BRANCH,  /* event 64 j + k: [0] [1] index of part k of a packet that is split after j
-                            interactions */
+                            interactions; event 0: [0] rounding of what a detector sees of a circle */
 };
 
 struct cml_block {

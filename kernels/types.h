@@ -143,9 +143,17 @@ struct cml_detector_level {
  * packets, from the beam's axis; or each has its own place. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
+/* A detector in a scene that is the same all about the first beam's axis: of light that leaves on a circle
+ * about it, it sees the share that lies in its ring, which is `away` from the axis. */
+struct cml_arc {
+    int detector, level; /* detector: from 1; 0: there is none */
+    real away, inner, outer;
+};
+
 struct cml_detection {
     int num_detectors, num_levels;
     int split;
+    struct cml_arc arc;
     const struct cml_detector *detectors;
     const struct cml_detector_level *levels;
     const int *start, *list;

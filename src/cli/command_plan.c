@@ -145,7 +145,8 @@ static void print_windows(const struct plan *plan)
     for (int k = 0; k < MOST_DETECTORS; k++) {
         if (plan->seen[k].cells == 0) continue;
         const char *name = plan->scene->detectors[k].name;
-        printf("  Through planes %s sees some %.1g of the light: ", name, plan->seen[k].worth);
+        printf("  Through planes %s sees some %.1g of the light: ", name,
+               plan->seen[k].worth * plan->seen[k].share);
         print_gain(&plan->seen[k], name, "it");
     }
 }

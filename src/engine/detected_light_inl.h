@@ -11,6 +11,7 @@
 struct cml_light_out {
     struct cml_ray_out ray;
     cml_u32 w;
+    real lot;       /* 0 to 1: what a share of the weight is rounded by */
     uint64_t times; /* packets that go out so */
     int gate;
     const struct cml_trail *trail; /* of the packet; NULL: it went straight back at the depth 0 */
@@ -126,6 +127,37 @@ static inline int cml_next_seeing(struct cml_seeing *s)
     }
 }
 
+/* Into detector k, but for its map. */
+static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
+                                       int k, uint64_t *sums)
+{
+    const struct cml_setup *setup = &world->setup;
+    const size_t detectors = (size_t)world->detection.num_detectors, gates = (size_t)setup->gates.count,
+                 moments =
+                     CML_MOMENT_CELLS * (2 * ((size_t)setup->num_layers + 2 + (size_t)setup->num_bodies) + 1);
+    uint64_t *const sums_t = sums + detectors, *const means = sums_t + (gates ? detectors * (gates + 1) : 0);
+    sums[k] += light->times * light->w;
+    if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
+    cml_add_moments(world, light, means + (size_t)k * moments);
+}
+
+/* The light that leaves all about the axis where this does, as far as a detector sees it. */
+static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
+                                 uint64_t *sums)
+{
+    const struct cml_arc arc = world->detection.arc;
+    const struct cml_detector *detector = &world->detection.detectors[arc.detector - 1];
+    const struct cml_detector_level *level = &world->detection.levels[arc.level];
+    struct cml_light_out part = *light;
+    real x, y;
+    if (level->below != light->ray.below || !cml_crosses_level(&light->ray, level->z, &x, &y)) return;
+    if ((detector->diffuse && light->ray.fresh) ||
+        (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
+        return;
+    part.w = (cml_u32)CML_FMA((real)light->w, cml_arc_share(arc, CML_SQRT(CML_FMA(x, x, y * y))), light->lot);
+    if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, sums);
+}
+
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
  * NULL. sums: where `detected` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
  * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
@@ -135,23 +167,14 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
                                   const struct cml_tally *pixels)
 {
     const struct cml_detection *detection = &world->detection;
-    const struct cml_setup *setup = &world->setup;
-    const size_t gates = (size_t)setup->gates.count;
-    const size_t moments =
-        CML_MOMENT_CELLS * (2 * ((size_t)setup->num_layers + 2 + (size_t)setup->num_bodies) + 1);
     int seen = 0;
-    uint64_t *const sums_t = sums + detection->num_detectors, *const means =
-                                                                  sums_t +
-                                                                  (gates ? (size_t)detection->num_detectors *
-                                                                               (gates + 1)
-                                                                         : 0);
     struct cml_seeing seeing = cml_seeing_of(world, &light->ray);
+    if (detection->arc.detector) cml_score_arc(world, light, sums);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
         const struct cml_detector *detector = &detection->detectors[k];
+        if (k + 1 == detection->arc.detector) continue;
         seen = seen && seen <= k ? seen : k + 1;
-        sums[k] += light->times * light->w;
-        if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
-        cml_add_moments(world, light, means + (size_t)k * moments);
+        cml_add_to_detector(world, light, k, sums);
         if (!pixels || detector->shape != CML_DETECTS_MAP) continue;
         uint64_t *const to = pixels->detector_map + detector->first_pixel + seeing.pixel;
         cml_add_shared(to, light->times * light->w);
@@ -167,7 +190,7 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
 static inline struct cml_light_out cml_light_split_off(const struct cml_world *world, cml_u64 index)
 {
     const int split = world->detection.split;
-    struct cml_light_out light = {.ray = {.u = {0, 0, -1}, .fresh = 1}, .times = 1};
+    struct cml_light_out light = {.ray = {.u = {0, 0, -1}, .fresh = 1}, .lot = (real)0.5, .times = 1};
     if (split != CML_SPLIT_UNSEEN && !cml_is_branch(index)) light.w = cml_split_off(world, index);
     if (light.w && split == CML_SPLIT_APART) {
         struct cml_packet start;

@@ -221,6 +221,13 @@ static inline int cml_has_left(int fate)
     return fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR;
 }
 
+/* P13: what rounds a share of what leaves of a packet, or of a branch; 0: no share is asked for. */
+static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
+{
+    if (!world->detection.arc.detector) return 0;
+    return cml_uniform(cml_draw(world->setup.stream, index, CML_PURPOSE_BRANCH, 0).w[0]);
+}
+
 /* Packet i of the collection, which has left. */
 static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
                                                         const struct cml_terminated *terminated, int i,
@@ -233,6 +240,7 @@ static inline struct cml_light_out cml_terminated_light(const struct cml_world *
                 .below = fate == CML_FATE_TRANSMITTED,
                 .fresh = fate == CML_FATE_SPECULAR},
         .w = terminated->w[i],
+        .lot = cml_lot_of(world, cml_terminated_index(terminated, i)),
         .times = 1,
         .gate = cml_gate(world->setup.gates, terminated->path[i]),
         .trail = trail};

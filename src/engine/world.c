@@ -510,7 +510,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     set_up(scene, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
-    if (status == CML_OK) status = cml_set_detectors(scene, surfaces, to, err);
+    if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
     if (status == CML_OK)
         status =

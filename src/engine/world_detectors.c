@@ -238,8 +238,26 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
     return CML_SPLIT_UNSEEN;
 }
 
+/* Where windows say so. Packets are counted from the axis. */
+static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_depth_windows *windows,
+                             int num_levels, const struct cml_owned_world *to)
+{
+    if (!windows || !windows->detector || !(windows->share < 1)) return (struct cml_arc){0};
+    const struct cml_detector_def *def = &scene->detectors[windows->detector - 1];
+    const real z = (real)(def->z - scene->boundaries[def->below ? scene->num_layers : 0].z);
+    struct cml_arc arc = {.detector = windows->detector,
+                          .away = (real)hypot(def->x - scene->beams->x, def->y - scene->beams->y),
+                          .inner = (real)def->size[0],
+                          .outer = (real)def->size[1]};
+    while (arc.level < num_levels - 1 &&
+           (to->detector_levels[arc.level].below != def->below || to->detector_levels[arc.level].z != z))
+        arc.level++;
+    return arc;
+}
+
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                             struct cml_owned_world *to, struct cml_error *err)
+                             const struct cml_depth_windows *windows, struct cml_owned_world *to,
+                             struct cml_error *err)
 {
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});
     struct detection d = {.to = to};
@@ -267,6 +285,7 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     to->world.detection =
         (struct cml_detection){.num_detectors = (int)n,
                                .num_levels = num_levels,
+                               .arc = arc_of(scene, windows, num_levels, to),
                                .split = split_of(&to->world, (int)n, to->detectors, scene->detectors),
                                .detectors = to->detectors,
                                .levels = to->detector_levels,

@@ -144,6 +144,8 @@ windows() { # OPTIONS: in force, without expected values, and the same bytes on 
     rm -f "$work"/[abc]/x.mco
     # shellcheck disable=SC2086,SC2048
     expect_code 0 "$work/x.mci" $* --threads 1 -o "$work/a"
+    grep -Eq '^  to the same error as without windows Rd takes [0-9.e+-]+, A takes .* times the steps \(by 4096 photons without\)$' "$work/out" ||
+        complain "$*: no cost: $(cat "$work/out")"
     grep -q ' parts of packets a photon were split off$' "$work/out" && ! grep -q ' expected' "$work/out" || complain "$*: $(cat "$work/out")"
     # shellcheck disable=SC2086,SC2048
     expect_code 0 "$work/x.mci" $* --threads 3 --chunk 7 --quiet -o "$work/b"
@@ -154,6 +156,8 @@ expect_code 0 plan "$work/x.mci" --photons 2048
 grep -Eq '^  Through planes in place of all shapes comes [0-9.e-]+ of the light: --aim Tt_r would' "$work/out" || complain "plan: $(cat "$work/out")"
 windows --aim Tt
 windows --aim A_l:2
+expect_code 0 "$work/x.mci" --aim A_l:2 -o "$work/d"
+grep -Eq '^  windows gain nothing for what 0\.[0-9]+ of the light comes to$' "$work/out" || complain "A_l:2: $(cat "$work/out")"
 windows --aim Tt_r
 expect_code 0 "$work/x.mci" --aim Tt_r --photons 12001 --keep --threads 2 --quiet -o "$work/c"
 expect_code 0 "$work/x.mci" --aim Tt_r --more 7999 --quiet -o "$work/c"

@@ -35,10 +35,13 @@ static inline void invent_windows(const struct cml_scene *scene, struct cml_dept
     static uint32_t target[64 * 4];
     struct dice dice = dice_new(4);
     *windows = (struct cml_depth_windows){
-        .cells = 64, .rings = 4, .x = 0.03, .y = -0.01, .reach = 0.4, .target = target};
+        .cells = 64, .rings = 4, .share = 1, .x = 0.03, .y = -0.01, .reach = 0.4, .target = target};
     for (int l = 1; l <= scene->num_layers; l++) windows->depth += scene->media[l].d;
     for (int i = 0; i < windows->cells * windows->rings; i++)
         target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));
+    for (int k = 0; k < scene->num_detectors; k++)
+        if (scene->detectors[k].kind == CML_DETECTOR_RING) windows->detector = k + 1;
+    if (windows->detector) windows->share = 0.5; /* of circles, whatever the scene */
 }
 
 #endif

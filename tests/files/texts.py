@@ -137,6 +137,8 @@ def tutorial_numbers():
     yield r"all of its way, (\S+) cm, lies in the dermis", ((fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]),)
     deep = cml.read_sections("deep.mco")
     yield r"gives Tt as (\S+) \+- (\S+) millionths", ((1e6 * deep["Tt_expected"][0], 0), (1e6 * deep["se_Tt_expected"][0], 0))
+    remote = cml.read_sections("remote.mco")
+    yield r"It sees (\S+) \+- (\S+) hundred-millionths", ((1e8 * remote["detector_remote"][0], 0), (1e8 * remote["se_detector_remote"][0], 0))
 
 
 def measured_points():

@@ -225,6 +225,7 @@ static cml_status make_windows(const char *aim, const struct cml_scene *scene,
     *windows = (struct cml_depth_windows){.layers = layers,
                                           .cells = CML_WINDOW_CELLS,
                                           .rings = 1,
+                                          .share = 1,
                                           .depth = depth_of(media, layers),
                                           .reach = 1};
     CML_TRY(cml_importance_of_depth(media, layers, CML_WINDOW_CELLS, importance, err));
@@ -233,43 +234,88 @@ static cml_status make_windows(const char *aim, const struct cml_scene *scene,
 
 enum { RINGS = 128, CELLS = 256 }; /* a cell is a third of a diffusion length, or less, in what was flown */
 
-/* Rectangles count as disks of their size. From farther away than twice the way from the light, or deeper,
- * hardly anything arrives. */
-static struct cml_seen_ring ring_of(const struct cml_detector_def *detector)
+/* Whether light leaves alike all about the beam's axis. */
+static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
+{
+    const struct cml_beam *beam = scene->beams;
+    const bool central = beam->x == 0 && beam->y == 0;
+    if (scene->num_beams > 1 || scene->num_bodies > 0 || beam->angle > 0 ||
+        beam->kind == CML_BEAM_RECTANGLE || beam->kind == CML_BEAM_IMAGE)
+        return false;
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE &&
+            !(central && surfaces->item[b].kind == CML_SURFACE_CONE))
+            return false;
+    return true;
+}
+
+static double way_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
+{
+    return hypot(beam->x - detector->x, beam->y - detector->y);
+}
+
+/* Whether of light on a circle about that axis it sees the share that lies in it. */
+static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                      const struct cml_detector_def *detector)
+{
+    return detector->kind == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
+           way_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
+}
+
+/* About the middle of the windows. Rectangles count as disks of their size. */
+static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
     const bool ring = detector->kind == CML_DETECTOR_RING;
-    return (struct cml_seen_ring){detector->below, ring ? size[0] : 0,
-                                  ring ? size[1] : sqrt(size[0] * size[1] / M_PI)};
+    const double inner = ring ? size[0] : 0, outer = ring ? size[1] : sqrt(size[0] * size[1] / M_PI);
+    if (away == 0) return (struct cml_seen_ring){detector->below, inner, outer};
+    return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};
 }
 
+/* From farther away than twice the way from the light, or deeper, hardly anything arrives. */
 static double reach_of(const struct cml_scene *scene, const struct cml_detector_def *detector, double outer)
 {
     double farthest = outer;
     for (int k = 0; k < scene->num_beams; k++)
-        farthest = fmax(farthest, hypot(scene->beams[k].x - detector->x, scene->beams[k].y - detector->y));
+        farthest = fmax(farthest, way_between(&scene->beams[k], detector));
     return 2 * (farthest + outer);
 }
 
-static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene,
-                                  const struct cml_medium_def *media, int number,
-                                  struct cml_depth_windows *windows, struct cml_error *err)
+static double area_of(double inner, double outer)
+{
+    return outer * outer - inner * inner;
+}
+
+/* Cells, but for what packets shall weigh in them. */
+static struct cml_depth_windows lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
+                                        int number, bool arcs, struct cml_seen_ring seen)
 {
     const struct cml_detector_def *detector = &scene->detectors[number - 1];
-    const struct cml_seen_ring seen = ring_of(detector);
-    const double reach = reach_of(scene, detector, seen.outer), depth = depth_of(media, scene->num_layers);
+    const double depth = depth_of(media, scene->num_layers), reach = reach_of(scene, detector, seen.outer);
+    return (struct cml_depth_windows){
+        .layers = scene->num_layers,
+        .detector = number,
+        .share = arcs ? area_of(detector->size[0], detector->size[1]) / area_of(seen.inner, seen.outer) : 1,
+        .cells = CELLS,
+        .rings = RINGS,
+        .depth = detector->below ? depth : fmin(depth, reach),
+        .x = arcs ? scene->beams->x : detector->x,
+        .y = arcs ? scene->beams->y : detector->y,
+        .reach = reach};
+}
+
+static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene,
+                                  const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
+                                  int number, struct cml_depth_windows *windows, struct cml_error *err)
+{
+    const struct cml_detector_def *detector = &scene->detectors[number - 1];
+    const bool arcs = sees_arcs(scene, surfaces, detector);
+    const struct cml_seen_ring seen = ring_of(detector, arcs ? way_between(scene->beams, detector) : 0);
     double *importance = malloc(RINGS * CELLS * sizeof *importance);
     if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
-    *windows = (struct cml_depth_windows){.layers = scene->num_layers,
-                                          .detector = number,
-                                          .cells = CELLS,
-                                          .rings = RINGS,
-                                          .depth = detector->below ? depth : fmin(depth, reach),
-                                          .x = detector->x,
-                                          .y = detector->y,
-                                          .reach = reach};
-    cml_status status = cml_importance_of_place(media, scene->num_layers, seen, reach, windows->depth, RINGS,
-                                                CELLS, importance, err);
+    *windows = lay_out(scene, media, number, arcs, seen);
+    cml_status status = cml_importance_of_place(media, scene->num_layers, seen, windows->reach,
+                                                windows->depth, RINGS, CELLS, importance, err);
     if (status == CML_OK) status = fill_windows(aim, scene, media, importance, windows, err);
     free(importance);
     return status;
@@ -277,8 +323,8 @@ static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene
 
 /* What splits packets. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
-                              const struct cml_medium_def *media, struct wanted wanted,
-                              struct cml_depth_windows *windows, struct cml_error *err)
+                              const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
+                              struct wanted wanted, struct cml_depth_windows *windows, struct cml_error *err)
 {
     const int length = (int)strlen(aim);
     if (wants_packets(scene))
@@ -288,7 +334,7 @@ static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
     if (wanted.detectors > 1 || (wanted.detectors > 0 && wanted.layers > 0))
         return refuse(scene, aim, length,
                       "one detector, and beside it only what flat layers below all shapes give", err);
-    return wanted.detectors > 0 ? aim_at_detector(aim, scene, media, wanted.detector, windows, err)
+    return wanted.detectors > 0 ? aim_at_detector(aim, scene, surfaces, media, wanted.detector, windows, err)
                                 : make_windows(aim, scene, media, wanted.layers, windows, err);
 }
 
@@ -304,7 +350,7 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
         CML_TRY(add_name(name, scene, level.layer, &wanted, err));
     if (wanted.layers > 0 || wanted.detectors > 0)
-        CML_TRY(aim_windows(aim, scene, media, wanted, &to->windows, err));
+        CML_TRY(aim_windows(aim, scene, surfaces, media, wanted, &to->windows, err));
     return wanted.tail && tail
                ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
                : CML_OK;
@@ -378,10 +424,16 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_depth_windows_clear(&aim->windows);
 }
 
-double cml_windows_gain(const struct cml_depth_windows *windows)
+/* Of splitting alone. */
+static double gain_of(double V, double worth)
 {
-    const double worth = windows->worth, V = (windows->detector ? 0.1 : 0.008) / worth,
-                 least = 7.4; /* below that the rule turns */
+    const double least = 7.4; /* below that the rule turns */
     if (!(worth < 5e-3 && worth > 0)) return 0;
     return V > least ? V / pow(log(V), 2) : 2;
+}
+
+double cml_windows_gain(const struct cml_depth_windows *windows)
+{
+    const double gain = gain_of((windows->detector ? 0.1 : 0.008) / windows->worth, windows->worth);
+    return windows->share < 1 ? fmax(1, gain) / windows->share : gain;
 }

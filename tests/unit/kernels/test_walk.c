@@ -1,6 +1,7 @@
 /* The events of kernels/walk.h that keep a mean, roulette and the rounding of absorbed weight; steps that end
  * on a plane; facets beside a tip. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
+#include "detector.h"
 #include "walk.h"
 
 #include <math.h>
@@ -192,9 +193,33 @@ static void no_shading_normal_turns_light_into_a_facets_plane(void **state)
     assert_true(reflected > 10000 && crossed > 10000);
 }
 
+/* Against as many points of the circle. */
+static void a_detector_sees_its_arc_of_a_circle(void **state)
+{
+    enum { POINTS = 20000 };
+    static const float cases[][4] = {{1, 1, 0, 0.01f},      {0.3f, 1, 0, 0.8f},        {1.2f, 1, 0.5f, 0.9f},
+                                     {0.1f, 0.2f, 0, 0.5f}, {0.5f, 0.2f, 0.1f, 0.31f}, {2, 1, 0, 0.5f},
+                                     {0, 0.2f, 0, 0.3f},    {0, 0.2f, 0, 0.1f}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const float r = cases[k][0], away = cases[k][1], inner = cases[k][2], outer = cases[k][3];
+        int inside = 0;
+        for (int i = 0; i < POINTS; i++) {
+            const double turn = 2 * 3.141592653589793 * (i + 0.5) / POINTS,
+                         from = hypot(r * cos(turn) - away, r * sin(turn));
+            inside += from >= inner && from < outer;
+        }
+        const struct cml_arc arc = {.detector = 1, .away = away, .inner = inner, .outer = outer};
+        const double share = cml_arc_share(arc, r);
+        if (fabs(share - (double)inside / POINTS) > 2.1 / POINTS)
+            fail_msg("case %zu: %g, not %g", k, share, (double)inside / POINTS);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_detector_sees_its_arc_of_a_circle),
         cmocka_unit_test(roulette_keeps_the_mean_weight),
         cmocka_unit_test(heavy_packets_play_no_roulette),
         cmocka_unit_test(the_rule_of_mcml_lets_a_tenth_survive),

@@ -234,7 +234,7 @@ def check_errors(verdict, folder):
     status, output = run([cml.PROGRAM, "errors.mci", "--photons", "1e3", "--quiet"], folder)
     verdict.check("errors.mci", status == 0, output)
     with h5py.File(os.path.join(folder, "errors.h5")) as file:
-        known = {name for name in file if name + "_se" in file}
+        known = {re.sub("(boundary[0-9]|body)_(irradiance|exitance)_.*", r"\2", name) for name in file if name + "_se" in file}
         bare = {name for name in set(file) | set(cml.read_sections(os.path.join(folder, "errors.mco")))
                 if re.match("(A|Rd|Tt|flux)_", name) and not name.endswith(("_se", "_outside"))} - known
     has, lacks = (set(re.findall("`(\\w+)`", part)) for part in

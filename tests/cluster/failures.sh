@@ -113,7 +113,7 @@ cat >"$work/disk.sh" <<'E2'
 . tests/lib/cluster.sh
 disk=$work/disk
 mkdir "$disk"
-mount -t tmpfs -o size=600k none "$disk"
+mount -t tmpfs -o size=1000k none "$disk"
 cp "$1/thick.mco" "$disk/"
 say="cannot be written (No space left on device)"
 code=0

@@ -31,7 +31,7 @@ CML_FN cml_u32 cml_mark_cell(const struct cml_setup *setup, cml_u32 index, struc
     return index % CML_NUM_BATCHES * setup->marks.cells + (cml_u32)cell;
 }
 
-/* The same into the voxel there; nothing outside of the volume. */
+/* What a mark at p scores, weight w, into the voxel there; nothing outside of the volume. */
 CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                            struct cml_vec p, real bins, cml_u64 w)
 {

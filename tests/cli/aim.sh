@@ -100,6 +100,9 @@ expect_error 2 "--derivatives (expected no --aim beside it that splits packets)"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "1\n1.0\n1.4 100 60 0.8 30\n"
 expect_error 2 "$file: --aim Tt_r (expected light that gets there)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
+grid='20000\n0.01 0.01\n20 20 3\ndetector disk 0.2 name=Tt\n'
+scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
+expect_error 2 "$file: --aim Tt (expected another name of the detector: this is the light below)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 

@@ -139,6 +139,8 @@ static cml_status add_name(const char *name, const struct cml_scene *scene, int 
     if (strncmp(name, "A_l:", 4) == 0) return add_absorption(name, length, scene, level, wanted, err);
     if (!(length == 2 && strncmp(name, "Tt", 2) == 0) && !(length == 4 && strncmp(name, "Tt_r", 4) == 0))
         return add_detector(name, length, scene, wanted, err);
+    if (find_detector(scene, name, length))
+        return refuse(scene, name, length, "another name of the detector: this is the light below", err);
     add_layer(scene->num_layers + 1, length == 2 && level > 0, wanted);
     return CML_OK;
 }

@@ -251,6 +251,12 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam pencil angle=60\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.3 1 0 0 0.3\n1\n", 3000);
     compare_text(HEAD "beam disk 0.1\n" GRID "1\n1.4\n1.4 1 10 1 0.5\n1.4\n", 2000);
     compare_text(HEAD "beam gaussian 0.2 at=0.3,-0.1\n" GRID "1\n1\n1.4 1 10 -1 0.5\n1.6\n", 2000);
+    /* the queue takes spread and slanted light through the plane below it: denser, thinner, matched */
+    compare_text(HEAD "beam disk 0.1 light=lambertian\n" GRID "1\n1\n1.4 1 10 0.8 0.5\n1\n", 2000);
+    compare_text(HEAD "beam pencil light=lambertian\n" GRID "1\n1.6\n1.3 1 10 0.8 0.5\n1\n", 2000);
+    compare_text(HEAD "beam gaussian 0.1 at=0.3,-0.1 angle=50\n" GRID "1\n1.5\n1.3 1 10 0.8 0.5\n1\n", 2000);
+    compare_text(HEAD "beam rectangle 0.1 0.2 angle=20 light=na:0.5\n" GRID "1\n1.4\n1.4 1 10 0.8 0.5\n1\n",
+                 2000);
     compare_text(HEAD GRID "1\n1\n1.4 1 9 0 1e8\n1\n", 1000);
     compare_text(HEAD GRID "1\n1\n1.4 1e-7 50 0.5 0.1\n1\n", 1000);
     compare_text(HEAD "beam disk 0.2\n" GRID

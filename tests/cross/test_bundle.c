@@ -1,6 +1,7 @@
 /* The vector passes of the CPU engine against the scalar walk: whole tallies, bit for bit.
  * A tally holds every deposit, term of the balance, count and square, so one packet that goes another way
- * shows. SPDX-License-Identifier: MIT */
+ * shows. Over 600 lines: one list of scenes, each there for a way through the loops. SPDX-License-Identifier:
+ * MIT */
 #include "flight.h"
 #include "same_tally.h"
 

@@ -50,7 +50,7 @@ static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *
             for (int i = first; i < first + CML_GROUP; i++) phi[cell[i]] += score[i];
 }
 
-/* The same into voxels, which threads share. */
+/* What marks at interactions score, into voxels, which threads share. */
 static void cml_add_voxel_scores(const struct cml_flight *f, const cml_u32 *score)
 {
     const struct cml_bundle *b = f->b;

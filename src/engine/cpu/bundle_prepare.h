@@ -15,8 +15,8 @@ struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m);
 /* From world, to, pencil and start: fills first_hit_known, first_hit, reflectance, enters and inside. */
 void cml_find_first_hit(struct cml_flight *f);
 
-/* The same of packets that the queue places above a plane, through which it takes them: fills enters and
- * inside, whose place and direction are those of one of them. */
+/* From world, to, queue_places and start: of packets that the queue places above a plane, through which it
+ * takes them, fills enters and inside, whose place and direction are those of one of them. */
 void cml_find_entry(struct cml_flight *f);
 
 /* After cml_find_first_hit: fills known, if those that are inside are below a mesh, and then world knows it.

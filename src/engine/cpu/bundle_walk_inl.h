@@ -463,7 +463,7 @@ static void cml_flight_interact(struct cml_flight *f)
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
     if (f->tally->A_rz) {
-        if (f->to.A_xyz) cml_scatter_volume(f);
+        if (f->to.A_xyz) cml_scatter_volume(f); /* before what is late is gone */
         if (f->late) cml_scatter_late(f);
         cml_scatter_deposits(f->b, f->tally, f->first_cell);
     }

@@ -40,10 +40,13 @@ static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t
 
 /* Rounding puts a packet beyond a facet by up to err_position across it, which is 1 / |along| as much along
  * the ray: near an edge at which it has been reflected, a packet may head into the next facet at a small
- * angle. */
-static bool is_ahead(const struct cml_mesh_query *q, double t, double along)
+ * angle. At a smaller one, where walls are thinner than rounding, the whole line tells. */
+static bool is_ahead(struct cml_mesh_query *q, double t, double along)
 {
-    return t >= q->t_min || (t >= q->grazing_factor * q->t_min && t * fabs(along) >= q->t_min);
+    const double across = t * fabs(along);
+    if (t >= q->t_min || (t >= q->grazing_factor * q->t_min && across >= q->t_min)) return true;
+    if (t < -q->err_position && across >= -q->err_position) q->in_doubt = true;
+    return false;
 }
 
 /* Of a vertex: the first rounds of SplitMix64. For each triangle that the ray hits, open_edges adds up start

@@ -77,8 +77,8 @@
  *
  * Factors
  *   err_grazing_factor: On err_position, for crossings behind the packet: across the facet err_position is
- *     the bound; along a ray at a small angle to it more is allowed, but no more than 32 times that.
- *     Fails: none with 1.
+ *     the bound; along a ray at a small angle to it more is allowed, but no more than 32 times that: beyond,
+ *     the whole line decides. Fails: none with 1.
  *   err_cover_factor: On err_position + err_entry, for the distance of a ray from the end of a grid: 64,
  *     twice the former. Fails: none.
  * SPDX-License-Identifier: MIT */

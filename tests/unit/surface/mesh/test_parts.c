@@ -417,6 +417,34 @@ static void a_packet_beside_a_wall_goes_on_into_the_next_part(void **state)
     if (wrong) fail_msg("%d of 2000", wrong);
 }
 
+/* It has come into a wall, and rounding has put it beyond it, into the cavity behind; at so small an angle
+ * that its line passes the wall far before: it leaves the wall at once, not at the far end of the cavity. */
+static void a_packet_beyond_a_thin_wall_leaves_it_at_any_angle(void **state)
+{
+    (void)state;
+    const double wall = 1e-12, box[2][3] = {{0, 0, 0.3}, {1, 1, 0.9}},
+                 cavity[2][3] = {{wall, wall, 0.3 + wall}, {1 - wall, 1 - wall, 0.9 - wall}};
+    const float beyond = 0.3F;
+    int wrong = 0;
+    soup = (struct soup){0};
+    dice = dice_new(1);
+    soup_box(&soup, box[0], box[1]);
+    soup_box(&soup, cavity[0], cavity[1]);
+    struct cml_mesh_surface *surface = surface_of_soup();
+    for (int i = 0; i < 2000; i++) {
+        const double rise = pow(10, dice_between(&dice, -5, -1)), p[3] = {0.2, 0.6, (double)beyond},
+                     u[3] = {sqrt(1 - rise * rise), 0, rise}, up[3] = {0, 0, 1}, below[3] = {p[0], p[1], 0.2},
+                     err_position = 4 * (double)FLT_EPSILON * (p[0] + p[1] + p[2]);
+        struct cml_mesh_crossing crossing;
+        assert_true(cml_mesh_surface_hit(surface, below, up, 0, 1, -1, 0, 1, err_position, &crossing));
+        const int hit = cml_mesh_surface_hit(surface, p, u, 1, INFINITY, crossing.primitive, i % 2, i / 2 % 2,
+                                             err_position, &crossing);
+        wrong += !hit || crossing.t > 0;
+    }
+    cml_mesh_surface_free(surface);
+    if (wrong) fail_msg("%d of 2000", wrong);
+}
+
 /* It leaves one box where two faces touch, on an edge of the other box, whose crossings rounding exchanges.
  */
 static void a_line_leaves_at_the_edge_of_a_touching_face(void **state)
@@ -468,6 +496,7 @@ int main(void)
         cmocka_unit_test(lines_meet_a_union_outside_of_all_other_parts),
         cmocka_unit_test(lines_pass_a_hundred_parts),
         cmocka_unit_test(a_packet_beside_a_wall_goes_on_into_the_next_part),
+        cmocka_unit_test(a_packet_beyond_a_thin_wall_leaves_it_at_any_angle),
         cmocka_unit_test(a_line_leaves_at_the_edge_of_a_touching_face),
         cmocka_unit_test(packets_stay_on_their_side_of_a_union),
     };

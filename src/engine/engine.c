@@ -77,7 +77,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
-    grid.rz_errors = grid.absorption && cml_rz_cells(&grid) <= CML_CELLS_WITH_ERRORS;
+    grid.cell_errors = cml_ra_cells(&grid) <= CML_CELLS_WITH_ERRORS &&
+                       (!grid.absorption || cml_rz_cells(&grid) <= CML_CELLS_WITH_ERRORS);
     const size_t voxels = (size_t)grid.nx * (size_t)grid.ny * (size_t)grid.nz;
     if (grid.volume && voxels <= CML_CELLS_WITH_ERRORS) grid.voxel_step = voxels + 1;
     if (grid.facets <= CML_FACETS_WITH_ERRORS) grid.facet_step = grid.facets * CML_FACET_SCORES;

@@ -29,7 +29,7 @@ struct cml_terminated {
     real ux[CML_TERMINATED], uy[CML_TERMINATED];                   /* P7, P13, where asked for */
     real path[CML_TERMINATED];                                     /* P11, where time is asked for */
     real exit_z[CML_TERMINATED];                                   /* P13, P18, where trails are */
-    cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED]; /* the same */
+    cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED]; /* high: the same */
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
     int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
@@ -43,20 +43,22 @@ struct cml_terminated_sums {
 };
 
 /* Fills cell and scored: the cell of Rd_ra or Tt_ra (P7) that each packet leaves in, and the weight it scores
- * there, 0 for one that ended otherwise. Cells are counted from the first of Rd_ra, of which Tt_ra is a fixed
- * distance away, so that one array of sums serves both. Goes over all entries: a loop of constant length has
- * no remainder. */
+ * there, 0 for one that ended otherwise. Cells are counted from the first of Rd_ra, of which that of its
+ * group and Tt_ra are fixed distances away, so that one array of sums serves both. Goes over all entries: a
+ * loop of constant length has no remainder. */
 static inline void cml_terminated_find_cells(const struct cml_setup *shared,
                                              struct cml_terminated *terminated, const struct cml_tally *tally)
 {
     const struct cml_setup setup = *shared;
     const int na = setup.na, below = (int)(tally->Tt_ra - tally->Rd_ra);
+    const cml_u32 step = tally->grid.cell_errors ? (cml_u32)cml_ra_cells(&tally->grid) : 0;
 #pragma omp simd
     for (int i = 0; i < CML_TERMINATED; i++) {
         const int fate = terminated->fate[i], up = fate == CML_FATE_REFLECTED,
                   down = fate == CML_FATE_TRANSMITTED;
         const int ir = cml_radial_bin(&setup, terminated->exit_x[i], terminated->exit_y[i]);
-        terminated->cell[i] = ir * na + (down ? below : 0);
+        terminated->cell[i] =
+            ir * na + (down ? below : 0) + (int)(terminated->index_low[i] % CML_NUM_GROUPS * step);
         terminated->scored[i] = up | down ? terminated->w[i] : 0u;
     }
     if (na == 1) return;
@@ -395,7 +397,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
 {
     uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
     const struct cml_deposits to = {.group_cells =
-                                        tally->grid.rz_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
+                                        tally->grid.cell_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
                                     .voxel_step = tally->grid.voxel_step,
                                     .facet_step = tally->grid.facet_step,
                                     .A_rz = tally->A_rz,

@@ -239,13 +239,24 @@ static double deviate(const struct group *group, const struct spread *spread)
     return cml_normal_of_student(difference / sqrt(spread->of_difference + group->rounding), spread->freedom);
 }
 
+static int bins_of_radius(const struct quantity *q)
+{
+    switch (cml_quantities[q->which].axis[1]) {
+    case CML_AXIS_z:
+        return q->outcome[0]->nz;
+    case CML_AXIS_alpha:
+        return q->outcome[0]->na;
+    default:
+        return 1;
+    }
+}
+
 /* What is shown are means over the group's bins, in the unit of the file. */
 static struct cml_compare_test test_group(const struct quantity *q, const struct group *group)
 {
     const struct spread spread = spread_of(q, group);
     const double width = cml_outcome_width(q->outcome[0], q->which), z = deviate(group, &spread);
-    const bool rz = q->which == CML_QUANTITY_phi_rz || q->which == CML_QUANTITY_A_rz;
-    const int row = rz ? q->outcome[0]->nz : 1; /* bins of a radius */
+    const int row = bins_of_radius(q);
     struct cml_compare_test test = {.quantity = q->which,
                                     .first = group->first,
                                     .last = group->last,

@@ -363,24 +363,12 @@ static cml_status take_means(struct cml_outcome *o, const struct cml_result *sum
     return CML_OK;
 }
 
-static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
-                             struct cml_error *err)
-{
-    const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
-    const size_t size = cml_outcome_size(o, quantity);
-    if (!cells) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    for (size_t i = 0; i < size; i++) o->value[quantity][i] = density(o, quantity, i, (double)cells[i]);
-    return CML_OK;
-}
-
-/* A_rz. */
 static cml_status take_groups(struct cml_outcome *o, const struct cml_result *sums,
                               enum cml_quantity quantity, struct cml_error *err)
 {
     const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
     const size_t size = cml_outcome_size(o, quantity);
-    const int groups = cml_rz_groups(&sums->grid);
+    const int groups = cml_cell_groups(&sums->grid);
     if (!cells) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     for (size_t i = 0; i < size; i++)
@@ -454,7 +442,6 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         if (estimator == CML_FROM_MEANS && i != CML_QUANTITY_detector_deepest)
             CML_TRY(take_means(o, sums, (enum cml_quantity)i, err));
         if (estimator == CML_FROM_ONCE) CML_TRY(take_once(o, sums, (enum cml_quantity)i, err));
-        if (estimator == CML_FROM_CELLS) CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
         if (estimator == CML_FROM_GROUPS) CML_TRY(take_groups(o, sums, (enum cml_quantity)i, err));
     }
     o->lost = sums->summary.lost;

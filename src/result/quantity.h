@@ -18,8 +18,8 @@ enum cml_estimator {
                           member of struct cml_result */
     CML_FROM_BODIES,   /* by body, of the same sums */
     CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
-    CML_FROM_CELLS,    /* of cells over two axes, without errors: a member */
-    CML_FROM_GROUPS,   /* the same of sums by group, with errors where groups are kept apart: a member */
+    CML_FROM_GROUPS,   /* cells over two axes, of sums by group, with errors where groups are kept apart: a
+                          member */
     CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors from squares: a member */
     CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
                           nothing */
@@ -118,8 +118,8 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
       "transmittance by radius; the last bin holds what lies beyond", NULL)                                          \
     Q(Tt_a, "sr-1", BATCHES, IN(Tt_a), OVER1(alpha), H5, "transmittance by angle", NULL)                             \
     Q(A_rz, "1/cm3", GROUPS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth", NULL)                       \
-    Q(Rd_ra, "1/(cm2 sr)", CELLS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle", NULL)   \
-    Q(Tt_ra, "1/(cm2 sr)", CELLS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle", NULL)         \
+    Q(Rd_ra, "1/(cm2 sr)", GROUPS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle", NULL)   \
+    Q(Tt_ra, "1/(cm2 sr)", GROUPS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle", NULL)         \
     Q(Rd_t, "1/ps", BATCHES, IN(Rd_t), OVER1(gate), MCO | H5, "diffuse reflectance by time", NULL) \
     Q(Rd_t_later, "1", BATCHES, IN(Rd_t_later), NUMBER, MCO | H5 | JSON, "diffuse reflectance later than all gates", NULL) \
     Q(Tt_t, "1/ps", BATCHES, IN(Tt_t), OVER1(gate), MCO | H5, "transmittance by time", NULL) \

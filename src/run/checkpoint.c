@@ -33,7 +33,7 @@ struct head {
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 10u               /* of this layout; a program refuses what it does not know */
+#define VERSION 11u               /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)

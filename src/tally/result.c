@@ -12,12 +12,12 @@
 
 static size_t cells_A(const struct cml_grid *grid)
 {
-    return grid->absorption ? (size_t)cml_rz_groups(grid) * (size_t)grid->nr * (size_t)grid->nz : 0;
+    return grid->absorption ? (size_t)cml_cell_groups(grid) * (size_t)grid->nr * (size_t)grid->nz : 0;
 }
 
 static size_t cells_ra(const struct cml_grid *grid)
 {
-    return (size_t)grid->nr * (size_t)grid->na;
+    return (size_t)cml_cell_groups(grid) * (size_t)grid->nr * (size_t)grid->na;
 }
 
 /* Rd_t, Tt_t and, where absorption is tallied, A_t, each with what is later. */
@@ -241,6 +241,7 @@ static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *f
         const size_t ir = i < nr ? i : nr - 1;
         for (size_t ia = 0; ia < na; ia++) {
             const uint64_t cell = from[i * na + ia];
+            if (!cell) continue; /* most groups get nothing in one range */
             to[ir * na + ia] += cell;
             if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
         }
@@ -257,7 +258,7 @@ static void add_absorption(struct cml_result *result, cml_u128 *to, const uint64
         for (size_t j = 0; j < nz + 2; j++) {
             const uint64_t cell = A_rz[i * (nz + 2) + j];
             const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
-            if (!cell) continue; /* most groups get nothing in one range */
+            if (!cell) continue;
             to[ir * nz + iz] += cell;
             if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
             if (j == 0) result->summary.balance[CML_BALANCE_ABOVE] += cell;
@@ -298,13 +299,20 @@ static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
         if (from[i]) to[i] += from[i];
 }
 
+static void add_group(struct cml_result *result, size_t group, const struct cml_tally *tally)
+{
+    const size_t nr = (size_t)result->grid.nr, from = group * cml_ra_cells(&tally->grid),
+                 to = group * nr * (size_t)result->grid.na;
+    add_exits(result, result->Rd_ra + to, tally->Rd_ra + from);
+    add_exits(result, result->Tt_ra + to, tally->Tt_ra + from);
+    if (tally->grid.absorption)
+        add_absorption(result, result->A_rz + group * nr * (size_t)result->grid.nz,
+                       tally->A_rz + group * cml_rz_cells(&tally->grid));
+}
+
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
-    add_exits(result, result->Rd_ra, tally->Rd_ra);
-    add_exits(result, result->Tt_ra, tally->Tt_ra);
-    for (size_t g = 0; tally->grid.absorption && g < (size_t)cml_rz_groups(&tally->grid); g++)
-        add_absorption(result, result->A_rz + g * (size_t)tally->grid.nr * (size_t)tally->grid.nz,
-                       tally->A_rz + g * cml_rz_cells(&tally->grid));
+    for (size_t g = 0; g < (size_t)cml_cell_groups(&tally->grid); g++) add_group(result, g, tally);
     if (tally->grid.marks > 0) add_fluence(result, tally->phi);
     add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_maps(&tally->grid));
     add_rows(result->rows, tally->rows, tally->grid.row_cells);

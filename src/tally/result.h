@@ -20,9 +20,9 @@ struct cml_summary {
 struct cml_result {
     struct cml_grid grid;
     uint64_t photons;                                               /* asked for */
-    cml_u128 *A_rz;                                                 /* [cml_rz_groups][nr][nz] or NULL */
+    cml_u128 *A_rz;                                                 /* [cml_cell_groups][nr][nz] or NULL */
     cml_u128 *rows;                                                 /* as in a tally, or NULL */
-    cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
+    cml_u128 *Rd_ra, *Tt_ra;                                        /* [cml_cell_groups][nr][na] */
     cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
     cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
     cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */

@@ -21,13 +21,7 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
  * one more row of r, one more depth above and one below. */
 static size_t tally_cells_A(const struct cml_grid *grid)
 {
-    return grid->absorption ? (size_t)cml_rz_groups(grid) * cml_rz_cells(grid) : 0;
-}
-
-/* A_z of each of them. */
-static size_t tally_cells_depths(const struct cml_grid *grid)
-{
-    return grid->absorption ? (size_t)cml_rz_groups(grid) * ((size_t)grid->nz + 2) : 0;
+    return grid->absorption ? (size_t)cml_cell_groups(grid) * cml_rz_cells(grid) : 0;
 }
 
 static size_t tally_cells_phi(const struct cml_grid *grid)
@@ -59,7 +53,7 @@ bool cml_grid_is_shared(const struct cml_grid *grid)
 /* Angles have no cells beyond the grid: all directions are within it. */
 static size_t tally_cells_ra(const struct cml_grid *grid)
 {
-    return ((size_t)grid->nr + 1) * (size_t)grid->na;
+    return (size_t)cml_cell_groups(grid) * cml_ra_cells(grid);
 }
 
 /* Cells of each of Rd_t, Tt_t and A_t. */
@@ -113,13 +107,25 @@ double cml_tally_bytes(const struct cml_grid *grid)
            (double)trail_cells(grid) * (sizeof(double) + sizeof(uint32_t));
 }
 
+/* What of profiles comes of cells: Rd_r to A_z, which are neighbours (cml_tally_profiles). */
+static size_t bins_of_cells(const struct cml_grid *grid)
+{
+    const struct cml_profile_places at = cml_tally_profiles(grid);
+    return at.A_l - at.Rd_r;
+}
+
+static size_t grouped_bins(const struct cml_grid *grid)
+{
+    return (size_t)cml_cell_groups(grid) * bins_of_cells(grid);
+}
+
 /* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
 cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid};
     const size_t bins = cml_tally_profile_bins(grid);
     tally->A_l = calloc(cml_tally_cells(grid), sizeof *tally->A_l);
-    tally->depths = calloc(tally_cells_depths(grid) + 1, sizeof *tally->depths);
+    tally->grouped = calloc(grouped_bins(grid), sizeof *tally->grouped);
     tally->summed = calloc(bins, sizeof *tally->summed);
     tally->brought = calloc(bins, sizeof *tally->brought);
     tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
@@ -127,7 +133,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
         tally->trail_length = calloc(trail_cells(grid), sizeof *tally->trail_length);
         tally->trail_count = calloc(trail_cells(grid), sizeof *tally->trail_count);
     }
-    if (!tally->A_l || !tally->depths || !tally->summed || !tally->brought || !tally->late.rows ||
+    if (!tally->A_l || !tally->grouped || !tally->summed || !tally->brought || !tally->late.rows ||
         (trail_cells(grid) && (!tally->trail_length || !tally->trail_count))) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
@@ -179,7 +185,7 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->balance, 0, sizeof tally->balance);
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
-    memset(tally->depths, 0, tally_cells_depths(&tally->grid) * sizeof *tally->depths);
+    memset(tally->grouped, 0, grouped_bins(&tally->grid) * sizeof *tally->grouped);
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
     cml_tally_clear_late(tally);
 }
@@ -187,7 +193,7 @@ void cml_tally_zero(struct cml_tally *tally)
 void cml_tally_free(struct cml_tally *tally)
 {
     free(tally->A_l);
-    free(tally->depths);
+    free(tally->grouped);
     free(tally->summed);
     free(tally->brought);
     free(tally->late.rows);
@@ -277,45 +283,65 @@ void cml_tally_clear_late(struct cml_tally *tally)
     tally->late.count = 0;
 }
 
-/* Adds to the sums of rows and columns; by_row may be NULL. */
-static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64_t *by_row,
-                      uint64_t *restrict by_column)
+/* Adds the rows of a table to a row of sums. */
+static void add_columns(const uint64_t *cells, size_t rows, size_t columns, uint64_t *restrict sums)
 {
-    for (size_t i = 0; i < rows; i++) {
-        const uint64_t *row = cells + i * columns;
-        for (size_t j = 0; j < columns; j++) by_column[j] += row[j];
-        for (size_t j = 0; by_row && j < columns; j++) by_row[i] += row[j];
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < columns; j++) sums[j] += cells[i * columns + j];
+}
+
+static void add_rows(const uint64_t *cells, size_t rows, size_t columns, uint64_t *restrict sums)
+{
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < columns; j++) sums[i] += cells[i * columns + j];
+}
+
+/* Rd_ra or Tt_ra to its profiles. One column is added up as one row, in vectors. */
+static void add_exits(const uint64_t *cells, size_t rows, size_t na, uint64_t *by_r, uint64_t *by_a)
+{
+    if (na > 1) {
+        add_rows(cells, rows, na, by_r);
+        add_columns(cells, rows, na, by_a);
+    } else {
+        add_columns(cells, 1, rows, by_r);
+        add_rows(cells, 1, rows, by_a);
     }
 }
 
-/* Sums A_z anew of the groups to which anything has come since the last note: of this batch, or late. */
-static void sum_depths(const struct cml_tally *tally, int batch)
+/* Profiles of the cells of a group, where each has its own, into their places behind those of totals. */
+static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bins)
 {
-    const size_t rows = (size_t)tally->grid.nr + 1, columns = (size_t)tally->grid.nz + 2;
-    const int groups = cml_rz_groups(&tally->grid);
+    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
+    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
+    const size_t first = group * rows * na;
+    memset(bins, 0, bins_of_cells(&tally->grid) * sizeof *bins);
+    add_exits(tally->Rd_ra + first, rows, na, bins, bins + at.Rd_a - at.Rd_r);
+    add_exits(tally->Tt_ra + first, rows, na, bins + at.Tt_r - at.Rd_r, bins + at.Tt_a - at.Rd_r);
+    if (tally->grid.absorption)
+        add_columns(tally->A_rz + group * cml_rz_cells(&tally->grid), rows, (size_t)tally->grid.nz + 2,
+                    bins + at.A_z - at.Rd_r);
+}
+
+/* Anew those of the groups to which anything has come since the last note: of this batch, or late. */
+static void sum_groups(const struct cml_tally *tally, int batch)
+{
+    const int groups = cml_cell_groups(&tally->grid);
     unsigned changed = 1u << batch % groups;
     for (int row = 0; row < tally->late.count; row++) changed |= 1u << tally->late.batch[row] % groups;
-    for (size_t g = 0; g < (size_t)groups; g++) {
-        if (!(changed >> g & 1u)) continue;
-        memset(tally->depths + g * columns, 0, columns * sizeof *tally->depths);
-        sum_table(tally->A_rz + g * rows * columns, rows, columns, NULL, tally->depths + g * columns);
-    }
+    for (size_t g = 0; g < (size_t)groups; g++)
+        if (changed >> g & 1u) sum_group(tally, g, tally->grouped + g * bins_of_cells(&tally->grid));
 }
 
 /* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
     const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
-    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
-    const size_t columns = (size_t)tally->grid.nz + 2;
     memset(sums, 0, at.bins * sizeof *sums);
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
-    sum_table(tally->Rd_ra, rows, na, sums + at.Rd_r, sums + at.Rd_a);
-    sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
-    if (tally->grid.absorption)
-        sum_table(tally->depths, (size_t)cml_rz_groups(&tally->grid), columns, NULL, sums + at.A_z);
-    if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
+    add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(&tally->grid),
+                sums + at.Rd_r);
+    if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
     /* gates, detectors and expected values lie behind it in both */
     memcpy(sums + at.A_l, tally->A_l, (at.bins - at.A_l) * sizeof *sums);
 }
@@ -325,7 +351,7 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 void cml_tally_note(struct cml_tally *tally, int batch)
 {
     const size_t bins = cml_tally_profile_bins(&tally->grid);
-    if (tally->grid.absorption) sum_depths(tally, batch);
+    sum_groups(tally, batch);
     sum_profiles(tally, tally->brought);
     for (size_t i = 0; i < bins; i++) {
         const uint64_t sum = tally->brought[i];

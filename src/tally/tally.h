@@ -26,7 +26,7 @@ struct cml_grid {
     int num_layers, num_bodies;
     bool absorption;               /* A_rz is tallied; false: its cells do not exist */
     bool depths;                   /* A_z is tallied, of a thread that scores into an A_rz of others */
-    bool rz_errors;                /* each group of photons has an A_rz of its own */
+    bool cell_errors;              /* each group of photons has an A_rz, an Rd_ra and a Tt_ra of its own */
     size_t voxel_step, facet_step; /* the same of A_xyz, and of facets: cells from those of a group to those
                                     * of the next; 0: groups share them */
     int gates;                     /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
@@ -96,11 +96,11 @@ static inline size_t cml_grid_moments(const struct cml_grid *grid)
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
     struct cml_grid grid;
-    uint64_t *A_rz;              /* [cml_rz_groups][nr + 1][nz + 2] or NULL */
+    uint64_t *A_rz;              /* [cml_cell_groups][nr + 1][nz + 2] or NULL */
     uint64_t *rows;              /* row_cells.h; or NULL */
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
                                   * shares, over all radii */
-    uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
+    uint64_t *Rd_ra, *Tt_ra;     /* [cml_cell_groups][nr + 1][na] */
     uint64_t *A_l;               /* [cml_grid_media] by medium */
     uint64_t *expected;          /* [scores] or NULL */
     uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
@@ -122,7 +122,7 @@ struct cml_tally {
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
     /* Totals and profiles (struct cml_profile_places) */
-    uint64_t *depths;  /* [cml_rz_groups][nz + 2] of A_rz, or NULL; at the last cml_tally_note; private */
+    uint64_t *grouped; /* [cml_cell_groups] profiles, of cells, at the last cml_tally_note; private */
     uint64_t *summed;  /* of all that was there then; private */
     uint64_t *brought; /* of what had come since the one before, but for late packets */
     struct cml_late late;
@@ -142,21 +142,25 @@ double cml_tally_bytes(const struct cml_grid *grid);
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
-/* How many A_rz there are, one behind the other, and how many cells each has. With at most so many cells each
- * group has its own: a thread's are then its own, too (CML_THREAD_CELLS). */
+/* How many A_rz there are, one behind the other, and how many cells each has; so it is with Rd_ra and Tt_ra.
+ * With at most so many cells each group has its own: a thread's are then its own, too (CML_THREAD_CELLS). */
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
 static inline size_t cml_groups_of(size_t step)
 {
     return step ? CML_NUM_GROUPS : 1;
 }
-static inline int cml_rz_groups(const struct cml_grid *grid)
+static inline int cml_cell_groups(const struct cml_grid *grid)
 {
-    return grid->rz_errors ? CML_NUM_GROUPS : 1;
+    return grid->cell_errors ? CML_NUM_GROUPS : 1;
 }
 static inline size_t cml_rz_cells(const struct cml_grid *grid)
 {
     return ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2);
+}
+static inline size_t cml_ra_cells(const struct cml_grid *grid)
+{
+    return ((size_t)grid->nr + 1) * (size_t)grid->na;
 }
 
 /* The grid of one thread of several: without maps, volume and facets, with A_z instead of an A_rz beyond

@@ -54,7 +54,7 @@ for path in sys.argv[1:]:
         for i, value in enumerate(merged[key]):
             mean = sum(part["photons"] * part[key][i] for part in parts) / total
             bad += abs(value - mean) > 3e-4 * abs(mean) + 1e-12  # numbers have five digits
-    for key in ("se_RAT", "se_A_z", "se_Rd_r", "se_Rd_a", "se_Tt_r", "se_Tt_a", "se_A_rz"):
+    for key in ("se_RAT", "se_A_z", "se_Rd_r", "se_Rd_a", "se_Tt_r", "se_Tt_a", "se_A_rz", "se_Rd_ra", "se_Tt_ra"):
         for i, value in enumerate(merged[key]):
             error = math.sqrt(sum((part["photons"] * part[key][i]) ** 2 for part in parts)) / total
             bad += abs(value - error) > 3e-4 * error
@@ -164,7 +164,7 @@ scene '' '' '' >a.mci
 for seed in 1 2 3; do
     expect_code 0 a.mci --photons 1 --seed $seed -o .
     test "$(grep -c '(one packet: no standard error)' out)" -eq 4 || complain "the summary of one packet: $(cat out)"
-    test "$(grep -c '^ *NAN$' s.mco)" -eq 32 || complain "errors of one packet: $(grep -c NAN s.mco), expected 4 + 1 + 3 + 2 (4 + 2) + 12"
+    test "$(grep -c '^ *NAN$' s.mco)" -eq 48 || complain "errors of one packet: $(grep -c NAN s.mco), expected 4 + 1 + 3 + 2 (4 + 2) + 12 + 2 4 2"
     mv s.mco one$seed.mco
 done
 expect_code 0 a.mci --photons 1 --quiet --json -o .

@@ -15,7 +15,7 @@ RUNS = int(sys.argv[1]) if len(sys.argv) > 1 else 20
 WITHIN = 0.05 if RUNS >= 400 else 0.2
 PACKETS = 300
 SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
-NAMES = ("A_l", "A_body", "A_rz", "A_xyz", "flux_body", "boundary0_irradiance_below", "boundary0_exitance_above", "body_irradiance_outside",
+NAMES = ("A_l", "A_body", "A_rz", "Rd_ra", "Tt_ra", "A_xyz", "flux_body", "boundary0_irradiance_below", "boundary0_exitance_above", "body_irradiance_outside",
          "body_exitance_inside")
 HILL = {b: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1" for b in (0, 1)}
 SPHERE = "1.4 2 20 0.7 0.4\ni sphere 0 0 0.15 0.1 1.5 8 5 0.5"
@@ -34,7 +34,7 @@ def fly(scene, sampling):
     found = {}
     with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
         scene = {**scene, "extra": [*scene.get("extra", []), "map 3 3 0.2 0.2 volume", "facets"]}
-        text = cml.repeated(RUNS, photons=2000, kind=".h5", grid="0.04 0.05", bins="10 10 1", **scene).replace(".h5 A", ".h5 B")
+        text = cml.repeated(RUNS, photons=2000, kind=".h5", grid="0.04 0.05", bins="10 10 3", **scene).replace(".h5 A", ".h5 B")
         for record in cml.run(text, "--seed", 47, "--threads", 1, "--sampling", sampling, keep=keep):
             with h5py.File(record["output"]) as file:
                 for name in [n + end for n in NAMES if n in file for end in ("", "_se")]:

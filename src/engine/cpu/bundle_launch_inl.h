@@ -69,6 +69,7 @@ static void cml_note_batch(struct cml_flight *f)
 {
     cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
+        f->ballistic.end.index = (uint64_t)f->batch; /* which says the group */
         cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, NULL, f->tally);
         cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;

@@ -121,8 +121,8 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
         cml_group_pack(b->ux + first, exits, terminated->ux + at);
         cml_group_pack(b->uy + first, exits, terminated->uy + at);
     }
+    cml_group_pack(b->index_low + first, exits, terminated->index_low + at);
     if (b->trail_length) {
-        cml_group_pack(b->index_low + first, exits, terminated->index_low + at);
         cml_group_pack(b->index_high + first, exits, terminated->index_high + at);
         memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));
     }

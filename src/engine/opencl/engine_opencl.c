@@ -97,6 +97,8 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
                                         const struct cml_engine_options *options, const struct cml_grid *grid)
 {
+    struct cml_grid one_group = *grid; /* a piece is of one batch */
+    one_group.cell_errors = false;
     struct cml_opencl_scene scene = {
         .setup = engine->owned.world.setup,
         .media = engine->owned.media,
@@ -121,7 +123,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .num_light_cells = engine->owned.num_light_cells,
         .num_image_words = engine->owned.num_image_words,
         .only_planes = true,
-        .cells = cml_tally_cells(grid),
+        .cells = cml_tally_cells(&one_group),
         .build_options = options->build_options,
         .on_note = options->on_note,
         .group = options->group,
@@ -233,10 +235,9 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
 }
 
 /* A_rz of the block of a device that flies so many packets in a work-item. */
-static void add_absorption(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
+static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, struct cml_tally *tally)
 {
-    uint64_t *const A_rz =
-        tally->A_rz + (size_t)(batch % cml_rz_groups(&tally->grid)) * cml_rz_cells(&tally->grid);
+    uint64_t *const A_rz = tally->A_rz + group * cml_rz_cells(&tally->grid);
     const int rows = tally->grid.nz + 2;
     for (int ir = 0; ir <= tally->grid.nr; ir++) {
         const uint64_t *from =
@@ -249,12 +250,15 @@ static void add_absorption(const uint64_t *cells, uint32_t lanes, int batch, str
 /* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. */
 static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
-    const size_t exits = (size_t)(tally->Tt_ra - tally->Rd_ra),
-                 others = (size_t)(tally->Rd_ra - tally->A_l) + 2 * exits;
+    const size_t group = (size_t)(batch % cml_cell_groups(&tally->grid)), exits = cml_ra_cells(&tally->grid),
+                 others = (size_t)(tally->Rd_ra - tally->A_l);
+    const uint64_t *const reflected = cells + CML_CELL_LAYER + others, *const transmitted = reflected + exits;
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];
     for (size_t i = 0; i < others; i++) tally->A_l[i] += cells[CML_CELL_LAYER + i];
-    if (tally->grid.absorption) add_absorption(cells + CML_CELL_LAYER + others, lanes, batch, tally);
+    for (size_t i = 0; i < exits; i++) tally->Rd_ra[group * exits + i] += reflected[i];
+    for (size_t i = 0; i < exits; i++) tally->Tt_ra[group * exits + i] += transmitted[i];
+    if (tally->grid.absorption) add_absorption(transmitted + exits, lanes, group, tally);
 }
 
 /* What devices fly for longer, once the run is to stop, is given up. The launches are those of a busy

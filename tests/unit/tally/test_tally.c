@@ -191,31 +191,42 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
     cml_result_free(&result);
 }
 
-/* Batches 5 and 21 are of one group, 6 is of another: A_z is told apart by batch, A_rz by group. */
-static void groups_have_an_A_rz_each(void **state)
+/* Batches 5 and 21 are of one group, 6 is of another: profiles are told apart by batch, cells by group. */
+static void groups_have_cells_each(void **state)
 {
     (void)state;
     struct cml_grid apart = grid;
-    apart.rz_errors = true;
-    const size_t cells = cml_rz_cells(&apart), A_z = cml_tally_profiles(&apart).A_z;
+    apart.cell_errors = true;
+    const size_t cells = cml_rz_cells(&apart), exits = cml_ra_cells(&apart);
+    const struct cml_profile_places at = cml_tally_profiles(&apart);
     struct cml_tally tally = make_tally(&apart);
     struct cml_result result = make_result(&apart, 1000);
-    tally.A_rz[5 * cells + 2] += 100; /* z bin 1 */
-    cml_tally_late(&tally, 5)[A_z + 2] += 30;
+    tally.A_rz[5 * cells + 2] += 100;  /* z bin 1 */
+    tally.Tt_ra[5 * exits + 3] += 100; /* r bin 1, angle 1 */
     tally.A_rz[6 * cells + 2] += 7;
-    cml_tally_late(&tally, 6)[A_z + 2] += 7;
+    tally.Tt_ra[6 * exits + 3] += 7;
+    for (int batch = 5; batch < 7; batch++) {
+        uint64_t *const late = cml_tally_late(&tally, batch);
+        late[at.A_z + 2] += late[at.Tt_r + 1] += late[at.Tt_a + 1] += batch == 5 ? 30 : 7;
+    }
     for (int n = 0; n < 2; n++) { /* the second time nothing has come */
         cml_tally_note(&tally, 21);
         cml_result_note(&result, 21, &tally);
         cml_tally_clear_late(&tally);
     }
     cml_result_add(&result, &tally);
-    assert_true(result.A_z[21 * 4 + 1] == 70 && result.A_z[5 * 4 + 1] == 30 && result.A_z[6 * 4 + 1] == 7);
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        const cml_u128 noted = b == 21 ? 70 : b == 5 ? 30 : b == 6 ? 7 : 0;
+        assert_true(result.A_z[b * 4 + 1] == noted && result.Tt_r[b * 3 + 1] == noted);
+        assert_true(result.Tt_a[b * 2 + 1] == noted && result.Rd_r[b * 3 + 1] == 0);
+    }
     assert_true(result.A_rz[5 * 12 + 1] == 100 && result.A_rz[6 * 12 + 1] == 7);
+    assert_true(result.Tt_ra[5 * 6 + 3] == 100 && result.Tt_ra[6 * 6 + 3] == 7);
     assert_true(cml_result_cell_sum(result.A_rz + 1, CML_NUM_GROUPS, 12) == 107);
+    assert_true(cml_result_cell_sum(result.Tt_ra + 3, CML_NUM_GROUPS, 6) == 107);
     cml_tally_zero(&tally);
     cml_tally_note(&tally, 5);
-    assert_int_equal(tally.brought[A_z + 2], 0);
+    assert_int_equal(tally.brought[at.A_z + 2], 0);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }
@@ -244,7 +255,7 @@ int main(void)
         cmocka_unit_test(borrowed_maps_are_not_merged),
         cmocka_unit_test(threads_that_share_absorption_have_batches_of_their_own),
         cmocka_unit_test(late_packets_are_noted_in_their_own_batches),
-        cmocka_unit_test(groups_have_an_A_rz_each),
+        cmocka_unit_test(groups_have_cells_each),
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

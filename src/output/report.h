@@ -37,6 +37,11 @@ CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char 
 
 void cml_report_clear(struct cml_report *report);
 
+/* What came to each body's surface from outside and from inside, and left it to either side; nothing without
+ * facets. */
+CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
+                                                struct cml_error *err);
+
 /* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid);
 

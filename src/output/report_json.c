@@ -202,6 +202,7 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
     if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);
     if (status == CML_OK) status = cml_outcome_take_numbers(&o, result, err);
+    if (status == CML_OK) status = cml_report_body_fluxes(report, &o, err);
     if (status == CML_OK) status = cml_report_derivatives(report, false, &o, err);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);

@@ -128,9 +128,4 @@ CML_NODISCARD cml_status cml_report_words(const struct cml_report *report, enum 
 CML_NODISCARD cml_status cml_report_write_saved(const struct cml_report *report, struct cml_outcome *outcome,
                                                 const char *path, struct cml_error *err);
 
-/* What came to each body's surface from outside and from inside, and left it to either side; nothing without
- * facets. */
-CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
-                                                struct cml_error *err);
-
 #endif

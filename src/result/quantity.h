@@ -150,7 +150,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
       "absorption by layer, by what flat layers absorb; above them as counted", NULL) \
     CML_DERIVATIVES(Q, mua, MUA)                                                                                     \
     CML_DERIVATIVES(Q, mus, MUS)                                                                                     \
-    Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO | H5,                                                            \
+    Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO | H5 | JSON,                                                            \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
     Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \
     Q(Tt_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "transmittance", NULL)                                               \

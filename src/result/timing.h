@@ -32,6 +32,7 @@ double cml_timing_communication(const struct cml_timing *timing);
 
 /* So many layers and bodies have columns in the table of a sweep. */
 #define CML_RECORD_MEDIA 32
+#define CML_BODY_SIDES 4 /* of flux_body */
 
 /* What is left to be said of a finished run. Zeroed: nothing. */
 struct cml_record {
@@ -45,6 +46,8 @@ struct cml_record {
     int64_t
         num_detectors; /* of the following, in the order of the scene's; 0: of none, or of more than that */
     double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
+    int64_t num_fluxes; /* of the following, flux_body: CML_BODY_SIDES for each body, or 0 without facets */
+    double flux[CML_BODY_SIDES * CML_RECORD_MEDIA], flux_error[CML_BODY_SIDES * CML_RECORD_MEDIA];
 };
 
 void cml_record_clear(struct cml_record *record);

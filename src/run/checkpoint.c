@@ -30,6 +30,8 @@ struct head {
     double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA];
     int64_t num_detectors;
     double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
+    int64_t num_fluxes;
+    double flux[CML_BODY_SIDES * CML_RECORD_MEDIA], flux_error[CML_BODY_SIDES * CML_RECORD_MEDIA];
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
@@ -104,6 +106,9 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     head.num_detectors = record->num_detectors;
     memcpy(head.detected, record->detected, sizeof head.detected);
     memcpy(head.detected_error, record->detected_error, sizeof head.detected_error);
+    head.num_fluxes = record->num_fluxes;
+    memcpy(head.flux, record->flux, sizeof head.flux);
+    memcpy(head.flux_error, record->flux_error, sizeof head.flux_error);
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, record->json, head.json_size);
@@ -374,7 +379,8 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     if (head->num_layers < 0 || head->num_bodies < 0 || head->num_layers > CML_RECORD_MEDIA ||
         head->num_bodies > CML_RECORD_MEDIA - head->num_layers || head->num_expected < 0 ||
         head->num_expected > 1 + head->num_layers || head->num_detectors < 0 ||
-        head->num_detectors > CML_RECORD_MEDIA)
+        head->num_detectors > CML_RECORD_MEDIA ||
+        (head->num_fluxes != 0 && head->num_fluxes != CML_BODY_SIDES * head->num_bodies))
         return fail_damaged(source, "its record", err);
     record->num_layers = head->num_layers;
     record->num_bodies = head->num_bodies;
@@ -386,6 +392,9 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     record->num_detectors = head->num_detectors;
     memcpy(record->detected, head->detected, sizeof head->detected);
     memcpy(record->detected_error, head->detected_error, sizeof head->detected_error);
+    record->num_fluxes = head->num_fluxes;
+    memcpy(record->flux, head->flux, sizeof head->flux);
+    memcpy(record->flux_error, head->flux_error, sizeof head->flux_error);
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 

@@ -1,5 +1,7 @@
 """What an .h5 says of bodies: shares and media along `body`, facets of all of them along `body_facet`. Their sums are what the .mco
-says (`A_body`, `flux_body`), areas are known, and what arrives at a body leaves it."""
+says (`A_body`, `flux_body`), areas are known, and what arrives at a body leaves it. JSON and tables of sweeps have the same."""
+import csv
+import json
 import math
 import os
 import subprocess
@@ -79,6 +81,24 @@ def check(verdict, file, mco):
     verdict.check("what arrives leaves", numpy.allclose(sums[:, :2].sum(axis=1), sums[:, 2:].sum(axis=1), rtol=1e-6), str(sums))
 
 
+def check_tables(verdict, folder):
+    """A sweep of one row that changes nothing: in its tables, and in JSON."""
+    with open(os.path.join(folder, "one.csv"), "w", encoding="utf-8") as file:
+        file.write("body1.mua\n5\n")
+    said = subprocess.run([cml.PROGRAM, os.path.join(folder, "bodies.mci"), "--json", "-o", folder, "--sweep", os.path.join(folder, "one.csv")],
+                          check=True, stdout=subprocess.PIPE)
+    record = json.loads(said.stdout)
+    with open(os.path.join(folder, "bodies.sweep.csv"), encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
+    sides = ("arrives_outside", "arrives_inside", "leaves_outside", "leaves_inside")
+    with h5py.File(os.path.join(folder, "bodies.h5")) as file, h5py.File(os.path.join(folder, "bodies.sweep.h5")) as swept:
+        for end in ("", "_se"):
+            found = file["flux_body" + end][:]
+            verdict.check("sweep's .h5", numpy.array_equal(swept["flux_body" + end][0], found) and numpy.array_equal(swept["side"], file["side"]))
+            verdict.check("sweep's .csv", [[float(row[f"body{k}.{side}{end}"]) for side in sides] for k in (1, 2, 3)] == found.tolist(), f"{row}")
+            verdict.check("JSON", record["flux_body" + end] == found.ravel().tolist(), f"{record}")
+
+
 def main():
     verdict = cml.Verdict("bodies")
     with tempfile.TemporaryDirectory() as folder:
@@ -91,6 +111,7 @@ def main():
         with h5py.File(os.path.join(folder, "bodies.h5")) as file:
             check(verdict, file, os.path.join(folder, "bodies.mco"))
             check_drawing(verdict, os.path.join(folder, "bodies.bodies.vtp"), file)
+        check_tables(verdict, folder)
     verdict.finish()
 
 

@@ -71,6 +71,22 @@ static void record_detected(const struct cml_result *result, struct cml_record *
         cml_result_detected(result, k, &record->detected[k], &record->detected_error[k]);
 }
 
+/* Errors of very many facets are not known. */
+static cml_status record_fluxes(const struct cml_report *report, struct cml_record *record,
+                                struct cml_error *err)
+{
+    struct cml_outcome o = {.photons = report->sums->photons, .num_bodies = report->scene->num_bodies};
+    const enum cml_quantity flux = CML_QUANTITY_flux_body;
+    CML_TRY(cml_report_body_fluxes(report, &o, err));
+    if (o.value[flux]) record->num_fluxes = CML_BODY_SIDES * record->num_bodies;
+    for (int i = 0; i < record->num_fluxes; i++) {
+        record->flux[i] = o.value[flux][i];
+        record->flux_error[i] = o.error[flux] ? o.error[flux][i] : NAN;
+    }
+    cml_outcome_clear(&o);
+    return CML_OK;
+}
+
 /* What the run leaves behind when its tallies are gone. */
 static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
                               struct cml_error *err)
@@ -94,6 +110,7 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
     }
     record_expected(result, record);
     record_detected(result, record);
+    CML_TRY(record_fluxes(report, record, err));
     FILE *out = open_memstream(&record->json, &size);
     return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
 }

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define CML_FIELD_AXES 7
+#define CML_FIELD_AXES 8
 
 /* Bins of equal width; bin i has its middle at first + i * step. Or places one by one. */
 struct cml_axis {

@@ -25,14 +25,28 @@ static bool is_ending(const char *rest)
            strcmp(rest, "_expected_se") == 0;
 }
 
-/* What layers and bodies absorb: layer1.A and the like, counted or expected; and what these are as axes. */
+/* Of flux_body, by side. */
+static const char *const sides[CML_BODY_SIDES] = {"arrives_outside", "arrives_inside", "leaves_outside",
+                                                  "leaves_inside"};
+
+/* ".arrives_outside", ".leaves_inside_se" ... */
+static bool is_flux(const char *rest)
+{
+    for (int s = 0; s < CML_BODY_SIDES && *rest == '.'; s++)
+        if (strncmp(rest + 1, sides[s], strlen(sides[s])) == 0) return is_ending(rest + 1 + strlen(sides[s]));
+    return false;
+}
+
+/* What layers and bodies absorb: layer1.A and the like, counted or expected; what comes to bodies; and what
+ * these are as axes. */
 static bool is_of_media(const char *name)
 {
     const size_t word = strncmp(name, "layer", 5) == 0 ? 5 : strncmp(name, "body", 4) == 0 ? 4 : 0;
     const char *rest = name + word + strspn(name + word, "0123456789");
-    if (word > 0) return !*rest || (strncmp(rest, ".A", 2) == 0 && is_ending(rest + 2));
-    return (strncmp(name, "A_l", 3) == 0 && is_ending(name + 3)) || strcmp(name, "A_body") == 0 ||
-           strcmp(name, "A_body_se") == 0;
+    if (word > 0) return !*rest || (strncmp(rest, ".A", 2) == 0 && is_ending(rest + 2)) || is_flux(rest);
+    return (strncmp(name, "A_l", 3) == 0 && is_ending(name + 3)) ||
+           (strncmp(name, "A_body", 6) == 0 && is_ending(name + 6)) ||
+           (strncmp(name, "flux_body", 9) == 0 && is_ending(name + 9)) || strcmp(name, "side") == 0;
 }
 
 bool cml_sweep_is_of_results(const char *name)
@@ -81,6 +95,11 @@ static int count_detectors(const struct cml_sweep_results *r)
     return r->num_rows > 0 ? (int)r->record->num_detectors : 0;
 }
 
+static int count_fluxes(const struct cml_sweep_results *r)
+{
+    return r->num_rows > 0 ? (int)r->record->num_fluxes : 0;
+}
+
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -106,6 +125,11 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
     }
     for (int k = 0; k < count_detectors(r); k++)
         fprintf(out, ",detector_%s,detector_%s_se", r->detector[k], r->detector[k]);
+    for (int i = 0; i < count_fluxes(r); i++) {
+        const char *side = sides[i % CML_BODY_SIDES];
+        const int body = i / CML_BODY_SIDES + 1;
+        fprintf(out, ",body%d.%s,body%d.%s_se", body, side, body, side);
+    }
     fputs(",lost,file\n", out);
 }
 
@@ -126,6 +150,8 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
         fprintf(out, ",%.17g,%.17g", record->expected[l], record->expected_error[l]);
     for (int k = 0; k < count_detectors(r); k++)
         fprintf(out, ",%.17g,%.17g", record->detected[k], record->detected_error[k]);
+    for (int i = 0; i < record->num_fluxes; i++)
+        fprintf(out, ",%.17g,%.17g", record->flux[i], record->flux_error[i]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -226,25 +252,26 @@ struct fields {
     const struct grid *grid;
     struct cml_field *field;
     double *value, *free; /* of the fields, one behind the other, [num_rows] or [num_rows][n] */
-    struct cml_axis layer, body;
+    struct cml_axis layer, body, side;
     int count;
 };
 
-/* Returns its values by place, to be filled in. last: the fastest axis, NULL: none beside those of the grid.
- */
-static double *add_over(struct fields *list, const struct cml_axis *last, const char *name,
-                        const char *long_name, const char *units)
+/* Returns its values by place, to be filled in. axis: behind those of the grid, or NULL; inner: behind it, or
+ * NULL. */
+static double *add_over(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
+                        const char *name, const char *long_name, const char *units)
 {
     const struct grid *grid = list->grid;
     struct cml_field *field = &list->field[list->count++];
     double *value = list->free;
-    list->free += (size_t)grid->results->num_rows * (last ? last->n : 1);
+    list->free += (size_t)grid->results->num_rows * (axis ? axis->n : 1) * (inner ? inner->n : 1);
     snprintf(field->name, sizeof field->name, "%s", name);
     field->long_name = long_name;
     field->units = units;
     field->num_axes = grid->num_axes;
     for (int a = 0; a < grid->num_axes; a++) field->axis[a] = &grid->axis[a];
-    if (last) field->axis[field->num_axes++] = last;
+    if (axis) field->axis[field->num_axes++] = axis;
+    if (inner) field->axis[field->num_axes++] = inner;
     field->values = cml_field_array_values;
     field->context = value;
     return value;
@@ -252,7 +279,7 @@ static double *add_over(struct fields *list, const struct cml_axis *last, const 
 
 static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
 {
-    return add_over(list, NULL, name, long_name, units);
+    return add_over(list, NULL, NULL, name, long_name, units);
 }
 
 static bool is_axis(const struct grid *grid, int column)
@@ -271,11 +298,11 @@ static bool has_axis(const struct grid *grid, const char *name)
 }
 
 /* A quantity, and its errors behind it: errors[size of the quantity]. */
-static double *add_with_errors(struct fields *list, const struct cml_axis *last, enum cml_quantity quantity,
-                               const char *name, double **errors)
+static double *add_with_errors(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
+                               enum cml_quantity quantity, const char *name, double **errors)
 {
-    double *value = add_over(list, last, name, cml_quantities[quantity].long_name, "1");
-    *errors = add_over(list, last, "", "", "1");
+    double *value = add_over(list, axis, inner, name, cml_quantities[quantity].long_name, "1");
+    *errors = add_over(list, axis, inner, "", "", "1");
     struct cml_field *field = &list->field[list->count - 1];
     cml_quantity_name_errors(field, field - 1);
     return value;
@@ -283,13 +310,13 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *last,
 
 /* Numbers of rows' records, those that begin in one at these two of its members, and their errors; over an
  * axis, NULL: one of each. */
-static void fill_named(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
-                       const char *name, size_t number, size_t number_error)
+static void fill_named(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
+                       enum cml_quantity quantity, const char *name, size_t number, size_t number_error)
 {
     const struct grid *grid = list->grid;
-    const size_t n = axis ? axis->n : 1;
+    const size_t n = (axis ? axis->n : 1) * (inner ? inner->n : 1);
     if (n == 0) return;
-    double *error, *value = add_with_errors(list, axis, quantity, name, &error);
+    double *error, *value = add_with_errors(list, axis, inner, quantity, name, &error);
     for (int i = 0; i < grid->results->num_rows; i++, value += n, error += n) {
         const char *record = (const char *)&grid->results->record[grid->row[i]];
         memcpy(value, record + number, n * sizeof *value);
@@ -300,7 +327,7 @@ static void fill_named(struct fields *list, const struct cml_axis *axis, enum cm
 static void fill_numbers(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
                          size_t number, size_t number_error)
 {
-    fill_named(list, axis, quantity, cml_quantities[quantity].name, number, number_error);
+    fill_named(list, axis, NULL, quantity, cml_quantities[quantity].name, number, number_error);
 }
 
 #define RECORDED(member, i) offsetof(struct cml_record, member) + (size_t)(i) * sizeof(double)
@@ -314,6 +341,9 @@ static void fill_all_numbers(struct fields *list)
     fill_numbers(list, &list->layer, CML_QUANTITY_A_l, RECORDED(absorbed, 0), RECORDED(absorbed_error, 0));
     fill_numbers(list, &list->body, CML_QUANTITY_A_body, RECORDED(absorbed, list->layer.n),
                  RECORDED(absorbed_error, list->layer.n));
+    if (count_fluxes(r) > 0)
+        fill_named(list, &list->body, &list->side, CML_QUANTITY_flux_body, "flux_body", RECORDED(flux, 0),
+                   RECORDED(flux_error, 0));
     if (expected > 0)
         fill_numbers(list, NULL, CML_QUANTITY_Tt_expected, RECORDED(expected, 0),
                      RECORDED(expected_error, 0));
@@ -323,7 +353,7 @@ static void fill_all_numbers(struct fields *list)
     for (int k = 0; k < count_detectors(r); k++) {
         char name[64];
         snprintf(name, sizeof name, "detector_%s", r->detector[k]);
-        fill_named(list, NULL, CML_QUANTITY_detector, name, RECORDED(detected, k),
+        fill_named(list, NULL, NULL, CML_QUANTITY_detector, name, RECORDED(detected, k),
                    RECORDED(detected_error, k));
     }
 }
@@ -398,14 +428,15 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     const size_t layers = rows > 0 ? (size_t)results->record->num_layers : 0,
                  bodies = rows > 0 ? (size_t)results->record->num_bodies : 0,
                  most = 2 * ((size_t)results->num_totals + 3 + 2 * layers + bodies +
-                             (size_t)count_detectors(results)) +
+                             (size_t)count_detectors(results) + (size_t)count_fluxes(results)) +
                         columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {.grid = &grid,
                           .field = calloc(most, sizeof *list.field),
                           .value = calloc(most * rows, sizeof *list.value),
                           .layer = cml_quantity_axis(CML_AXIS_layer, layers, 1, 1),
-                          .body = cml_quantity_axis(CML_AXIS_body, bodies, 1, 1)};
+                          .body = cml_quantity_axis(CML_AXIS_body, bodies, 1, 1),
+                          .side = cml_quantity_axis(CML_AXIS_side, CML_BODY_SIDES, 1, 1)};
     list.free = list.value;
     grid.value = calloc(rows * columns, sizeof *grid.value);
     grid.places = calloc(rows * columns, sizeof *grid.places);

@@ -1,6 +1,6 @@
 """Standard errors of what is summed over many deposits of a packet: how often runs lie within one of their errors of the mean.
 
-Five scenes, two of them with lattice sampling, two with bodies; an argument says how many runs of each. Every number with 300
+Six scenes, two of them with lattice sampling, two with bodies; an argument says how many runs of each. Every number with 300
 packets or more in a run, (value / error)^2. The share within 1 error, of each quantity over all scenes and bins, must be
 68 +- 5 % with 400 runs, and 68 +- 20 % with the 20 that fit into seconds, where an error that is half or twice as large shows."""
 import os
@@ -23,6 +23,7 @@ SCENES = {
     "lattice": ({"layers": ["1.34 0.5 5 0.5 0.1", "1.4 1 10 0.8 0.3"]}, "lattice"),
     "thick": ({"layers": ["1.4 1 50 0.9 0.05", "1.4 0.2 50 0.9 1"]}, "random"),
     "hill": ({"layers": ["1.3 1 4 0 1"], "surfaces": HILL}, "random"),
+    "white": ({"layers": ["1 0.01 100 0.5 0.02"]}, "random"),
     "sphere": ({"layers": [SPHERE], "extra": ["beam disk 0.2"]}, "random"),
     "two bodies": ({"layers": ["1.4 0.5 3 0 0.2", SPHERE.replace("0.15", "0.4") + "\ni cylinder -1 0 0.27 1 0 0.27 0.02 1.4 30 5 0.5"],
                     "extra": ["beam gaussian 0.1"]}, "lattice"),
@@ -34,7 +35,7 @@ def fly(scene, sampling):
     found = {}
     with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
         scene = {**scene, "extra": [*scene.get("extra", []), "map 3 3 0.2 0.2 volume", "facets"]}
-        text = cml.repeated(RUNS, photons=2000, kind=".h5", grid="0.04 0.05", bins="10 10 3", **scene).replace(".h5 A", ".h5 B")
+        text = cml.repeated(RUNS, photons=2000, kind=".h5", grid="0.04 0.05", bins="10 10 2", **scene).replace(".h5 A", ".h5 B")
         for record in cml.run(text, "--seed", 47, "--threads", 1, "--sampling", sampling, keep=keep):
             with h5py.File(record["output"]) as file:
                 for name in [n + end for n in NAMES if n in file for end in ("", "_se")]:

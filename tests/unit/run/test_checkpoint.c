@@ -191,7 +191,8 @@ enum {
     AT_NUM_LAYERS = 136 + 16 * CML_NUM_TOTALS,
     AT_NUM_EXPECTED = AT_NUM_LAYERS + 8 + 16 * CML_RECORD_MEDIA,
     AT_NUM_DETECTORS = AT_NUM_EXPECTED + 8 + 16 * (1 + CML_RECORD_MEDIA),
-    AT_RANGES = AT_NUM_DETECTORS + 8 + 16 * CML_RECORD_MEDIA + sizeof identity - 1,
+    AT_NUM_FLUXES = AT_NUM_DETECTORS + 8 + 16 * CML_RECORD_MEDIA,
+    AT_RANGES = AT_NUM_FLUXES + 8 + 16 * CML_BODY_SIDES * CML_RECORD_MEDIA + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -258,6 +259,7 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 */
         {AT_NUM_DETECTORS, CML_RECORD_MEDIA + 1, 8},
         {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_FLUXES, 1, 8},             /* not four of a body */
         {AT_RANGES, 127, 8},               /* {127, 5}: beyond the end */
         {AT_RANGES, UINT64_MAX - 2, 8},    /* first + count wraps */
         {AT_RANGES, 63, 8},                /* before the round */

@@ -42,6 +42,14 @@ void cml_report_clear(struct cml_report *report);
 CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
                                                 struct cml_error *err);
 
+/* What a run leaves behind; and the same of one that was finished before, as of a result in `path`. *record
+ * is the caller's to clear. */
+CML_NODISCARD cml_status cml_report_record(const struct cml_report *report, struct cml_record *record,
+                                           struct cml_error *err);
+CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
+                                                 const struct cml_record *before, struct cml_record *record,
+                                                 struct cml_error *err);
+
 /* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid);
 

@@ -45,76 +45,6 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
 
-/* A stream in memory fails only where memory runs out. */
-static cml_status close_json(FILE *out, size_t size, cml_status status, struct cml_error *err)
-{
-    const int failed = out ? ferror(out) : 1;
-    if (out && fclose(out) == 0 && !failed) return status;
-    return cml_fail_memory(err, (double)size, "the JSON record");
-}
-
-/* Of all layers: another row of a sweep may expect more of them. */
-static void record_expected(const struct cml_result *result, struct cml_record *record)
-{
-    if (result->grid.scores == 0) return;
-    record->num_expected = result->grid.scores > 1 ? 1 + record->num_layers : 1;
-    cml_result_expected(result, 0, &record->expected[0], &record->expected_error[0]);
-    for (int l = 1; l <= record->num_layers; l++)
-        cml_result_expected_layer(result, l, &record->expected[l], &record->expected_error[l]);
-}
-
-static void record_detected(const struct cml_result *result, struct cml_record *record)
-{
-    const int n = result->grid.detectors;
-    record->num_detectors = n <= CML_RECORD_MEDIA ? n : 0;
-    for (int k = 0; k < record->num_detectors; k++)
-        cml_result_detected(result, k, &record->detected[k], &record->detected_error[k]);
-}
-
-/* Errors of very many facets are not known. */
-static cml_status record_fluxes(const struct cml_report *report, struct cml_record *record,
-                                struct cml_error *err)
-{
-    struct cml_outcome o = {.photons = report->sums->photons, .num_bodies = report->scene->num_bodies};
-    const enum cml_quantity flux = CML_QUANTITY_flux_body;
-    CML_TRY(cml_report_body_fluxes(report, &o, err));
-    if (o.value[flux]) record->num_fluxes = CML_BODY_SIDES * record->num_bodies;
-    for (int i = 0; i < record->num_fluxes; i++) {
-        record->flux[i] = o.value[flux][i];
-        record->flux_error[i] = o.error[flux] ? o.error[flux][i] : NAN;
-    }
-    cml_outcome_clear(&o);
-    return CML_OK;
-}
-
-/* What the run leaves behind when its tallies are gone. */
-static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
-                              struct cml_error *err)
-{
-    const struct cml_result *result = report->sums;
-    size_t size = 0;
-    record->photons = result->photons;
-    record->lost = cml_result_lost(result);
-    if (result->grid.num_layers + result->grid.num_bodies <= CML_RECORD_MEDIA) {
-        record->num_layers = result->grid.num_layers;
-        record->num_bodies = result->grid.num_bodies;
-    }
-    for (int t = 0; t < CML_NUM_TOTALS; t++) {
-        record->value[t] = cml_result_total(result, (enum cml_total)t);
-        record->error[t] = cml_result_error(result, (enum cml_total)t);
-    }
-    for (int l = 0; l < record->num_layers + record->num_bodies; l++) {
-        const int medium = l < record->num_layers ? l + 1 : l + 2;
-        record->absorbed[l] = cml_result_absorbed(result, medium);
-        record->absorbed_error[l] = cml_result_absorbed_error(result, medium);
-    }
-    record_expected(result, record);
-    record_detected(result, record);
-    CML_TRY(record_fluxes(report, record, err));
-    FILE *out = open_memstream(&record->json, &size);
-    return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
-}
-
 static cml_status print_summary(const struct cml_options *options, const struct cml_report *report,
                                 struct cml_error *err)
 {
@@ -138,7 +68,7 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
     free(path);
     if (status == CML_OK && call->row == 0 && (options->json || !options->quiet))
         status = solve_flat(report, &exact, err);
-    if (status == CML_OK) status = fill_record(report, record, err);
+    if (status == CML_OK) status = cml_report_record(report, record, err);
     if (status == CML_OK && call->row == 0 && !options->quiet && !options->json)
         status = print_summary(options, report, err);
     cml_exact_clear(&exact);
@@ -195,14 +125,10 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
                               struct cml_record *record, struct cml_error *err)
 {
     char *path = NULL;
-    size_t size = 0;
-    *record = *before;
-    record->json = NULL;
     CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
-    FILE *out = open_memstream(&record->json, &size);
-    const cml_status status = out ? cml_report_json_again(out, before->json, call->scene, path, err) : CML_OK;
+    const cml_status status = cml_report_record_again(call->scene, path, before, record, err);
     free(path);
-    return close_json(out, size, status, err);
+    return status;
 }
 
 static bool may_aim(const struct cml_run_setup *setup)

@@ -381,6 +381,7 @@ struct cml_packet {
     real here, low;
     cml_u32 before;
     struct cml_trail trail;
+    cml_u32 spent; /* P19: of CML_MOST_OF_FAMILY: the others may be branches that come of the packet */
 #endif
 };
 

@@ -184,7 +184,9 @@ CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *
         const int cell = cml_window_cell(world->windows, world->setup.per_dz, packet->p, bins);
         const cml_u32 low = world->windows.low[cell], target = cml_target_weight(low);
         const struct cml_roulette_rule rule = {low, target};
+        const cml_u32 w = packet->w;
         cml_roulette(rule, packet);
+        if (packet->w > w) packet->spent = cml_spent_after(packet->spent, w, packet->w);
         if (cml_is_heavy(packet->w, low)) cml_split(world, to->branches, packet, target);
         return;
     }

@@ -8,7 +8,8 @@
 #include "lattice.h"
 #include "types.h"
 
-#define CML_MOST_PARTS 64u /* of one event */
+#define CML_MOST_PARTS 64u          /* of one event */
+#define CML_MOST_OF_FAMILY 1000000u /* branches of a photon, on average */
 
 /* Index of a packet's branch. Its highest bit is set, as that of no photon's, and the lowest bits are those
  * of its photon: they say of which batch it is. What lies between is drawn, so that all branches of a run
@@ -84,13 +85,32 @@ CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *
     }
 }
 
+/* Into how many parts of about the weight `target` a packet may be split. Which of its photon's branches are
+ * left to it its parts share. */
+CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, cml_u32 target)
+{
+    const cml_u32 wanted = (packet->w + target / 2) / target, left = CML_MOST_OF_FAMILY - packet->spent;
+    cml_u32 parts = wanted < CML_MOST_PARTS ? wanted : CML_MOST_PARTS;
+    to->clipped += parts < wanted;
+    to->spent += left < parts - 1;
+    if (left < parts - 1) parts = left + 1;
+    packet->spent = CML_MOST_OF_FAMILY - (left - (parts - 1)) / parts;
+    return parts;
+}
+
+/* A packet that has survived roulette, and weighed w, has what was left to others that have not. */
+CML_FN cml_u32 cml_spent_after(cml_u32 spent, cml_u32 w, cml_u32 survivor)
+{
+    const cml_u64 left = (cml_u64)(CML_MOST_OF_FAMILY - spent) * survivor / w;
+    return left < CML_MOST_OF_FAMILY ? CML_MOST_OF_FAMILY - (cml_u32)left : 0;
+}
+
 /* Into parts of about the weight `target`, of which the packet is the first. Where no more can wait it stays
  * whole. */
 CML_FN void cml_split(const struct cml_world *world, struct cml_branches *to, struct cml_packet *packet,
                       cml_u32 target)
 {
-    const cml_u32 wanted = (packet->w + target / 2) / target,
-                  parts = wanted < CML_MOST_PARTS ? wanted : CML_MOST_PARTS, rest = packet->w % parts;
+    const cml_u32 parts = cml_parts_of(to, packet, target), rest = packet->w % parts;
     if (to->count + (int)parts - 1 > to->most) {
         to->whole++;
         return;

@@ -32,12 +32,12 @@ enum {
 struct plan {
     const struct cml_scene *scene;
     double error;
-    struct cml_aim aim;                            /* of --aim Tt; without scores where a run has none */
-    struct cml_depth_windows seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
-    struct cml_pilot errors[SAMPLINGS];            /* by `lattice` */
-    double photons_per_s[ENGINES];                 /* 0: it cannot fly the scene */
-    struct cml_error refusal;                      /* why the last one cannot */
-    double seconds;                                /* that the pilots took */
+    struct cml_aim aim;                           /* of --aim Tt; without scores where a run has none */
+    struct cml_window_table seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
+    struct cml_pilot errors[SAMPLINGS];           /* by `lattice` */
+    double photons_per_s[ENGINES];                /* 0: it cannot fly the scene */
+    struct cml_error refusal;                     /* why the last one cannot */
+    double seconds;                               /* that the pilots took */
 };
 
 /* ---- pilots ---- */
@@ -126,7 +126,7 @@ static double longest_pilot(const struct plan *plan)
     return (double)pilot->round[pilot->num_rounds - 1].photons;
 }
 
-static void print_gain(const struct cml_depth_windows *windows, const char *aim, const char *name)
+static void print_gain(const struct cml_window_table *windows, const char *aim, const char *name)
 {
     const double gain = cml_windows_gain(windows);
     if (gain > 0)
@@ -246,7 +246,7 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
 
 /* A scene whose detectors cannot be aimed at is planned all the same. */
 static void aim_at_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                             struct cml_depth_windows *seen)
+                             struct cml_window_table *seen)
 {
     for (int k = 0; k < scene->num_detectors && k < MOST_DETECTORS; k++) {
         struct cml_error why;

@@ -4,7 +4,7 @@
 #ifndef CML_ENGINE_H
 #define CML_ENGINE_H
 
-#include "scene/depth_windows.h"
+#include "scene/window_table.h"
 #include "scene/flat_tail.h"
 #include "scene/scene.h"
 #include "base/status.h"
@@ -38,7 +38,7 @@ struct cml_engine_options {
      * another geometry they draw the same. NULL: with the run's own. Borrowed. */
     const struct cml_surface_set *start_as;
     const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
-    const struct cml_depth_windows
+    const struct cml_window_table
         *windows;                 /* P19, in place of roulette; NULL: none. Borrowed. With a scene without
                                    * maps, facets, directions, saved packets; not of engine opencl, not traced */
     struct cml_engine_rows rows;  /* with a scene without fluence, maps, facets and maps of detectors, and

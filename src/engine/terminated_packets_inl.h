@@ -382,12 +382,14 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-/* Packets that were not split, since this was last called. branches: may be NULL. */
+/* Packets that were not split as they were to be, since this was last called. branches: may be NULL. */
 static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_tally *tally)
 {
     if (!branches) return;
     tally->count[CML_COUNT_UNSPLIT] += branches->whole;
-    branches->whole = 0;
+    tally->count[CML_COUNT_CLIPPED] += branches->clipped;
+    tally->count[CML_COUNT_SPENT] += branches->spent;
+    branches->whole = branches->clipped = branches->spent = 0;
 }
 
 /* Where kernels/walk.h puts deposits: straight into the arrays of the tally. branches: NULL where the world

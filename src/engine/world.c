@@ -371,7 +371,7 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
 }
 
 /* P19: a third of what packets shall weigh. */
-static cml_status set_windows(const struct cml_scene *scene, const struct cml_depth_windows *from,
+static cml_status set_windows(const struct cml_scene *scene, const struct cml_window_table *from,
                               struct cml_owned_world *to, struct cml_error *err)
 {
     if (!from) return CML_OK;

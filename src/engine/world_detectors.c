@@ -239,7 +239,7 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
 }
 
 /* Where windows say so. Packets are counted from the axis. */
-static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_depth_windows *windows,
+static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_window_table *windows,
                              int num_levels, const struct cml_owned_world *to)
 {
     if (!windows || !windows->detector || !(windows->share < 1)) return (struct cml_arc){0};
@@ -256,7 +256,7 @@ static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_dep
 }
 
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                             const struct cml_depth_windows *windows, struct cml_owned_world *to,
+                             const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)
 {
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});

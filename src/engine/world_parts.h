@@ -14,8 +14,8 @@ CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
 /* world_detectors.c's part: detectors and the grids over them. windows: of the run, or NULL. */
 CML_NODISCARD cml_status cml_set_detectors(const struct cml_scene *scene,
                                            const struct cml_surface_set *surfaces,
-                                           const struct cml_depth_windows *windows,
-                                           struct cml_owned_world *to, struct cml_error *err);
+                                           const struct cml_window_table *windows, struct cml_owned_world *to,
+                                           struct cml_error *err);
 
 /* world_sources.c's part, after all others: where packets start. start_as: as in cml_engine_options.
  * CML_E_INPUT: a beam starts within rounding of a surface, or has a larger numerical aperture than the medium

@@ -16,7 +16,7 @@
 #define MOST_ROWS 10000 /* of a table: adding-doubling takes seconds for ten times as many */
 
 /* The order of the keys in cml_mci_beam. */
-enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL };
+enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL, BEAM_NA };
 
 static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
                   light_words[] = "parallel, na:N, lambertian, isotropic or a file in quotes";
@@ -274,6 +274,8 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
         return cml_mci_parse(&share, options->value, beam_share)
                    ? CML_OK
                    : cml_mci_fail_value(options, share.expected);
+    case BEAM_NA: /* as of detectors */
+        return cml_mci_fail_value(options, "light=na:N");
     default:
         beam->radial = true;
         return strcmp(options->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(options, "radial=beam");
@@ -304,7 +306,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
     struct cml_mci_line_options options = {
         .reader = reader,
         .owner = "beam",
-        .keys = {"at", "z", "angle", "azimuth", "light", "share", "radial"},
+        .keys = {"at", "z", "angle", "azimuth", "light", "share", "radial", "na"},
         .list = "at=, z=, angle=, azimuth=, light=, share= or radial="};
     const char *angle = NULL;
     CML_TRY(grow(reader, scene));

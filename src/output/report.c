@@ -130,6 +130,8 @@ static void print_rarities(FILE *stream, const struct cml_result *result, double
         {CML_COUNT_LOST_LEAKED, "packets lost: leaked through a boundary"},
         {CML_COUNT_LOST_TOO_FAR, "packets lost: flew too far over a tile"},
         {CML_COUNT_UNSPLIT, "packets not split, as no more could wait: bytes may depend on threads"},
+        {CML_COUNT_CLIPPED, "splits into 64 parts, the most, of packets that were to have more"},
+        {CML_COUNT_SPENT, "splits into fewer parts than wanted: of a photon come at most 1e6 on average"},
         {CML_COUNT_SHADING_OVERRULED, "boundary events where the facet overruled the shading normal"},
     };
     for (size_t i = 0; i < sizeof rarities / sizeof *rarities; i++)
@@ -203,11 +205,9 @@ static void print_saved(FILE *stream, const struct cml_report *report)
 /* Of windows. */
 static void print_parts(FILE *stream, const struct cml_result *result)
 {
-    const double parts = (double)result->summary.count[CML_COUNT_BRANCHES],
-                 whole = (double)result->summary.count[CML_COUNT_UNSPLIT];
+    const double parts = (double)result->summary.count[CML_COUNT_BRANCHES];
     if (parts > 0)
         fprintf(stream, "  %.3g parts of packets a photon were split off\n", parts / (double)result->photons);
-    if (whole > 0) fprintf(stream, "  %.0f packets stayed whole, as too many parts waited\n", whole);
 }
 
 /* The words `books` and `residue` are those of the output files; the code says weight balance and

@@ -211,6 +211,8 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     set_integer(object, "shading_overruled", (uint64_t)result->summary.count[CML_COUNT_SHADING_OVERRULED]);
     set_integer(object, "branches", (uint64_t)result->summary.count[CML_COUNT_BRANCHES]);
     set_integer(object, "unsplit", (uint64_t)result->summary.count[CML_COUNT_UNSPLIT]);
+    set_integer(object, "clipped", (uint64_t)result->summary.count[CML_COUNT_CLIPPED]);
+    set_integer(object, "spent", (uint64_t)result->summary.count[CML_COUNT_SPENT]);
     set_real(object, "residue", cml_result_imbalance(result));
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {

@@ -68,6 +68,7 @@ expect_code 0 plan "$work/x.mci" --photons 2048
 grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
 
 # What is refused.
+some='1e-20 of the light or more that gets there, not 0'
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
 file=$work/x.mci:3
@@ -99,7 +100,7 @@ expect_error 2 "--derivatives (expected no --aim beside it that splits packets)"
     "$work/x.mci" --aim Tt_r --derivatives --quiet -o "$work/d"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "1\n1.0\n1.4 100 60 0.8 30\n"
-expect_error 2 "$file: --aim Tt_r (expected light that gets there)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
+expect_error 2 "$file: --aim Tt_r (expected $some)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
 grid='20000\n0.01 0.01\n20 20 3\ndetector disk 0.2 name=Tt\n'
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim Tt (expected another name of the detector: this is the light below)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
@@ -121,12 +122,12 @@ scene "2\n1.0\n1.4 1 50 0.8 0.2\n1.5 2 30 0.7 0.2\n${hill}"
 expect_error 2 "$file: --aim A_l:1 (expected layer 2, with another above it)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 printf 'layer2.mua\n2\n1e5\n' >"$work/t.csv"
 for aim in Tt Tt_r; do
-    unflown "$work/t.csv:3: row 2, layer2.mua = 1e5: $file: --aim $aim (expected light that gets there)" "$work/x.mci" --sweep "$work/t.csv" --aim $aim
+    unflown "$work/t.csv:3: row 2, layer2.mua = 1e5: $file: --aim $aim (expected $some)" "$work/x.mci" --sweep "$work/t.csv" --aim $aim
 done
 printf 'layer1.d\n0.2\n1e8\n' >"$work/t.csv"
-unflown "$work/t.csv:3: row 2, layer1.d = 1e8: $file: --aim A_l:2 (expected light that gets there)" "$work/x.mci" --sweep "$work/t.csv" --aim A_l:2
+unflown "$work/t.csv:3: row 2, layer1.d = 1e8: $file: --aim A_l:2 (expected $some)" "$work/x.mci" --sweep "$work/t.csv" --aim A_l:2
 { sed 's/^1$/2/' "$work/x.mci" && sed -n '3,$p' "$work/x.mci" | sed 's/x.mco/y.mco/; s/^1.5 2/1.5 1e5/'; } >"$work/y.mci"
-unflown "$work/y.mci:13: --aim Tt (expected light that gets there)" "$work/y.mci" --aim Tt
+unflown "$work/y.mci:13: --aim Tt (expected $some)" "$work/y.mci" --aim Tt
 # What only the flight finds is said of the row, and is no result.
 awk -v mci="$work/m.mci" -v csv="$work/t.csv" 'BEGIN {
     n = 60
@@ -162,18 +163,23 @@ windows --aim A_l:2
 expect_code 0 "$work/x.mci" --aim A_l:2 -o "$work/d"
 grep -Eq '^  windows gain nothing for what 0\.[0-9]+ of the light comes to$' "$work/out" || complain "A_l:2: $(cat "$work/out")"
 windows --aim Tt_r
-expect_code 0 "$work/x.mci" --aim Tt_r --photons 12001 --keep --threads 2 --quiet -o "$work/c"
-expect_code 0 "$work/x.mci" --aim Tt_r --more 7999 --quiet -o "$work/c"
-same "--more" "$work/c/x.mco" "$work/b/x.mco"
-expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
-grep -q "of another run: 'windows 2' there, 'windows 0' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
+mv "$work/b/x.mco" "$work/deep.mco"
 # A detector, alone or beside expected values.
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.05 at=0.3,0 name=near\ndetector disk 0.05 at=-0.6,0 name=far\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 windows --aim far
 mv "$work/a/x.mco" "$work/far.mco"
-windows --aim near
+windows --aim near,near
 expect_code 0 compare "$work/a/x.mco" "$work/far.mco" --alpha 1e-4
+expect_code 0 "$work/x.mci" --aim near --photons 12001 --keep --threads 2 --quiet -o "$work/c"
+expect_code 0 "$work/x.mci" --aim near --more 7999 --quiet -o "$work/c"
+same "--more" "$work/c/x.mco" "$work/b/x.mco"
+expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
+grep -q "of another run: 'windows -1' there, 'windows 0' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
+expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
+expect_code 0 merge "$work/b/x.mco" "$work/d/x.mco" --output "$work/m.mco"
+awk -v a="$(of detector_near "$work/b/x.mco")" -v b="$(of detector_near "$work/d/x.mco")" -v m="$(of detector_near "$work/m.mco")" \
+    'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge of windows"
 only="expected one detector, and beside it only what flat layers below all shapes give"
 for aim in far,near near,Tt_r A_l:2,near; do
     expect_error 2 "$file: --aim $aim ($only)" "$work/x.mci" --aim $aim --quiet -o "$work/d"
@@ -185,5 +191,16 @@ grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 # all that is scored agrees with a plain run: gates, fluence, a detector
 expect_code 0 "$work/x.mci" --seed 2 --quiet -o "$work/a"
-expect_code 0 compare "$work/a/x.mco" "$work/b/x.mco" --alpha 1e-4
+expect_code 0 compare "$work/a/x.mco" "$work/deep.mco" --alpha 1e-4
+# The limits of splitting: 64 parts at an event, 1e6 of a photon.
+limited() { # KEY TEXT, and layers
+    scene "$3"
+    expect_code 0 "$work/x.mci" --aim "$4" --json -o "$work/a"
+    grep -q "\"$1\":[1-9]" "$work/out" || complain "no $1: $(cat "$work/out")"
+    expect_code 0 "$work/x.mci" --aim "$4" -o "$work/a"
+    grep -Eq "^  [0-9]+ splits into $2\$" "$work/out" || complain "$2: $(cat "$work/out")"
+}
+grid='4000\n0.01 0.01\n20 20 3\ndetector rectangle 0.005 0.005 at=2,0 name=far\n'
+limited spent 'fewer parts than wanted: of a photon come at most 1e6 on average' "1\n1.0\n1.4 0.3 120 0.8 3\n" far
+limited clipped '64 parts, the most, of packets that were to have more' "1\n1.0\n1.4 30 5 0.8 0.5\n" Tt_r
 finish

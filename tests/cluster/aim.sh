@@ -1,14 +1,14 @@
 #!/bin/sh
-# --aim: expected values have the bytes of one rank on several, also where they decide how many photons fly, and where the run
-# was stopped and is continued on other ranks. SPDX-License-Identifier: MIT
+# --aim: expected values, and windows for all light below or a detector, have the bytes of one rank on several, also where they
+# decide how many photons fly, and where the run was stopped or killed and is continued on other ranks. SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
-printf '1.0\n1\nx.mco A\n1000\n0.01 0.01\n20 20 3\n%s\n' \
+printf '1.0\n1\nx.mco A\n1000\ndetector disk 0.05 at=0.3,0 name=near\n0.01 0.01\n20 20 3\n%s\n' \
     "2\n1.0\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n1.4 1 60 0.8 0.3\n1.5 2 20 0.5 0.4\n1.0" | sed 's/\\n/\n/g' >"$work/x.mci"
 value() { # KEY FILE
     grep -o "\"$1\":[^,}]*" "$2" | sed 's/.*://;q'
 }
 
-for options in "--photons 20000 --aim Tt" "--photons 20000 --aim Tt_r" "--photons 64 --target-error 0.01 --aim Tt"; do
+for options in "--photons 20000 --aim Tt,Tt_r" "--photons 20000 --aim near" "--photons 64 --target-error 0.01 --aim Tt"; do
     # shellcheck disable=SC2086 # several options on purpose
     expect_code 0 "$work/x.mci" $options --threads 1 --json -o "$work"
     mv "$work/x.mco" "$work/expected"
@@ -23,20 +23,21 @@ done
 awk -v Tt="$(value Tt_expected "$work/out")" -v e="$(value Tt_expected_se "$work/out")" -v counted="$(value Tt_se "$work/out")" \
     'BEGIN { exit !(e <= 0.01 * Tt && counted > 0.01 * Tt) }' || complain "--target-error: $(cat "$work/out")"
 
-# Stopped, and continued on two ranks.
-rm "$work/x.mco"
-"$program" "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
-run=$!
-until grep -qs "^  boundary 2" "$work/out" || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
-sleep 0.2
-kill -TERM $run
-code=0
-wait $run || code=$?
-test $code -eq 75 || complain "not stopped: exit $code, $(cat "$work/err")"
+# Killed or stopped, and continued on two ranks.
+expect_code 0 "$work/x.mci" --photons 3e5 --aim Tt,near --quiet -o "$work"
+mv "$work/x.mco" "$work/expected"
+for end in "KILL 137" "TERM 75"; do
+    rm -f "$work"/x.mco*
+    "$program" "$work/x.mci" --photons 3e5 --aim Tt,near --threads 1 --checkpoint 0.1 -o "$work" >"$work/out" 2>"$work/err" &
+    run=$!
+    until test -e "$work/x.mco.checkpoint" || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
+    kill -"${end% *}" $run
+    code=0
+    wait $run || code=$?
+    test $code -eq "${end#* }" || complain "${end% *}: exit $code, $(cat "$work/err")"
+    ranks 2 "$work/x.mci" --photons 3e5 --aim Tt,near --resume --quiet -o "$work"
+    expect_bits "${end% *}, and continued" "$work/x.mco" "$work/expected"
+done
 expect_error 2 "$work/x.mco.checkpoint: the checkpoint is of another run: 'aim 1' there, 'aim 0' here" \
     "$work/x.mci" --photons 3e5 --resume --quiet -o "$work"
-ranks 2 "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --resume --quiet -o "$work"
-mv "$work/x.mco" "$work/resumed"
-expect_code 0 "$work/x.mci" --photons 3e5 --aim Tt,Tt_r --quiet -o "$work"
-expect_bits "stopped and continued" "$work/resumed" "$work/x.mco"
 finish

@@ -30,11 +30,11 @@ static inline void invent_tail(const struct cml_scene *scene, const struct cml_s
 }
 
 /* Any weights, which jump from cell to cell and from ring to ring. */
-static inline void invent_windows(const struct cml_scene *scene, struct cml_depth_windows *windows)
+static inline void invent_windows(const struct cml_scene *scene, struct cml_window_table *windows)
 {
     static uint32_t target[64 * 4];
     struct dice dice = dice_new(4);
-    *windows = (struct cml_depth_windows){
+    *windows = (struct cml_window_table){
         .cells = 64, .rings = 4, .share = 1, .x = 0.03, .y = -0.01, .reach = 0.4, .target = target};
     for (int l = 1; l <= scene->num_layers; l++) windows->depth += scene->media[l].d;
     for (int i = 0; i < windows->cells * windows->rings; i++)

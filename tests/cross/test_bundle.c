@@ -45,7 +45,7 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
 {
     struct cml_engine_options options = *asked;
     struct cml_flat_tail tail = {0};
-    struct cml_depth_windows windows;
+    struct cml_window_table windows;
     struct cml_error err;
     struct cml_surface_set surfaces;
     const struct cml_surface_options surface = {.force = kind,

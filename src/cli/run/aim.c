@@ -179,7 +179,7 @@ static int place_in(double at, int count)
 
 /* Of the beam whose light is worth most, from its middle. */
 static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media,
-                             const struct cml_depth_windows *windows, const double *importance)
+                             const struct cml_window_table *windows, const double *importance)
 {
     double most = 0;
     for (int k = 0; k < scene->num_beams; k++) {
@@ -203,13 +203,16 @@ static double power_of(double worth)
 /* power: of detectors, which see little of the light. */
 static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, const double *importance,
-                               struct cml_depth_windows *windows, struct cml_error *err)
+                               struct cml_window_table *windows, struct cml_error *err)
 {
+    char expected[80];
     windows->worth = worth_of_light(scene, media, windows, importance);
+    snprintf(expected, sizeof expected, "%g of the light or more that gets there, not %.1g", LEAST_WORTH,
+             windows->worth);
     if (!(windows->worth > LEAST_WORTH && windows->worth < INFINITY))
-        return refuse(scene, aim, (int)strlen(aim), "light that gets there", err);
-    return cml_depth_windows_create(importance, windows->worth,
-                                    windows->detector ? 1 : power_of(windows->worth), windows, err);
+        return refuse(scene, aim, (int)strlen(aim), expected, err);
+    return cml_window_table_create(importance, windows->worth,
+                                   windows->detector ? 1 : power_of(windows->worth), windows, err);
 }
 
 static double depth_of(const struct cml_medium_def *media, int layers)
@@ -221,15 +224,15 @@ static double depth_of(const struct cml_medium_def *media, int layers)
 
 static cml_status make_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, int layers,
-                               struct cml_depth_windows *windows, struct cml_error *err)
+                               struct cml_window_table *windows, struct cml_error *err)
 {
     double importance[CML_WINDOW_CELLS];
-    *windows = (struct cml_depth_windows){.layers = layers,
-                                          .cells = CML_WINDOW_CELLS,
-                                          .rings = 1,
-                                          .share = 1,
-                                          .depth = depth_of(media, layers),
-                                          .reach = 1};
+    *windows = (struct cml_window_table){.layers = layers,
+                                         .cells = CML_WINDOW_CELLS,
+                                         .rings = 1,
+                                         .share = 1,
+                                         .depth = depth_of(media, layers),
+                                         .reach = 1};
     CML_TRY(cml_importance_of_depth(media, layers, CML_WINDOW_CELLS, importance, err));
     return fill_windows(aim, scene, media, importance, windows, err);
 }
@@ -289,12 +292,12 @@ static double area_of(double inner, double outer)
 }
 
 /* Cells, but for what packets shall weigh in them. */
-static struct cml_depth_windows lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
-                                        int number, bool arcs, struct cml_seen_ring seen)
+static struct cml_window_table lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
+                                       int number, bool arcs, struct cml_seen_ring seen)
 {
     const struct cml_detector_def *detector = &scene->detectors[number - 1];
     const double depth = depth_of(media, scene->num_layers), reach = reach_of(scene, detector, seen.outer);
-    return (struct cml_depth_windows){
+    return (struct cml_window_table){
         .layers = scene->num_layers,
         .detector = number,
         .share = arcs ? area_of(detector->size[0], detector->size[1]) / area_of(seen.inner, seen.outer) : 1,
@@ -308,7 +311,7 @@ static struct cml_depth_windows lay_out(const struct cml_scene *scene, const str
 
 static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene,
                                   const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
-                                  int number, struct cml_depth_windows *windows, struct cml_error *err)
+                                  int number, struct cml_window_table *windows, struct cml_error *err)
 {
     const struct cml_detector_def *detector = &scene->detectors[number - 1];
     const bool arcs = sees_arcs(scene, surfaces, detector);
@@ -326,7 +329,7 @@ static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene
 /* What splits packets. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                               const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
-                              struct wanted wanted, struct cml_depth_windows *windows, struct cml_error *err)
+                              struct wanted wanted, struct cml_window_table *windows, struct cml_error *err)
 {
     const int length = (int)strlen(aim);
     if (wants_packets(scene))
@@ -423,7 +426,7 @@ cml_status cml_aim_check(const struct cml_options *options, const struct cml_sce
 void cml_aim_clear(struct cml_aim *aim)
 {
     cml_flat_tail_clear(&aim->tail);
-    cml_depth_windows_clear(&aim->windows);
+    cml_window_table_clear(&aim->windows);
 }
 
 /* Of splitting alone. */
@@ -434,7 +437,7 @@ static double gain_of(double V, double worth)
     return V > least ? V / pow(log(V), 2) : 2;
 }
 
-double cml_windows_gain(const struct cml_depth_windows *windows)
+double cml_windows_gain(const struct cml_window_table *windows)
 {
     const double gain = gain_of((windows->detector ? 0.1 : 0.008) / windows->worth, windows->worth);
     return windows->share < 1 ? fmax(1, gain) / windows->share : gain;

@@ -5,7 +5,7 @@
 #define CML_AIM_H
 
 #include "cli/options/options.h"
-#include "scene/depth_windows.h"
+#include "scene/window_table.h"
 #include "scene/flat_tail.h"
 #include "surface/surface.h"
 #include "tally/result.h"
@@ -27,12 +27,12 @@ double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_
 /* In how much less time windows give Tt, or what a detector sees, the same error, within a factor of 2 or 3.
  * Packets of plain flights have the relative variance 0.008 / worth, as they weigh little when they come out
  * below, and 0.1 / worth for a detector. 0: in no less. */
-double cml_windows_gain(const struct cml_depth_windows *windows);
+double cml_windows_gain(const struct cml_window_table *windows);
 
 /* What --aim asks for: expected values below the level, where scores is not 0, windows where cells is not. */
 struct cml_aim {
     struct cml_flat_tail tail;
-    struct cml_depth_windows windows;
+    struct cml_window_table windows;
 };
 
 /* Of the names NAME[,NAME...] Tt, Tt_r, A_l:N and those of detectors: the tail is for what lies below the

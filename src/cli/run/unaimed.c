@@ -27,7 +27,7 @@ static void print_costs(const struct cml_result *result, const struct cml_result
     if (before[0] == ',') printf(" times the steps (by %g photons without)\n", (double)plain->photons);
 }
 
-static void print_all(const struct cml_depth_windows *windows, const struct cml_result *result,
+static void print_all(const struct cml_window_table *windows, const struct cml_result *result,
                       const struct cml_result *plain)
 {
     print_costs(result, plain);

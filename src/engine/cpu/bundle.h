@@ -84,6 +84,7 @@ struct cml_bundle {
     real mark[CML_LANES]; /* the same where fluence is asked for */
     real here[CML_LANES], low[CML_LANES], deepest[CML_LANES]; /* P13, the same where detectors are */
     cml_u32 before[CML_LANES];                                /* the same */
+    cml_u32 spent[CML_LANES];                                 /* P19, where there are windows */
     int gate[CML_LANES];                 /* of A_t: of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */

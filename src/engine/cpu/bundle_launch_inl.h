@@ -238,6 +238,8 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
     for (cml_u32 rest = f->world->setup.keeps_paths ? lanes : 0; rest; rest &= rest - 1)
         cml_launch_path(f, first + __builtin_ctz(rest), start->path);
+    for (cml_u32 rest = f->to.branches ? lanes : 0; rest; rest &= rest - 1)
+        b->spent[first + __builtin_ctz(rest)] = start->spent;
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
         b->medium[i] = start->medium;

@@ -197,15 +197,19 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     const cml_u32 low = windows.low[cell], target = cml_target_weight(low);
     const struct cml_roulette_rule rule = {low, target};
     struct cml_packet packet;
-    if (b->w[i] < low) {
+    const cml_u32 w = b->w[i];
+    if (w < low) {
         cml_lane_plays(f, i, rule);
+        if (b->w[i] > w) b->spent[i] = cml_spent_after(b->spent[i], w, b->w[i]);
         return;
     }
     cml_flush_deposits(f, i);
     b->interactions[i]++;
     cml_lane_packet(b, i, &packet);
     b->interactions[i]--;
+    packet.spent = b->spent[i];
     cml_split(f->world, f->to.branches, &packet, target);
+    b->spent[i] = packet.spent;
     b->w[i] = b->flushed_w[i] = packet.w;
 }
 

@@ -147,10 +147,10 @@ static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
     require_ok(cml_importance_of_depth(scene->media, 1, CML_WINDOW_CELLS, importance, &err), &err);
     const double truth[2] = {exact.value[CML_EXACT_RD], exact.value[CML_EXACT_TT]},
                  most = importance[CML_WINDOW_CELLS - 1];
-    struct cml_depth_windows right = {.cells = CML_WINDOW_CELLS, .rings = 1, .depth = 1.2, .reach = 1},
-                             wrong = right;
-    require_ok(cml_depth_windows_create(importance, 2 * truth[1], 0.8, &right, &err), &err);
-    require_ok(cml_depth_windows_create(importance, most, -0.3, &wrong, &err), &err);
+    struct cml_window_table right = {.cells = CML_WINDOW_CELLS, .rings = 1, .depth = 1.2, .reach = 1},
+                            wrong = right;
+    require_ok(cml_window_table_create(importance, 2 * truth[1], 0.8, &right, &err), &err);
+    require_ok(cml_window_table_create(importance, most, -0.3, &wrong, &err), &err);
     bench.options.windows = &right;
     const double error = fly(&bench, "cpu", truth, &off[0]), other = fly(&bench, "reference", truth, &off[1]);
     bench.options.windows = &wrong;
@@ -159,8 +159,8 @@ static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
         fail_msg("off by %g, %g, %g errors", off[0], off[1], off[2]);
     if (!(worse > 1.2 * error && other < 1.2 * error))
         fail_msg("errors %g, %g; wrong %g", error, other, worse);
-    cml_depth_windows_clear(&right);
-    cml_depth_windows_clear(&wrong);
+    cml_window_table_clear(&right);
+    cml_window_table_clear(&wrong);
     cml_exact_clear(&exact);
     tear_down(&bench);
 }

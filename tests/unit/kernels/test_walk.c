@@ -61,6 +61,28 @@ static void the_rule_of_mcml_lets_a_tenth_survive(void **state)
     }
 }
 
+/* How many branches come of a packet, each of whose parts wants `parts` again. */
+static double family(struct cml_branches *to, struct cml_packet packet, cml_u32 parts)
+{
+    const cml_u32 now = cml_parts_of(to, &packet, packet.w / parts);
+    return now > 1 ? now - 1 + now * family(to, packet, parts) : 0;
+}
+
+/* Half may be lost where it does not come out even. Roulette moves what is left to those that survive. */
+static void a_family_ends(void **state)
+{
+    (void)state;
+    for (cml_u32 parts = 2; parts < 1000; parts++) {
+        struct cml_branches to = {0};
+        const double all = family(&to, (struct cml_packet){.w = CML_WEIGHT_ONE}, parts);
+        if (!(all <= CML_MOST_OF_FAMILY && all > 0.4 * CML_MOST_OF_FAMILY)) fail_msg("%u: %g", parts, all);
+        assert_int_equal(to.clipped > 0, parts > CML_MOST_PARTS);
+        assert_true(to.spent > 0);
+    }
+    assert_int_equal(cml_spent_after(CML_MOST_OF_FAMILY - 1000, 10, 25), CML_MOST_OF_FAMILY - 2500);
+    assert_int_equal(cml_spent_after(1000, 10, 25), 0);
+}
+
 /* The mean over all values of the 16 random bits. */
 static double mean_absorbed(cml_u32 w, real absorb)
 {
@@ -223,6 +245,7 @@ int main(void)
         cmocka_unit_test(roulette_keeps_the_mean_weight),
         cmocka_unit_test(heavy_packets_play_no_roulette),
         cmocka_unit_test(the_rule_of_mcml_lets_a_tenth_survive),
+        cmocka_unit_test(a_family_ends),
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
         cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
         cmocka_unit_test(no_packet_is_reflected_into_its_facet),

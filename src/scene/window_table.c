@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "scene/depth_windows.h"
+#include "scene/window_table.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-cml_status cml_depth_windows_create(const double *importance, double start, double power,
-                                    struct cml_depth_windows *to, struct cml_error *err)
+cml_status cml_window_table_create(const double *importance, double start, double power,
+                                   struct cml_window_table *to, struct cml_error *err)
 {
     const size_t count = (size_t)to->cells * (size_t)to->rings;
     to->target = calloc(count, sizeof *to->target);
@@ -17,8 +17,8 @@ cml_status cml_depth_windows_create(const double *importance, double start, doub
     return CML_OK;
 }
 
-void cml_depth_windows_clear(struct cml_depth_windows *windows)
+void cml_window_table_clear(struct cml_window_table *windows)
 {
     free(windows->target);
-    *windows = (struct cml_depth_windows){0};
+    *windows = (struct cml_window_table){0};
 }

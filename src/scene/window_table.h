@@ -1,14 +1,14 @@
 /* Weight windows (P19 of kernels/README.md): what packets shall weigh by depth, or by their distance from a
  * detector, too, as it is made of what light is worth, and engines read it. SPDX-License-Identifier: MIT */
-#ifndef CML_DEPTH_WINDOWS_H
-#define CML_DEPTH_WINDOWS_H
+#ifndef CML_WINDOW_TABLE_H
+#define CML_WINDOW_TABLE_H
 
 #include "base/status.h"
 
 #include <stdint.h>
 
 /* Owned. Zeroed: none. */
-struct cml_depth_windows {
+struct cml_window_table {
     int layers;   /* light is wanted that comes out of so many of the scene's */
     int detector; /* or that this one sees, from 1 */
     double share; /* below 1: the scene is the same all about x, y, and of light that leaves on a circle the
@@ -26,9 +26,9 @@ struct cml_depth_windows {
 /* A whole packet where light is worth no more than `start`, and where it is worth more (start /
  * importance)^power. to: all but `target` is set. importance: [rings][cells]. The caller clears *to.
  * CML_E_INPUT: out of memory. */
-CML_NODISCARD cml_status cml_depth_windows_create(const double *importance, double start, double power,
-                                                  struct cml_depth_windows *to, struct cml_error *err);
+CML_NODISCARD cml_status cml_window_table_create(const double *importance, double start, double power,
+                                                 struct cml_window_table *to, struct cml_error *err);
 
-void cml_depth_windows_clear(struct cml_depth_windows *windows);
+void cml_window_table_clear(struct cml_window_table *windows);
 
 #endif

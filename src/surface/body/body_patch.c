@@ -89,15 +89,31 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
     cml_vec3_add_scaled(patch->normal, fmin(area, 1) / area, normal, patch->normal);
 }
 
+/* Of numbers, so that no library is called where most of the time of a grid goes. */
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* The other leg of a right triangle; 0 where rounding leaves none. */
+static inline double leg(double hypotenuse, double other)
+{
+    return sqrt(larger(0, hypotenuse * hypotenuse - other * other));
+}
+
 /* Heights over a plane of what of another lies within a distance of the origin: that other's normal makes
  * an angle of this cosine with the plane's, and from lower to upper are its heights along its own. */
-static void tilt(double cosine, double distance, double lower, double upper, double range[2])
+static inline void tilt(double cosine, double distance, double lower, double upper, double range[2])
 {
-    const double sine = sqrt(fmax(0, 1 - cosine * cosine));
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
-    const double aside = sine * sqrt(fmax(0, distance * distance - nearest * nearest));
-    range[0] = fmin(cosine * lower, cosine * upper) - aside;
-    range[1] = fmax(cosine * lower, cosine * upper) + aside;
+    const double aside = leg(1, cosine) * leg(distance, nearest);
+    range[0] = smaller(cosine * lower, cosine * upper) - aside;
+    range[1] = larger(cosine * lower, cosine * upper) + aside;
 }
 
 /* Of the whole facet, or if that is less, of what its plane has within reach. */
@@ -178,15 +194,20 @@ static void see_heights(const struct neighbour *neighbour, double radius, struct
     if (lower > radius || upper < -radius) return;
     tilt(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
     tilt(cosine, radius, lower, upper, within);
-    view->lower = fmin(view->lower, fmax(own[0] + there, within[0]));
-    view->upper = fmax(view->upper, fmin(own[1] + there, within[1]));
-    const double both = cosine * patch->cosine -
-                        sqrt(fmax(0, 1 - cosine * cosine)) * sqrt(fmax(0, 1 - patch->cosine * patch->cosine));
-    view->cosine = fmin(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
+    view->lower = smaller(view->lower, larger(own[0] + there, within[0]));
+    view->upper = larger(view->upper, smaller(own[1] + there, within[1]));
+    const double both = cosine * patch->cosine - leg(1, cosine) * leg(1, patch->cosine);
+    view->cosine = smaller(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
 }
 
-/* False where there is nothing, or more than two planes can bound. */
-static bool look(const struct neighbour *neighbour, int count, double radius, struct view *view)
+/* What the ball is worth, in cells: less with every patch that the planes make room for. */
+static double worth_of(const struct view *view, double radius)
+{
+    return radius - WORTH * (view->upper - view->lower);
+}
+
+/* False where there is nothing, or more than two planes can bound, or the ball is worth less than `most`. */
+static bool look(const struct neighbour *neighbour, int count, double radius, double most, struct view *view)
 {
     *view = (struct view){.body = CML_PATCH_NONE, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
     for (int i = 0; i < count; i++) {
@@ -199,15 +220,18 @@ static bool look(const struct neighbour *neighbour, int count, double radius, st
     }
     if (!(cml_vec3_length(view->normal) > 0)) return false;
     cml_vec3_normalise(view->normal);
-    for (int i = 0; i < count; i++)
-        if (is_near(&neighbour[i], radius)) see_heights(&neighbour[i], radius, view);
+    for (int i = 0; i < count; i++) {
+        if (!is_near(&neighbour[i], radius)) continue;
+        see_heights(&neighbour[i], radius, view);
+        if (worth_of(view, radius) < most) return false;
+    }
     return view->lower <= view->upper;
 }
 
 /* The planes moved apart by the margin, the ball made smaller by it. 2: no direction is steep enough. */
 static struct cml_body_near near_of_view(const struct view *view, double radius)
 {
-    const double sine = sqrt(fmax(0, 1 - view->cosine * view->cosine)) + 1e-3;
+    const double sine = leg(1, view->cosine) + 1e-3;
     const struct cml_body_near near = {
         .radius = (float)(radius - CML_CELL_MARGIN),
         .body = view->body,
@@ -220,7 +244,7 @@ static struct cml_body_near near_of_view(const struct view *view, double radius)
 }
 
 /* Of balls with a surface the one that is large and leaves it little room; none if the largest without one is
- * better. */
+ * as good. Large ones first: few are then worth a look. */
 struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
                                       const int at[3])
 {
@@ -228,14 +252,12 @@ struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patc
     struct cml_body_near best = {
         .radius = clear[i], .lower = -1, .upper = -1, .steepest = 2, .body = CML_PATCH_NONE};
     struct neighbour neighbour[CUBE * CUBE * CUBE];
-    double most = clear[i];
-    const int count = most < radii[NUM_RADII - 1] ? find_neighbours(n, patch, clear, at, neighbour) : 0;
-    for (size_t r = 0; r < NUM_RADII && count > 0; r++) {
+    const int count = clear[i] < radii[NUM_RADII - 1] ? find_neighbours(n, patch, clear, at, neighbour) : 0;
+    double most = nextafter(clear[i], INFINITY);
+    for (size_t r = NUM_RADII; r-- > 0 && count > 0;) {
         struct view view;
-        if (radii[r] <= most || !look(neighbour, count, radii[r], &view)) continue;
-        const double worth = radii[r] - WORTH * (view.upper - view.lower);
-        if (worth <= most) continue;
-        most = worth;
+        if (radii[r] < most || !look(neighbour, count, radii[r], most, &view)) continue;
+        most = worth_of(&view, radii[r]);
         best = near_of_view(&view, radii[r]);
     }
     return best;

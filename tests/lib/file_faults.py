@@ -10,7 +10,15 @@ import sys
 import tempfile
 
 PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
+SCENE = os.path.join(os.path.dirname(__file__), "..", "..", "samples", "skinmap.mci")
 NAMES = ["skinmap.boundary0.vtp", "skinmap.h5", "skinmap.map.vti", "skinmap.mco", "skinmap.volume.vti"]
+
+
+def coarse_scene():
+    """The sample with pixels of three times the size: every file is there and takes several writes, but few of them."""
+    with open(SCENE, encoding="utf-8") as file:
+        text = re.sub("^map .*", "map 27 21 0.036 0.036 volume top=-0.02", file.read(), flags=re.MULTILINE)
+    return text.replace("../meshes", os.path.join(os.path.dirname(os.path.abspath(SCENE)), "..", "meshes"))
 
 
 class Folder:
@@ -20,6 +28,9 @@ class Folder:
         self.root = os.path.realpath(tempfile.mkdtemp())
         self.path = os.path.join(self.root, "out")
         os.mkdir(self.path)
+        self.scene = os.path.join(self.root, "skinmap.mci")
+        with open(self.scene, "w", encoding="utf-8") as file:
+            file.write(coarse_scene())
         if self.run(seed=8).returncode:
             raise RuntimeError("the run without faults fails")
         self.older = self.read()
@@ -59,13 +70,13 @@ class Folder:
                 files[name] = re.sub(rb"# User time.*\n", b"", data)
         return files
 
-    def start(self, faults=None, threads=1, ranks=0, seed=7, photons="20000"):
+    def start(self, faults=None, threads=1, ranks=0, seed=7, photons="4000"):
         preload = os.environ["FILE_FAULT"] + ":" + os.environ["SYSTEM_FAULT"]
         preloaded = {"LD_PRELOAD": preload, "CML_FAULT_FOLDER": self.path + "/", **(faults or {})}
         words = ["env", f"OMP_NUM_THREADS={threads}"]
         if faults is not None:
             words += [f"{name}={value}" for name, value in preloaded.items()] + ["CML_CLOCK=tick"] * (ranks == 0)
-        words += [PROGRAM, "samples/skinmap.mci", "--photons", photons, "--seed", str(seed), "--chunk", "500", "--quiet",
+        words += [PROGRAM, self.scene, "--photons", photons, "--seed", str(seed), "--chunk", "100", "--quiet",
                   "--checkpoint", "1e-9", "--resume", "-o", self.path]
         if ranks:
             words = ["mpiexec", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *words]

@@ -23,7 +23,7 @@ cmake --build build --parallel 2 --target benches
 ctest --test-dir build -LE long --output-on-failure -j2
 
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
-cmake --build build-asan --parallel 2
+cmake --build build-asan --parallel 2 --target clustermcml units
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 ctest --test-dir build-asan -L unit --output-on-failure -j2
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh

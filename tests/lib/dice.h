@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "lib/sanitized.h"
 #include "rng.h"
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))

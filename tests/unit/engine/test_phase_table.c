@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static long draws = 10000000; /* argument 1 */
+static long draws = 10000000 / SANITIZED_STEP; /* argument 1 */
 
 /* Densities of the cosine c = 1 - x. */
 static double hg(double g, double x)
@@ -92,7 +92,7 @@ static void add_legendre(double c, double weight, double *sum, double *squares)
 {
     double before = 1, p = c;
     for (int l = 1; l <= MOMENTS; l++) {
-        const double next = ((2 * l + 1) * c * p - l * before) / (l + 1);
+        const double share = 1.0 / (l + 1), next = (2 - share) * c * p - (1 - share) * before;
         sum[l] += weight * p;
         if (squares) squares[l] += p * p;
         before = p;

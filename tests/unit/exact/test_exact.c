@@ -81,17 +81,6 @@ static struct stack parse_layers(const char *text)
     return stack;
 }
 
-/* Of the tables sanitizers see every eighth row: they take ten times as long, and look for other faults than
- * wrong digits. */
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ROW_STEP 8
-#endif
-#endif
-#ifndef ROW_STEP
-#define ROW_STEP 1
-#endif
-
 static FILE *open_reference(const char *name)
 {
     FILE *file = fopen(name, "r");
@@ -110,7 +99,7 @@ static void slabs_agree_with_other_adding_doubling(void **state)
         double n, outside, mua, mus, g, d, R, T;
         if (sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &n, &outside, &mua, &mus, &g, &d, &R, &T) != 8)
             continue;
-        if (rows++ % ROW_STEP) continue;
+        if (rows++ % SANITIZED_STEP) continue;
         struct stack stack = stack_of(outside, outside);
         add(&stack, n, mua, mus, g, d);
         struct cml_exact exact = solve(&stack, false, 0, 1e-6);
@@ -134,7 +123,7 @@ static void stacks_agree_with_other_adding_doubling(void **state)
         const char *totals = layers ? strchr(layers + 1, ',') : NULL;
         double R, T;
         if (line[0] == '#' || !totals || sscanf(totals, ",%lf,%lf", &R, &T) != 2) continue;
-        if (rows++ % ROW_STEP) continue;
+        if (rows++ % SANITIZED_STEP) continue;
         const struct stack stack = parse_layers(layers + 1);
         expect(line, &stack, false, 0, R, T, 1.5e-7);
     }
@@ -410,7 +399,7 @@ static void stated_errors_are_no_smaller_than_true_ones(void **state)
     (void)state;
     struct dice dice = dice_new(2026);
     const double tolerances[] = {1e-2, 1e-4, 1e-5};
-    for (int k = 0; k < 40; k++) {
+    for (int k = 0; k < repeats(40); k++) {
         const struct stack stack = random_stack(&dice);
         const bool diffuse = k % 5 == 0;
         const double angle = diffuse || k % 2 == 0 ? 0 : 1.5 * dice_uniform(&dice);

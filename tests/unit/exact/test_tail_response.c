@@ -89,17 +89,7 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
     cml_flat_tail_clear(&tail);
 }
 
-/* Sanitizers take twenty times as long, and look for other faults than wrong digits: they see no many
- * indices. */
-#ifndef __has_feature
-#define __has_feature(name) 0
-#endif
-#if defined __SANITIZE_ADDRESS__ || __has_feature(address_sanitizer)
-enum { SANITIZED = 1 };
-#else
-enum { SANITIZED = 0 };
-#endif
-
+/* Sanitizers, which look for other faults than wrong digits, see no many indices. */
 static void thick_layers_respond_as_solved(void **state)
 {
     (void)state;

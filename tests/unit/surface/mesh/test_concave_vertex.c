@@ -115,7 +115,7 @@ static void a_line_along_an_edge_ends_where_it_ends(void **state)
     struct dice dice = dice_new(1);
     const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int wrong = 0;
-    for (int n = 0; n < 200000; n++) {
+    for (int n = 0; n < repeats(200000); n++) {
         const int i = dice_below(&dice, 3), on_primitive = dice_below(&dice, 2) ? i : (i + 2) % 3;
         const double s = dice_between(&dice, 0.01, 0.99), way = dice_below(&dice, 2) ? 1 : -1;
         double p[3], u[3];
@@ -139,7 +139,7 @@ static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
     struct dice dice = dice_new(5);
     const struct concave concave = concave_make(3, 100, 0.01);
     int wrong = 0;
-    for (int n = 0; n < 200000; n++) {
+    for (int n = 0; n < repeats(200000); n++) {
         const int i = dice_below(&dice, 3), on_primitive = dice_below(&dice, 2) ? i : (i + 2) % 3;
         const double s = dice_between(&dice, 0.9, 0.999), angle = exp(dice_between(&dice, -16, -7)),
                      way = dice_below(&dice, 2) ? 1 : -1;
@@ -162,7 +162,7 @@ static void a_packet_is_mirrored_at_the_border(void **state)
     struct dice dice = dice_new(2);
     const struct concave concave = concave_make(50, 0.05, 0.5);
     int wrong = 0;
-    for (int n = 0; n < 500000; n++) {
+    for (int n = 0; n < repeats(500000); n++) {
         const int i = dice_below(&dice, 50);
         const double *a = concave.corner[i], *b = concave.corner[(i + 1) % 50];
         const double s = dice_uniform(&dice), t = dice_between(&dice, -0.3, 0.3),
@@ -190,7 +190,7 @@ static void a_packet_is_mirrored_near_the_tip(void **state)
     struct dice dice = dice_new(3);
     const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int wrong = 0;
-    for (int n = 0; n < 200000; n++) {
+    for (int n = 0; n < repeats(200000); n++) {
         const double near = exp(dice_between(&dice, log(1e-16), log(1e-11)));
         double place[3], p[3], u[3], share[3];
         for (int i = 0; i < 3; i++) share[i] = 0.1 * dice_uniform(&dice);
@@ -214,7 +214,7 @@ static void a_packet_at_a_sharp_corner_enters_the_concavity(void **state)
     struct dice dice = dice_new(4);
     const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int missed = 0;
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         const double p[3] = {0.5 - dice_below(&dice, 3) * 2.98e-8, dice_between(&dice, -1, 1) * 1e-8, 0};
         const double *corner = concave.corner[0];
         double u[3] = {0, 0, 0};

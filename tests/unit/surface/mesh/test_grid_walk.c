@@ -193,48 +193,44 @@ static void begin(const struct subject *s, const struct ray *ray, struct cml_mes
                     ray->slack);
 }
 
-/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. A packet
- * that stands near an edge never walks, and what is near depends on its precision. */
-static void expect_same(const struct subject *s, const struct ray *ray)
+/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. */
+static void expect_same(const struct ray *ray, int found, const struct cml_mesh_crossing *walked, int met,
+                        const struct cml_mesh_crossing *exact)
 {
-    struct cml_mesh_crossing walked, exact;
-    struct cml_mesh_query q;
-    begin(s, ray, &q);
-    if (q.starts_on_edge) return;
-    const int found = hit(s, ray, 0, &walked);
-    if (found != hit(s, ray, 1, &exact) || (found && !(fabs(walked.t - exact.t) <= 1e-11)))
+    if (found != met || (found && !(fabs(walked->t - exact->t) <= 1e-11)))
         fail_msg("from (%.17g %.17g %.17g) along (%.17g %.17g %.17g): %d at %.17g, exactly %.17g", ray->p[0],
-                 ray->p[1], ray->p[2], ray->u[0], ray->u[1], ray->u[2], found, walked.t, exact.t);
-    if (!found || walked.primitive != exact.primitive) return;
-    for (int k = 0; k < 3; k++) assert_near("normal", walked.normal[k], exact.normal[k], 1e-6);
+                 ray->p[1], ray->p[2], ray->u[0], ray->u[1], ray->u[2], found, walked->t, exact->t);
+    if (!found || walked->primitive != exact->primitive) return;
+    for (int k = 0; k < 3; k++) assert_near("normal", walked->normal[k], exact->normal[k], 1e-6);
 }
 
+/* How many rays the walk decides by itself, and how often the facet is the very same. */
 struct share {
     long rays, decided, found, same;
 };
 
-/* How many the walk decides by itself, and how often the facet is the very same. */
-static void count(const struct subject *s, const struct ray *ray, struct share *share)
+/* A packet that stands near an edge never walks, and what is near depends on its precision. */
+static void compare_ray(const struct subject *s, const struct ray *ray, struct share *share)
 {
-    struct cml_mesh_crossing c, exact;
+    struct cml_mesh_crossing walked, exact;
     struct cml_mesh_query q;
+    const int found = hit(s, ray, 0, &walked), met = hit(s, ray, 1, &exact);
     begin(s, ray, &q);
+    if (!q.starts_on_edge) expect_same(ray, found, &walked, met, &exact);
     share->rays++;
     share->decided += cml_grid_walk(&s->grid, &q);
-    if (!hit(s, ray, 0, &c) || !hit(s, ray, 1, &exact)) return;
-    share->found++;
-    share->same += c.primitive == exact.primitive;
+    share->found += found && met;
+    share->same += found && met && walked.primitive == exact.primitive;
 }
 
-static struct share compare(const struct subject *s, make_ray *make, uint32_t seed, long rays)
+static struct share compare(const struct subject *s, make_ray *make, uint32_t seed, int rays)
 {
     struct dice dice = dice_new(seed);
     struct share share = {0};
     struct ray ray;
-    for (long n = 0; n < rays; n++) {
+    for (int n = 0; n < repeats(rays); n++) {
         make(s, &dice, &ray);
-        expect_same(s, &ray);
-        count(s, &ray, &share);
+        compare_ray(s, &ray, &share);
     }
     return share;
 }

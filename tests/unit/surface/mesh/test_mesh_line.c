@@ -56,7 +56,7 @@ static void a_straight_line_ends_where_it_ends(void **state)
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err;
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &surface, &err), CML_OK);
-    for (int n = 0; n < LINES; n++) {
+    for (int n = 0; n < repeats(LINES); n++) {
         double p[3], u[3];
         const int triangle = choose_place(&dice, p);
         dice_direction(&dice, u);
@@ -109,7 +109,7 @@ static void a_packet_comes_out_of_a_groove(void **state)
     struct dice dice = dice_new(9);
     struct cml_mesh_surface *surface = grooves();
     int lost = 0;
-    for (int n = 0; n < 1000; n++) {
+    for (int n = 0; n < repeats(1000); n++) {
         const double x = aside + patch_coordinate(2 + 2 * dice_below(&dice, GRID / 2 - 2));
         const double ulps = dice_below(&dice, 5) - 2;
         double u[3] = {0, 0, 1};
@@ -157,7 +157,7 @@ static void a_packet_at_an_edge_leaves_by_it(void **state)
     struct dice dice = dice_new(10);
     struct cml_mesh_surface *surface = rough(4, CML_SEARCH_TREE);
     int wrong = 0;
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         double p[3], u[3];
         struct cml_mesh_crossing crossing = {.t = 1};
         choose_place(&dice, p);
@@ -201,7 +201,7 @@ static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
     struct dice dice = dice_new(12);
     struct cml_mesh_surface *surface = rough(6, search);
     int wrong = 0, flown = 0;
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         double p[3], u[3];
         struct cml_mesh_crossing crossing = {.t = 0.05};
         const bool below = dice_below(&dice, 2);
@@ -213,7 +213,7 @@ static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
         flown++;
     }
     cml_mesh_surface_free(surface);
-    assert_true(flown > 10000);
+    assert_true(flown > repeats(10000));
     assert_int_equal(wrong, 0);
 }
 
@@ -262,7 +262,7 @@ static void a_packet_scattered_on_a_facet_does_not_graze_its_way_through(void **
     for (int search = 0; search < 2; search++) {
         struct cml_mesh_surface *surface = rough(6, search ? CML_SEARCH_AUTO : CML_SEARCH_TREE);
         int wrong = 0;
-        for (int n = 0; n < 300000; n++) {
+        for (int n = 0; n < repeats(300000); n++) {
             double p[3], u[3];
             struct cml_mesh_crossing crossing = {.t = 0.05};
             const bool below = dice_below(&dice, 2);
@@ -282,7 +282,7 @@ static void a_packet_does_not_graze_its_way_through(void **state)
     struct dice dice = dice_new(11);
     struct cml_mesh_surface *surface = rough(5, CML_SEARCH_TREE);
     int missed = 0;
-    for (int n = 0; n < 300000; n++) {
+    for (int n = 0; n < repeats(300000); n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
         const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]], *c = patch.vertex[v[2]];
         const double s = dice_between(&dice, 0, 0.5), t = dice_between(&dice, 0, 0.5), angle = 3e-7;
@@ -310,7 +310,7 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
     struct dice dice = dice_new(13);
     struct cml_mesh_surface *surface = rough(7, CML_SEARCH_TREE);
     int wrong = 0, flown = 0;
-    for (int n = 0; n < 200000; n++) {
+    for (int n = 0; n < repeats(200000); n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
         const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]];
         const double before = exp(dice_between(&dice, -4, 0)), after = dice_between(&dice, 0.01, 0.3);
@@ -329,7 +329,7 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
         flown++;
     }
     cml_mesh_surface_free(surface);
-    assert_true(flown > 150000);
+    assert_true(flown > repeats(150000));
     assert_int_equal(wrong, 0);
 }
 
@@ -358,7 +358,7 @@ static void a_packet_does_not_graze_its_way_between_facets(void **state)
     struct dice dice = dice_new(14);
     struct cml_mesh_surface *surface = rough(8, CML_SEARCH_TREE);
     int wrong = 0, flown = 0;
-    for (int n = 0; n < 500000; n++) {
+    for (int n = 0; n < repeats(500000); n++) {
         double p[3], u[3];
         const double before = exp(dice_between(&dice, -7, -3));
         struct cml_mesh_crossing crossing = {.t = before + exp(dice_between(&dice, -7, -3))};
@@ -370,7 +370,7 @@ static void a_packet_does_not_graze_its_way_between_facets(void **state)
         flown++;
     }
     cml_mesh_surface_free(surface);
-    assert_true(flown > 250000);
+    assert_true(flown > repeats(250000));
     assert_int_equal(wrong, 0);
 }
 
@@ -390,7 +390,7 @@ static void a_packet_does_not_graze_its_way_through_the_border(void **state)
     struct dice dice = dice_new(15);
     struct cml_mesh_surface *surface = spike();
     int missed = 0;
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         const double phi = dice_between(&dice, 0, 6.283185307179586),
                      angle = exp(dice_between(&dice, -9, -4));
         const double before = dice_between(&dice, 0.1, 0.3), after = dice_between(&dice, 0.1, 0.3);
@@ -413,7 +413,7 @@ static void signs_agree_at_a_vertex(void **state)
 {
     (void)state;
     struct dice dice = dice_new(8);
-    for (int n = 0; n < LINES; n++) {
+    for (int n = 0; n < repeats(LINES); n++) {
         const double o[3] = {dice_below(&dice, 5) - 2, dice_below(&dice, 5) - 2, dice_below(&dice, 5) - 5};
         const double u[3] = {-o[0], -o[1], -o[2]}; /* through the vertex at 0 */
         double rim[6][3];

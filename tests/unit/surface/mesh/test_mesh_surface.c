@@ -187,7 +187,7 @@ static void no_ray_at_a_vertex_or_an_edge_slips_through(void **state)
     struct dice dice = dice_new(63);
     patch_make(&patch, 9, 0.1, 0, 0, 0);
     struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         double p[3], u[3], target[3];
         const int below = dice_below(&dice, 2);
         random_target(&dice, target);
@@ -230,7 +230,7 @@ static void floats_are_not_believed_at_vertices_and_edges(void **state)
     long wrong = 0;
     struct cml_mesh_surface *surface = searched(&patch, 0, 0, CML_SEARCH_TREE);
     assert_null(cml_mesh_surface_walk(surface));
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         double p[3], u[3], target[3], distance = 0;
         const int below = dice_below(&dice, 2);
         random_target(&dice, target);
@@ -313,7 +313,7 @@ static void a_ray_along_an_edge_stays_on_its_side(void **state)
     struct dice dice = dice_new(68);
     patch_make(&patch, 13, 0.1, 0, 0, 0);
     struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
         const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1 + dice_below(&dice, 2)]];
         const double w = dice_between(&dice, -4, 0);
@@ -336,7 +336,7 @@ static void a_packet_that_rounding_put_beyond_the_surface_crosses_at_once(void *
     struct dice dice = dice_new(69);
     patch_make(&patch, 14, 0.1, 0, 0, 0);
     struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
-    for (int n = 0; n < 10000; n++) {
+    for (int n = 0; n < repeats(10000); n++) {
         const double x = dice_between(&dice, -1.2, 1.2), y = dice_between(&dice, -1.2, 1.2);
         const int below = dice_below(&dice, 2);
         const double beyond = (below ? -1 : 1) * 5e-8, u[3] = {0, 0, below ? -1 : 1};
@@ -355,7 +355,7 @@ static void the_seam_of_the_outer_plane_has_no_gap(void **state)
     struct dice dice = dice_new(64);
     patch_make(&patch, 10, 0.01, 0, 0, 0);
     struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         const int below = dice_below(&dice, 2), side = dice_below(&dice, 4);
         const double along =
             dice_below(&dice, 2) ? patch_coordinate(dice_below(&dice, GRID + 1)) : dice_between(&dice, -1, 1);
@@ -382,7 +382,7 @@ static void the_primitive_stood_on_is_not_met_again(void **state)
     struct dice dice = dice_new(65);
     patch_make(&patch, 11, 0.1, 0, 0, 0);
     struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
-    for (int n = 0; n < 50000; n++) {
+    for (int n = 0; n < repeats(50000); n++) {
         const double p[3] = {dice_between(&dice, -1.1, 1.1), dice_between(&dice, -1.1, 1.1), -1};
         const double down[3] = {0, 0, 1};
         struct cml_mesh_crossing c, again;

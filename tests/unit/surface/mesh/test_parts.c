@@ -177,7 +177,7 @@ static void compare_lines(int lines)
 {
     struct cml_mesh_surface *surface = surface_of_soup();
     int met = 0, wrong = 0;
-    for (int i = 0; i < lines; i++) {
+    for (int i = 0; i < repeats(lines); i++) {
         struct cml_mesh_crossing crossing;
         double p[3], u[3];
         int triangle = -1;
@@ -194,7 +194,7 @@ static void compare_lines(int lines)
                  (hit && (fabs(crossing.t - t) > 1e-12 || (triangle >= 0 && crossing.primitive != triangle)));
     }
     cml_mesh_surface_free(surface);
-    assert_true(met > lines / 3);
+    assert_true(met > repeats(lines) / 3);
     if (wrong) fail_msg("%d of %d lines", wrong, lines);
 }
 
@@ -289,14 +289,14 @@ static void wander_often(int walks)
 {
     struct cml_mesh_surface *surface = surface_of_soup();
     int wrong = 0, crossings = 0;
-    for (int i = 0; i < walks; i++) {
+    for (int i = 0; i < repeats(walks); i++) {
         struct walk walk = {.surface = surface, .single = i % 2};
         wander(&walk);
         wrong += walk.wrong > 0;
         crossings += walk.crossings;
     }
     cml_mesh_surface_free(surface);
-    assert_true(crossings > walks);
+    assert_true(crossings > repeats(walks));
     if (wrong) fail_msg("%d of %d walks, %d crossings", wrong, walks, crossings);
 }
 

@@ -30,20 +30,20 @@ SKIN = "1.4 0.3 120 0.8 3"
 FIBRES = {
     "fibre of 0.01 at 1 cm": (SKIN, "0.018", 0.01, 1.0, 1),
     "fibre of 0.01 at 0.3 cm": (SKIN, "0.018", 0.01, 0.3, 1),
-    "skin7, fibre of 0.01 at 1 cm": ("S5", "0.0009", 0.01, 1.0, 1),
+    "skin7 fibre of 0.01 at 1 cm": ("S5", "0.0009", 0.01, 1.0, 1),
 }
 # name: medium or layers, boundary that is rough, amplitude of a mesh [cm] or a line, photons in units of --photons, layer
 # whose absorption is shown
 SCENES = {
-    "S6a, rough top": ("S6a", 0, "0.018", 1, None),
-    "skin7, rough top": ("S5", 0, "0.0009", 1, 7),
-    "skin7, layer 5 rough": ("S5", 4, RIPPLE, 1, 7),
-    "slab 1.5 cm, rough top": ("1.4 0.5 100 0.9 1.5", 0, "0.018", 1, None),
-    "slab 3.2 cm, rough top": ("1.4 0.5 100 0.9 3.2", 0, "0.018", 4, None),
-    "S6a, rough bottom": ("S6a", 1, "0.018", 1, None),
-    "skin7, rough bottom": ("S5", 7, "0.018", 1, None),
-    "slab 1.5 cm, rough bottom": ("1.4 0.5 100 0.9 1.5", 1, "0.018", 1, None),
-    "slab 3.2 cm, rough bottom": ("1.4 0.5 100 0.9 3.2", 1, "0.018", 4, None),
+    "S6a rough top": ("S6a", 0, "0.018", 1, None),
+    "skin7 rough top": ("S5", 0, "0.0009", 1, 7),
+    "skin7 layer 5 rough": ("S5", 4, RIPPLE, 1, 7),
+    "slab 1.5 cm rough top": ("1.4 0.5 100 0.9 1.5", 0, "0.018", 1, None),
+    "slab 3.2 cm rough top": ("1.4 0.5 100 0.9 3.2", 0, "0.018", 4, None),
+    "S6a rough bottom": ("S6a", 1, "0.018", 1, None),
+    "skin7 rough bottom": ("S5", 7, "0.018", 1, None),
+    "slab 1.5 cm rough bottom": ("1.4 0.5 100 0.9 1.5", 1, "0.018", 1, None),
+    "slab 3.2 cm rough bottom": ("1.4 0.5 100 0.9 3.2", 1, "0.018", 4, None),
 }
 
 

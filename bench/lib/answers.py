@@ -114,7 +114,7 @@ def answers():
     yield ("What does the flat twin gain?", "%s in the time of Rd, Tt, A (hihill, random)" % rows(
         "choices/results/control.csv", scene="hihill")[0]["random, 1e4"], "python3 bench/choices/control.py", "2", "")
     yield ("What does --aim gain?", "%s in the time of Tt (S6a, rough), %s where it is 2.6e-6" % tuple(
-        cells("choices/results/aim.md", scene)[6] for scene in ("S6a, rough top", "slab 3.2 cm, rough top")),
+        cells("choices/results/aim.md", scene)[6] for scene in ("S6a rough top", "slab 3.2 cm rough top")),
         "python3 bench/choices/aim.py", "2", "")
     yield ("Which generating vector for the lattice?", "its worst error is 1/%s of random's (1e6 photons)" % rows(
         "choices/results/lattice.csv", photons="1e6")[0]["random points over it"], "build/bench_lattice", "1", "")

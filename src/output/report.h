@@ -16,6 +16,7 @@ struct cml_report {
     const struct cml_result *sums;
     const struct cml_timing *timing;
     const struct cml_provenance *provenance;
+    char identity[CML_IDENTITY_SUM];      /* of the run */
     const char *command;                  /* line, for provenance */
     int row;                              /* of a sweep, from 1; 0: of none */
     bool reweighted;                      /* a row of another's flight: the .h5 has no A_z and A_rz */

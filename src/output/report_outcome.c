@@ -120,6 +120,7 @@ static cml_status fill(const struct cml_report *report, struct cml_outcome *o, s
 {
     const char *settings = report->scene->settings;
     o->provenance = *report->provenance;
+    memcpy(o->identity, report->identity, sizeof o->identity);
     CML_TRY(cml_text_copy(cml_version(), &o->program, err));
     if (settings) CML_TRY(cml_text_copy(settings, &o->settings, err));
     CML_TRY(cml_report_words(report, CML_READ_IN_MCO, o, err));

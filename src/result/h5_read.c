@@ -111,8 +111,12 @@ static cml_status read_grid(const struct reader *r)
 static cml_status read_photons(const struct reader *r)
 {
     double photons = 0;
+    char *identity = NULL;
     CML_TRY(cml_hdf5_text(&r->file, NULL, "title", &r->o->output, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "version", &r->o->program, r->err));
+    CML_TRY(cml_hdf5_text(&r->file, NULL, "identity", &identity, r->err));
+    if (identity) snprintf(r->o->identity, sizeof r->o->identity, "%s", identity);
+    free(identity);
     CML_TRY(cml_hdf5_number(&r->file, "photons", &photons, r->err));
     if (!(photons >= 1 && photons <= 0x1p53 && photons == floor(photons)))
         return cml_fail(r->err, CML_E_INPUT, "%.400s: photons = %g (expected a whole number of 1 or more)",

@@ -94,6 +94,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     if (o->merged || (o->settings && o->settings[0]))
         *a++ = (struct cml_attribute){"settings", o->settings, 0};
     if (o->merged) *a++ = (struct cml_attribute){"scene", o->scene, 0};
+    if (o->identity[0]) *a++ = (struct cml_attribute){"identity", o->identity, 0};
     return (int)(a - attributes);
 }
 

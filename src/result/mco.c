@@ -43,8 +43,10 @@ static void write_head(FILE *out, const struct cml_outcome *o)
           "####\n"
           "\n",
           out);
-    fprintf(out, "# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.\n\n", seconds,
+    fprintf(out, "# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.", seconds,
             seconds / 3600);
+    if (o->identity[0]) fprintf(out, "   Identity: %s", o->identity);
+    fputs("\n\n", out);
 }
 
 /* The input as MCML repeats it, %G and tabs included. The letter A also where the format was B: the file

@@ -140,6 +140,14 @@ static cml_status read_format(struct reader *r)
     return fail(r, "format", word, "A1, the results of MCML 1");
 }
 
+/* Where there is none it is not known. */
+static void read_identity(const struct reader *r)
+{
+    static const char mark[] = " Identity: ";
+    const char *sum = strstr(r->cursor, mark);
+    if (sum) snprintf(r->o->identity, sizeof r->o->identity, "%s", sum + sizeof mark - 1);
+}
+
 /* The time stands in a comment, which readers skip everywhere else; so this goes line by line until the
  * first key. */
 static cml_status read_head(struct reader *r)
@@ -148,6 +156,7 @@ static cml_status read_head(struct reader *r)
     while ((r->cursor = cml_text_next(&r->text)) != NULL) {
         if (strncmp(r->cursor, mark, sizeof mark - 1) == 0) {
             r->cursor += sizeof mark - 1;
+            read_identity(r);
             CML_TRY(read_double(r, &field_time, &r->o->user_time));
         } else if (!is_blank(r->cursor) && *r->cursor != '#') {
             break;

@@ -50,6 +50,7 @@ struct cml_outcome {
     char *program; /* that has written it: "1.0 (abc)"; NULL: another than ours, of which nothing below is
                       known */
     struct cml_provenance provenance;
+    char identity[CML_IDENTITY_SUM]; /* of its run; "": not known, or of several */
     int num_streams;
     struct cml_seed *stream;
     bool merged;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 enum { CML_AS_WORD = 8 };
+enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (run/identity.h), as text */
 
 /* `windows` is the number of layers that light comes out of, or less than 0 that of a detector. */
 

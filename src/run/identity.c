@@ -60,3 +60,11 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     fputs(inputs, out);
     return close_text(out, &size, err);
 }
+
+void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM])
+{
+    const Bytef *const bytes = (const Bytef *)identity;
+    const size_t size = strlen(identity);
+    snprintf(sum, CML_IDENTITY_SUM, "%08lx%08lx", crc32_z(crc32(0, NULL, 0), bytes, size),
+             adler32_z(adler32(0, NULL, 0), bytes, size));
+}

@@ -23,4 +23,7 @@ struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
 CML_NODISCARD cml_status cml_identity_of(const struct cml_provenance *provenance, const char *settings,
                                          const char *inputs, char **identity, struct cml_error *err);
 
+/* Two checksums of it in 16 hexadecimal digits, by which a result says of which run it is. */
+void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM]);
+
 #endif

@@ -18,6 +18,7 @@ struct cml_run_findings {
     enum cml_checkpoint_kind kind; /* of the run's checkpoint, where one is looked for */
     bool tallies;                  /* it has them */
     bool result_gone;              /* what a finished run has written is no longer there */
+    bool result_stands;            /* a result is there that says to be of this run */
 };
 
 enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found);

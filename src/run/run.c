@@ -381,8 +381,10 @@ static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_int
 static cml_status restore(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    struct cml_run_findings found = {
-        .extends = setup->base > 0, .resumes = setup->resume, .result_gone = setup->result_gone};
+    struct cml_run_findings found = {.extends = setup->base > 0,
+                                     .resumes = setup->resume,
+                                     .result_gone = setup->result_gone,
+                                     .result_stands = setup->result_stands};
     struct cml_error note = {CML_OK, ""};
     if (setup->result_gone) found.tallies = cml_checkpoint_look(setup->checkpoint).tallies;
     if (setup->resume)

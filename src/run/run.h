@@ -32,13 +32,15 @@ struct cml_run_setup {
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;                    /* of the run, see identity.h; with a checkpoint */
     const struct cml_provenance *provenance; /* for whom publishes it; cml_run does not read it */
-    bool controlled;  /* a flat twin is flown before it is published, so the complete result goes into the
-                         checkpoint, too */
-    bool resume;      /* continue from the checkpoint, if there is one */
-    bool result_gone; /* what a finished run has written is no longer there: its tallies are the result, or
-                       * where the checkpoint has none, the run begins anew. Rank 0's word counts */
-    uint64_t base;    /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
-                       * there to `photons` are flown, and the result is that of one run of all; 0: none */
+    bool controlled;    /* a flat twin is flown before it is published, so the complete result goes into the
+                           checkpoint, too */
+    bool resume;        /* continue from the checkpoint, if there is one */
+    bool result_gone;   /* what a finished run has written is no longer there: its tallies are the result, or
+                         * where the checkpoint has none, the run begins anew. Rank 0's word counts */
+    bool result_stands; /* without a checkpoint: the result that is there is of this run. Rank 0's word counts
+                         */
+    uint64_t base; /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
+                    * there to `photons` are flown, and the result is that of one run of all; 0: none */
     const char *base_identity;          /* of that run */
     cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
                                            thread ends it; NULL: silent */

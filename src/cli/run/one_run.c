@@ -95,13 +95,19 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     fflush(stdout);
 }
 
+static bool has_checkpoint(const char *path)
+{
+    char older[PATH_MAX];
+    snprintf(older, sizeof older, "%s.old", path);
+    return access(path, F_OK) == 0 || access(older, F_OK) == 0;
+}
+
 /* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
  * have begun. */
 static void note_no_checkpoint(const char *path)
 {
-    char text[512], older[PATH_MAX];
-    snprintf(older, sizeof older, "%s.old", path);
-    if (access(path, F_OK) == 0 || access(older, F_OK) == 0) return;
+    char text[512];
+    if (has_checkpoint(path)) return;
     snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew", path);
     cml_show_note(NULL, text);
 }
@@ -146,7 +152,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     const struct cml_options *options = call->options;
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->intent == CML_RUN_NOTHING_LEFT) {
-        CML_TRY(take_record(call, &run->record, record, err));
+        if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
         cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
         if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
         return CML_OK;
@@ -163,6 +169,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         .control = control,
         .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
         .command = options->command};
+    cml_identity_sum(setup->identity, report.identity);
     const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
@@ -323,7 +330,7 @@ static void note_before(const struct cml_run_call *call, const struct cml_run_se
     const bool resume = call->options->resume;
     const enum cml_checkpoint_kind kind = path ? cml_checkpoint_look(path).kind : CML_CHECKPOINT_NONE;
     if (path && !resume) note_old_checkpoint(path, kind);
-    if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE)) return;
+    if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || setup->result_stands) return;
     if (path && resume) note_no_checkpoint(path);
     note_dark_beams(call->scene, setup->photons);
     if (!call->options->quiet) note_replaced(call->options, call->scene);
@@ -462,6 +469,28 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     return CML_OK;
 }
 
+/* On rank 0: without a checkpoint, which knows all, whether the result that is there says to be of this run.
+ * JSON and a sweep's table have more digits than it. */
+static bool result_stands(const struct cml_run_call *call, const struct cml_run_setup *setup)
+{
+    const struct cml_options *options = call->options;
+    struct cml_outcome before;
+    struct cml_error ignored;
+    char *path = NULL, sum[CML_IDENTITY_SUM];
+    bool stands = false;
+    if (!options->resume || options->json || options->keep || call->row > 0 || cml_cluster_rank() != 0 ||
+        !setup->checkpoint || has_checkpoint(setup->checkpoint))
+        return false;
+    cml_identity_sum(setup->identity, sum);
+    if (result_path(options, call->scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
+        cml_result_read(path, &before, &ignored) == CML_OK) {
+        stands = strcmp(before.identity, sum) == 0;
+        cml_outcome_clear(&before);
+    }
+    free(path);
+    return stands;
+}
+
 /* Everything that may fail on one rank alone happens before the ranks agree. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
@@ -476,6 +505,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     if (run->aim.windows.cells > 0) setup->options.windows = &run->aim.windows;
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
+    setup->result_stands = result_stands(call, setup);
     if (call->row == 0 && cml_cluster_rank() == 0)
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
     return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;

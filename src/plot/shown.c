@@ -35,7 +35,9 @@ static const struct cml_shown all[] = {
     CURVE("phi_z", phi_z, CML_SHOWN_PLAIN, "Fluence by depth", "φ(z)  [-]"),
     CURVE("fluence", A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"),
     MAP("A_rz", A_rz, CML_SHOWN_PLAIN, "A(r,z)  [1/cm³]", false),
+    MAP("A_rz_se", A_rz, CML_SHOWN_ERROR, "standard error of A(r,z)  [1/cm³]", false),
     MAP("phi_rz", phi_rz, CML_SHOWN_PLAIN, "φ(r,z)  [1/cm²]", false),
+    MAP("phi_rz_se", phi_rz, CML_SHOWN_ERROR, "standard error of φ(r,z)  [1/cm²]", false),
     MAP("fluence_rz", A_rz, CML_SHOWN_OVER_MUA, "φ(r,z) = A(r,z)/μa  [1/cm²]", false),
     MAP("Rd_dir", Rd_dir, CML_SHOWN_PLAIN, "Rd(θ,φ)  [1/sr]", true),
     MAP("Tt_dir", Tt_dir, CML_SHOWN_PLAIN, "Tt(θ,φ)  [1/sr]", true),
@@ -235,17 +237,31 @@ static cml_status polar_map(const struct cml_outcome *o, const char *path, enum 
     return CML_OK;
 }
 
+/* What a map over (r, z) shows before it is divided. */
+static cml_status find_values(const struct cml_outcome *o, const char *path,
+                              const struct cml_shown_panel *panel, const double **values,
+                              struct cml_error *err)
+{
+    CML_TRY(check_there(o, path, panel->quantity, err));
+    *values =
+        panel->as == CML_SHOWN_ERROR ? cml_outcome_errors(o, panel->quantity) : o->value[panel->quantity];
+    if (*values) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: no %s_se (expected a result with standard errors of it)", path,
+                    cml_quantities[panel->quantity].name);
+}
+
 cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const struct cml_shown *shown,
                          struct cml_pixels *map, struct cml_error *err)
 {
     const double most = 1e30; /* only a damaged file has more */
+    const double *values;
     double *mua;
     *map = (struct cml_pixels){0};
     if (shown->polar) return polar_map(o, path, shown->panel[0].quantity, map, err);
     if (o->nr < 2 || o->nz < 2)
         return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
                         o->nz, o->nr);
-    CML_TRY(check_there(o, path, shown->panel[0].quantity, err));
+    CML_TRY(find_values(o, path, &shown->panel[0], &values, err));
     CML_TRY(find_absorption(o, path, shown->panel[0].as, true, &mua, err));
     const size_t nr = (size_t)o->nr - 1, nz = (size_t)o->nz - 1;
     *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {o->dr, o->dz}};
@@ -253,8 +269,7 @@ cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const st
     for (size_t iz = 0; map->value && iz < nz; iz++)
         for (size_t ir = 0; ir < nr; ir++)
             map->value[iz * nr + ir] =
-                (float)(over(mua, iz * (nr + 1) + ir) *
-                        fmin(o->value[shown->panel[0].quantity][ir * (size_t)o->nz + iz], most));
+                (float)(over(mua, iz * (nr + 1) + ir) * fmin(values[ir * (size_t)o->nz + iz], most));
     free(mua);
     return map->value ? CML_OK : cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
 }

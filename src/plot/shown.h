@@ -9,8 +9,8 @@
 #include "plot/files/vti.h"
 #include "result/outcome.h"
 
-/* What becomes of a value before it is drawn. */
-enum cml_shown_as { CML_SHOWN_PLAIN, CML_SHOWN_TIMES_R, CML_SHOWN_OVER_MUA };
+/* What becomes of a value before it is drawn; of a map its standard error may stand in its place. */
+enum cml_shown_as { CML_SHOWN_PLAIN, CML_SHOWN_ERROR, CML_SHOWN_TIMES_R, CML_SHOWN_OVER_MUA };
 
 struct cml_shown_panel {
     enum cml_quantity quantity;

@@ -33,7 +33,9 @@ expect_error 2 "$work/skinmap.volume.vti:3: WholeExtent = 0 81 0 61 0 30 (expect
 expect_error 2 "$work/skinmap.mco (expected a map, like $map)" plot "$map" "$work/skinmap.mco" -o "$work/none.svg"
 expect_error 2 "$map (expected a result or a curve, like $work/skinmap.mco)" \
     plot "$work/skinmap.mco" "$map" -o "$work/none.svg"
-expect_error 2 "--of Rd (expected one of Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence, A_rz, phi_rz, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; or an array of a map)" plot "$work/skinmap.mco" --of Rd -o "$work/none.svg"
+expect_error 2 "--of Rd (expected one of Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence, A_rz, A_rz_se, phi_rz, phi_rz_se, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; or an array of a map)" plot "$work/skinmap.mco" --of Rd -o "$work/none.svg"
+sed '/^se_A_rz/,/^$/d' "$work/skinmap.mco" >"$work/noerrors.mco"
+expect_error 2 "$work/noerrors.mco: no A_rz_se (expected a result with standard errors of it)" plot "$work/noerrors.mco" --of A_rz_se -o "$work/none.svg"
 head -c 20000 "$map" >"$work/short.vti"
 expect_error 2 "$work/short.vti: $(($(wc -c <"$work/short.vti") - $(grep -abo '   _' "$map" | head -1 | cut -d: -f1) - 4)) \
 bytes of data (expected 79088: 8 + 4 x 81 x 61 at 59316)" plot "$work/short.vti" --of Tt_xy_se -o "$work/none.svg"

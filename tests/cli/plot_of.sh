@@ -38,7 +38,7 @@ for of in Rd_r Tt_r Rd_a Tt_a A_z fluence; do
         grep -q ">$text<" "$work/$of.svg" || complain "--of $of: no $text"
     done
 done
-for of in A_rz fluence_rz; do
+for of in A_rz A_rz_se fluence_rz; do
     expect_code 0 plot "$a" --of $of -o "$work/$of.svg" --title "A title"
     grep -q 'depth z \[cm\]' "$work/$of.svg" && grep -q '/cm[²³]\]' "$work/$of.svg" || complain "--of $of: axes without units"
 done
@@ -72,11 +72,11 @@ def section(key, count):
 nz, nr, na, dz, dr = 60, 40, 9, 0.01, 0.02
 mua = lambda z: 0 if z < dz else 2 if z < 0.1 else 0 if z < 0.2 else 4
 text = open(script).read()
-if name.endswith("_rz"):
-    grid = section("A_rz", nr * nz)
+if "_rz" in name:
+    grid = section("se_A_rz" if name == "A_rz_se" else "A_rz", nr * nz)
     rows = text.split("$map0 << EOD\n")[1].split("EOD")[0].strip().split("\n")
     repeat, stretch = len(rows) // (nz - 1), len(rows[0].split()) // (nr - 1)
-    want = [[grid[r * nz + z] / (1 if name == "A_rz" else mua((z + .5) * dz) or math.nan) for r in range(nr - 1)] for z in range(nz - 1)]
+    want = [[grid[r * nz + z] / (1 if name != "fluence_rz" else mua((z + .5) * dz) or math.nan) for r in range(nr - 1)] for z in range(nz - 1)]
     got = [[float(word) for word in row.split()[::stretch]] for row in rows[::repeat]]
     pairs = [(g, w if w > 0 else math.nan) for gs, ws in zip(got, want) for g, w in zip(gs, ws)]
     assert len(got) == nz - 1 and len(pairs) == (nz - 1) * (nr - 1), (len(got), len(pairs))
@@ -101,7 +101,7 @@ print("off by", worst)
 sys.exit(worst > 2e-4)
 END
 }
-for of in Rd_r Tt_r Rd_a Tt_a A_z fluence A_rz fluence_rz detector_far_t; do
+for of in Rd_r Tt_r Rd_a Tt_a A_z fluence A_rz A_rz_se fluence_rz detector_far_t; do
     numbers $of "$a"
     test $h5 = 0 || numbers $of "$work/scene.h5"
 done

@@ -152,7 +152,7 @@ const struct cml_option cml_option_table[] = {
     {"of", 0, "NAME", PLOT, NULL,
      "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence (A_z/mua), "
      "or in colours "
-     "A_rz, phi_rz, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; default "
+     "A_rz, phi_rz, their errors A_rz_se, phi_rz_se, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; default "
      "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file. Of a sweep: a column, "
      "default "
      "Rd",

@@ -176,6 +176,9 @@ struct cml_rows {
     int count;        /* rounded up to whole groups; those too many absorb nothing more; 0: there are none */
     const real *more; /* [media][count] 1/cm */
     const real *hits; /* scores: [media][count], for each interaction; NULL: rows of a sweep */
+    const real *part; /* rows: [media][count] of a packet's weight that a sampled interaction is worth in
+                       * A(r,z), or NULL: they have none */
+    const real *most; /* [media] the largest of these */
 };
 #endif
 

@@ -37,6 +37,22 @@ static double spacing_of_marks(const struct cml_scene *scene)
 
 /* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
  * cones. */
+double cml_engine_row_share(const struct cml_medium_def *flown, double more)
+{
+    const double mua = flown->mua + more;
+    return mua > 0 ? CML_ROW_SAMPLING * mua / (flown->mus > 0 ? flown->mus : flown->mua) : 0;
+}
+
+int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows)
+{
+    for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
+        for (int i = 0; i < rows->count; i++)
+            if (!(cml_engine_row_share(&scene->media[m], rows->more[m * rows->count + i]) <=
+                  CML_ROW_MOST_SHARE))
+                return m;
+    return -1;
+}
+
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_engine_options *options)
 {
@@ -64,6 +80,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .rows = options->derivatives ? 2 * (scene->num_layers + scene->num_bodies)
                                                          : options->rows.count,
                             .derivatives = options->derivatives,
+                            .row_depths = options->rows.depths,
                             .saved = {scene->saved.limit, scene->saved.detected,
                                       (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies}};
     for (int k = 0; k < scene->num_detectors; k++) {

@@ -22,7 +22,18 @@ struct cml_roulette_options {
 struct cml_engine_rows {
     int count;
     const double *more; /* [media][count] by how much they absorb more than the scene, 1/cm; borrowed */
+    bool depths;        /* with A(z) and A(r,z), if cml_engine_rows_reach */
 };
+
+/* What a sampled interaction (row_cells.h) is worth in A(z) of a row that absorbs so much more than the
+ * medium that is flown, 1/cm: as a share of the weight that the packet leaves with, or where nothing scatters
+ * of that which it came with. Infinite where packets never interact. */
+double cml_engine_row_share(const struct cml_medium_def *flown, double more);
+
+/* The first medium in which A(z) of one of the rows would come of too few interactions, or none: each worth
+ * more than CML_ROW_MOST_SHARE packets; -1: there is none. */
+#define CML_ROW_MOST_SHARE 1e4
+int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows);
 
 /* What a run asks of any engine. Unset members are 0. */
 struct cml_engine_options {
@@ -42,7 +53,7 @@ struct cml_engine_options {
         *windows;                 /* P19, in place of roulette; NULL: none. Borrowed. With a scene without
                                    * maps, facets, directions, saved packets; not of engine opencl, not traced */
     struct cml_engine_rows rows;  /* with a scene without fluence, maps, facets and maps of detectors, and
-                                   * without A_rz; not of engine opencl */
+                                   * without absorption; not of engine opencl */
     bool derivatives;             /* P17: scores in place of rows; with a scene without time and detectors,
                                    * not of engine opencl */
     struct cml_saved_taker saved; /* of packets that the scene wants saved */

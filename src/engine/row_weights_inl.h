@@ -21,6 +21,7 @@ struct cml_row_sums {
     size_t batch;          /* cells of a batch */
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
+    uint64_t *rz;          /* A_rz, where rows have one */
     uint64_t *dir;         /* Rd_dir, then Tt_dir, then squares of both; NULL: there are none */
 };
 
@@ -36,7 +37,8 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.cells = tally->rows;
     sums.ra = tally->rows + cml_row_batch(grid, CML_NUM_BATCHES);
     sums.transmitted_ra = cml_row_cells_ra(grid);
-    if (world->setup.directions.nt && !sums.scores) sums.dir = sums.ra + 2 * sums.transmitted_ra;
+    sums.rz = sums.ra + 2 * sums.transmitted_ra;
+    if (world->setup.directions.nt && !sums.scores) sums.dir = sums.rz + cml_row_cells_rz(grid);
     return sums;
 }
 
@@ -62,19 +64,31 @@ static inline size_t cml_row_factors(const struct cml_row_sums *sums)
     return (size_t)sums->count + 1;
 }
 
+/* A packet's own, of both words of its index: fmix32 of A. Appleby's MurmurHash3. A hash serves, as nothing
+ * else depends on it. */
+static inline cml_u32 cml_row_hash_of(const struct cml_setup *setup, cml_u32 low, cml_u32 high)
+{
+    return cml_row_hash(cml_row_hash(low ^ setup->stream.key[0]) + high);
+}
+
 /* Weights are rounded at random, so that they keep the mean however small they are, but all of one packet
- * alike, so that none rises. A hash serves, as nothing else depends on it (fmix32 of A. Appleby's
- * MurmurHash3). */
+ * alike, so that none rises. */
 static inline struct cml_row_packet
 cml_row_packet_of(const struct cml_setup *setup, const struct cml_row_sums *sums, cml_u64 index, real *factor)
 {
-    const cml_u32 low = cml_row_hash((cml_u32)index ^ setup->stream.key[0]),
-                  both = cml_row_hash(low + (cml_u32)(index >> 32));
+    const cml_u32 hash = cml_row_hash_of(setup, (cml_u32)index, (cml_u32)(index >> 32));
     const struct cml_row_packet rows = {.sums = sums,
                                         .cells = sums->cells + index % CML_NUM_BATCHES * sums->batch,
                                         .factor = factor,
-                                        .rounding = (real)(both >> 8) * (real)0x1p-24};
+                                        .rounding = (real)(hash >> 8) * (real)0x1p-24};
     return rows;
+}
+
+/* Whether interaction n of a packet, from 1, is one of those that A(r,z) of rows is made of. The first of
+ * them is a matter of chance: of bits of its hash that rounding does not see. */
+static inline int cml_row_samples(cml_u32 hash, cml_u32 n)
+{
+    return (hash + n) % CML_ROW_SAMPLING == 0;
 }
 
 static inline uint64_t *cml_row_bin(const struct cml_row_packet *rows, size_t bin)
@@ -160,6 +174,44 @@ static inline void cml_rows_fly(const struct cml_world *world, const struct cml_
         absorbed[i] += (uint64_t)(cml_row_weight(in, f, rounding) - cml_row_weight(out, kept, rounding));
         factor[i] = kept;
     }
+}
+
+/* To a bin of depth and one of radius and depth. wide: a part may be more than 31 bits hold, which vectors of
+ * 32 bits are too narrow for. */
+CML_ROWS_INLINE void cml_rows_sample_as(int wide, const struct cml_row_packet *rows, real unit,
+                                        const real *restrict share, uint64_t *restrict by_z,
+                                        uint64_t *restrict by_rz)
+{
+    const int count = rows->sums->count;
+    const real rounding = rows->rounding;
+    const real *restrict factor = rows->factor;
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const real part = CML_FMA(unit * share[i], factor[i], rounding);
+        const uint64_t whole = wide ? (uint64_t)(int64_t)part : (uint64_t)(cml_u32)(int)part;
+        by_z[i] += whole;
+        by_rz[i] += whole;
+    }
+}
+
+/* One of those interactions, in a medium at p, where rows have been booked. left: the packet's weight behind
+ * it; before: the last one booked before it, which counts where nothing is left of any. */
+static inline void cml_rows_sample(const struct cml_world *world, const struct cml_row_packet *rows,
+                                   int medium, struct cml_vec p, cml_u32 before, cml_u32 left)
+{
+    const struct cml_setup *setup = &world->setup;
+    const struct cml_row_sums *sums = rows->sums;
+    const int black = world->media[medium].absorb >= 1;
+    const real unit = cml_row_unit(black ? before : left);
+    const size_t iz = (size_t)cml_depth_bin(setup, p.z, world->media[medium].bins),
+                 ir = (size_t)cml_radial_bin(setup, p.x, p.y), count = (size_t)sums->count;
+    const real *share = world->rows.part + (size_t)medium * count;
+    uint64_t *by_z = cml_row_bin(rows, sums->at.A_z + iz),
+             *by_rz = sums->rz + (ir * ((size_t)setup->nz + 2) + iz) * count;
+    if (unit * world->rows.most[medium] < (real)0x1p30)
+        cml_rows_sample_as(0, rows, unit, share, by_z, by_rz);
+    else
+        cml_rows_sample_as(1, rows, unit, share, by_z, by_rz);
 }
 
 CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet *rows, real high, real low,

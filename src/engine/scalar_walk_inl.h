@@ -30,6 +30,7 @@ struct row_walk {
     int medium;                        /* that of the last booking, or an inner one since */
     cml_u32 w;                         /* the packet's weight then */
     cml_u64 gained, roulette, backing; /* its terms then */
+    cml_u32 interactions;              /* after the last step */
 };
 
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
@@ -42,6 +43,18 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     rows->medium = packet->medium;
     rows->w = packet->w;
     rows->gained = rows->roulette = rows->backing = 0;
+    rows->interactions = packet->interactions;
+}
+
+/* Whether the step has been an interaction that A(r,z) of rows is made of. */
+static inline bool rows_sample(const struct cml_world *world, struct row_walk *rows,
+                               const struct cml_packet *packet)
+{
+    const cml_u32 n = packet->interactions, before = rows->interactions;
+    rows->interactions = n;
+    if (!world->rows.part || n == before) return false;
+    const cml_u32 low = (cml_u32)packet->index, high = (cml_u32)(packet->index >> 32);
+    return cml_row_samples(cml_row_hash_of(&world->setup, low, high), n);
 }
 
 /* After a step: books where lanes of a bundle do (cml_flush_deposits), so not on the way out and back. */
@@ -51,11 +64,13 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
                   lost = (cml_u32)(packet->roulette - rows->roulette),
                   kept = (cml_u32)(packet->backing - rows->backing);
     const cml_u32 left = packet->w - gained + lost + kept;
-    const int moved = packet->medium != rows->medium && !cml_is_outer(world, packet->medium);
-    if (!moved && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
+    const int moved = packet->medium != rows->medium && !cml_is_outer(world, packet->medium),
+              sampled = rows_sample(world, rows, packet);
+    if (!moved && !sampled && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_fly(world, &its, rows->medium, packet->path, packet->interactions, rows->w, left);
+    if (sampled) cml_rows_sample(world, &its, rows->medium, packet->p, rows->w, left);
     if (kept)
         cml_rows_backing(&its, left, packet->w);
     else

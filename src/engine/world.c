@@ -60,6 +60,8 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->detector_start);
     free(to->detector_list);
     free(to->row_more);
+    free(to->row_part);
+    free(to->row_most);
     free(to->row_hits);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
@@ -447,16 +449,28 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
 }
 
 /* P16. */
-static cml_status copy_rows(const struct cml_grid *grid, const struct cml_engine_rows *rows,
-                            struct cml_owned_world *to, struct cml_error *err)
+static cml_status copy_rows(const struct cml_scene *scene, const struct cml_grid *grid,
+                            const struct cml_engine_rows *rows, struct cml_owned_world *to,
+                            struct cml_error *err)
 {
     const size_t media = cml_grid_media(grid), own = (size_t)rows->count, all = cml_row_stride(grid);
     if (own == 0) return CML_OK;
     to->row_more = calloc(media * all, sizeof *to->row_more);
-    if (!to->row_more) return cml_fail_memory(err, (double)(media * all * sizeof(real)), "the rows");
+    to->row_part = calloc(media * all, sizeof *to->row_part);
+    to->row_most = calloc(media, sizeof *to->row_most);
+    if (!to->row_more || !to->row_part || !to->row_most)
+        return cml_fail_memory(err, 2 * (double)(media * all * sizeof(real)), "the rows");
     for (size_t m = 0; m < media; m++)
-        for (size_t i = 0; i < own; i++) to->row_more[m * all + i] = (real)rows->more[m * own + i];
-    to->world.rows = (struct cml_rows){(int)all, to->row_more, NULL};
+        for (size_t i = 0; i < own; i++) {
+            const double more = rows->more[m * own + i];
+            to->row_more[m * all + i] = (real)more;
+            const real part = rows->depths ? (real)cml_engine_row_share(&scene->media[m], more) : 0;
+            to->row_part[m * all + i] = part;
+            if (part > to->row_most[m]) to->row_most[m] = part;
+        }
+    to->world.rows = (struct cml_rows){.count = (int)all, .more = to->row_more};
+    to->world.rows.most = to->row_most;
+    if (rows->depths) to->world.rows.part = to->row_part;
     return CML_OK;
 }
 
@@ -476,7 +490,7 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_gr
         to->row_more[by_mus] = -(real)scene->media[medium].mus;
         to->row_hits[by_mus] = 1;
     }
-    to->world.rows = (struct cml_rows){(int)all, to->row_more, to->row_hits};
+    to->world.rows = (struct cml_rows){.count = (int)all, .more = to->row_more, .hits = to->row_hits};
     return CML_OK;
 }
 
@@ -513,8 +527,8 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
     if (status == CML_OK)
-        status =
-            grid.derivatives ? make_scores(scene, &grid, to, err) : copy_rows(&grid, &options->rows, to, err);
+        status = grid.derivatives ? make_scores(scene, &grid, to, err)
+                                  : copy_rows(scene, &grid, &options->rows, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }

@@ -43,7 +43,7 @@ struct cml_owned_world {
     struct cml_detector *detectors; /* [num_detectors] */
     struct cml_detector_level *detector_levels;
     int *detector_start, *detector_list;
-    real *row_more, *row_hits; /* as in struct cml_rows */
+    real *row_more, *row_hits, *row_part, *row_most; /* as in struct cml_rows */
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
     struct cml_tail_interval *tail_intervals;

@@ -19,7 +19,6 @@ struct cml_report {
     char identity[CML_IDENTITY_SUM];      /* of the run */
     const char *command;                  /* line, for provenance */
     int row;                              /* of a sweep, from 1; 0: of none */
-    bool reweighted;                      /* a row of another's flight: the .h5 has no A_z and A_rz */
     const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
     double control_processor;             /* s that the twin's flight took */
     const struct cml_flat_tail *tail;     /* of --aim; NULL: none */

@@ -105,9 +105,7 @@ static cml_status write_h5(const struct cml_report *report, struct cml_outcome *
     fill_list(&list);
     const struct cml_h5_more more = {
         report->scene->text, list.fields, list.num_fields, {report->command, report->scene->file}};
-    struct cml_outcome written = *outcome; /* an .mco always has the sections of original MCML */
-    if (report->reweighted) written.value[CML_QUANTITY_A_z] = written.value[CML_QUANTITY_A_rz] = NULL;
-    const cml_status status = cml_h5_write(path, &written, &more, err);
+    const cml_status status = cml_h5_write(path, outcome, &more, err);
     cml_field_list_free(&list);
     return status;
 }

@@ -257,7 +257,7 @@ static void add_absorption(struct cml_result *result, cml_u128 *to, const uint64
         const size_t ir = i < nr ? i : nr - 1;
         for (size_t j = 0; j < nz + 2; j++) {
             const uint64_t cell = A_rz[i * (nz + 2) + j];
-            const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
+            const size_t iz = cml_depth_of_cell(j, nz);
             if (!cell) continue;
             to[ir * nz + iz] += cell;
             if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
@@ -395,7 +395,7 @@ double cml_result_imbalance(const struct cml_result *result)
     const double differences[] = {
         difference(in, out),
         difference(sum_of(result->A_l, CML_NUM_BATCHES * cml_grid_media(grid)), absorbed),
-        grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
+        grid->absorption && !grid->row_depths ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
         difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
         difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
         grid->nx ? difference(sum_of(result->Rd_xya, cml_cells_map(grid)), balance[CML_BALANCE_REFLECTED])

@@ -1,8 +1,8 @@
 /* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
  * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
- * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, then Rd_dir and Tt_dir, [nt][np]
- * each, and the sums of their squares, likewise. Scores for derivatives (P17) have the same cells but for
- * these, two for each medium inside, layers first: by mua and by mus.
+ * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, then A_rz, [nr + 1][nz + 2], then
+ * Rd_dir and Tt_dir, [nt][np] each, and the sums of their squares, likewise. Scores for derivatives (P17)
+ * have the same cells but for these, two for each medium inside, layers first: by mua and by mus.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_ROW_CELLS_H
 #define CML_ROW_CELLS_H
@@ -13,6 +13,9 @@
 
 /* Rows that are summed together, in vectors, are rounded up to whole ones. */
 #define CML_ROW_GROUP 16
+
+/* Of so many interactions of a packet one is a sample of A_z and A_rz, and stands for all. */
+#define CML_ROW_SAMPLING 8
 
 /* Places of a bin: those of the other rows follow. */
 static inline size_t cml_row_stride(const struct cml_grid *grid)
@@ -43,6 +46,7 @@ struct cml_row_bins {
     size_t Rd_t, Tt_t; /* [gates + 1], the last for all that is later; or none */
     size_t detector;   /* [detectors] */
     size_t detector_t; /* [detectors][gates + 1]; or none */
+    size_t A_z;        /* [nz + 2], from above the first depth to below the last; or none */
     size_t all;        /* of a batch */
 };
 
@@ -59,7 +63,8 @@ static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
     at.Tt_t = at.Rd_t + gates;
     at.detector = at.Tt_t + gates;
     at.detector_t = at.detector + (size_t)grid->detectors;
-    at.all = at.detector_t + (size_t)grid->detectors * gates;
+    at.A_z = at.detector_t + (size_t)grid->detectors * gates;
+    at.all = at.A_z + (grid->row_depths ? (size_t)grid->nz + 2 : 0);
     return at;
 }
 
@@ -80,11 +85,17 @@ static inline size_t cml_row_cells_dir(const struct cml_grid *grid)
     return grid->derivatives ? 0 : (size_t)grid->nt * (size_t)grid->np * cml_row_stride(grid);
 }
 
+/* Of A_rz, behind Rd_ra and Tt_ra. */
+static inline size_t cml_row_cells_rz(const struct cml_grid *grid)
+{
+    return grid->row_depths ? cml_rz_cells(grid) * cml_row_stride(grid) : 0;
+}
+
 /* All cells; 0 where there are no rows. */
 static inline size_t cml_row_cells(const struct cml_grid *grid)
 {
     return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) +
-                            4 * cml_row_cells_dir(grid)
+                            cml_row_cells_rz(grid) + 4 * cml_row_cells_dir(grid)
                       : 0;
 }
 

@@ -64,6 +64,15 @@ static void take_detected(const struct row *row, size_t batch)
                    to->detector_t + k * gates, &to->detector_t_later[k]);
 }
 
+/* Depths above the first bin go into that, those below the last into that. */
+static void take_depths(const struct row *row, size_t batch)
+{
+    struct cml_result *to = row->to;
+    const size_t nz = (size_t)to->grid.nz, first = batch * row->at.all + row->at.A_z;
+    for (size_t j = 0; to->A_z && j < nz + 2; j++)
+        to->A_z[batch * nz + cml_depth_of_cell(j, nz)] += cell(row, first + j);
+}
+
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_grid_media(&row->to->grid);
@@ -88,6 +97,7 @@ static void take_batch(const struct row *row, size_t batch)
     take_bins(row, batch, row->at.A_l, media, to->A_l, media);
     take_times(row, batch);
     take_detected(row, batch);
+    take_depths(row, batch);
     take_totals(row, batch);
 }
 
@@ -119,6 +129,23 @@ static void take_exits(const struct row *row, size_t first, cml_u128 *to)
         }
 }
 
+/* A_rz, whose first bin is given. What lies beyond its bins is in the books as what flights of their own
+ * have there. */
+static void take_absorption(const struct row *row, size_t first)
+{
+    struct cml_result *to = row->to;
+    const size_t nr = (size_t)to->grid.nr, nz = (size_t)to->grid.nz;
+    cml_u128 *balance = to->summary.balance;
+    for (size_t k = 0; k < cml_rz_cells(&to->grid); k++) {
+        const size_t i = k / (nz + 2), j = k % (nz + 2);
+        const cml_u128 w = cell(row, first + k);
+        to->A_rz[(i < nr ? i : nr - 1) * nz + cml_depth_of_cell(j, nz)] += w;
+        if (i == nr) balance[CML_BALANCE_OVERFLOW_R] += w;
+        if (j == 0) balance[CML_BALANCE_ABOVE] += w;
+        if (j > nz) balance[CML_BALANCE_OVERFLOW_Z] += w;
+    }
+}
+
 /* Rd_dir and Tt_dir, whose first bin is given, and the squares; Rsp_dir is that of the flight. */
 static void take_directions(const struct row *row, size_t first)
 {
@@ -135,7 +162,7 @@ static void take_directions(const struct row *row, size_t first)
     }
 }
 
-/* What of a row is summed by batch. Of detectors there are no means, and no pixels. */
+/* What of a row is summed by batch. Of detectors there are no means, and no pixels, and of times no A_t. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_grid *flown = &row->flight->grid;
@@ -144,6 +171,8 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                   .na = flown->na,
                                   .num_layers = flown->num_layers,
                                   .num_bodies = flown->num_bodies,
+                                  .absorption = flown->row_depths,
+                                  .row_depths = flown->row_depths,
                                   .gates = flown->gates,
                                   .nt = flown->derivatives ? 0 : flown->nt,
                                   .np = flown->np,
@@ -151,6 +180,7 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
     struct cml_result *to = row->to;
     CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
     to->detector_path = to->detector_interactions = to->detector_deepest = NULL;
+    to->A_t = to->A_t_later = NULL;
     to->summary = row->flight->summary;
     for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
         if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;
@@ -167,7 +197,8 @@ cml_status cml_row_result(const struct cml_result *flight, int number, struct cm
     take_launch(&row);
     take_exits(&row, exits, to->Rd_ra);
     take_exits(&row, exits + ra, to->Tt_ra);
-    if (to->Rd_dir) take_directions(&row, exits + 2 * ra);
+    if (to->A_rz) take_absorption(&row, exits + 2 * ra);
+    if (to->Rd_dir) take_directions(&row, exits + 2 * ra + cml_row_cells_rz(&flight->grid) / row.stride);
     return CML_OK;
 }
 

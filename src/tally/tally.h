@@ -46,6 +46,7 @@ struct cml_grid {
     size_t facets;       /* of all boundaries and bodies */
     int rows;            /* of a sweep, that come of one flight; or scores */
     bool derivatives;    /* they are scores */
+    bool row_depths;     /* they have A_z and A_rz, by samples: these do not add up to A to the last bit */
     size_t row_cells;    /* of all of them together (row_cells.h) */
     bool backed;         /* some of them lie on a backing, which keeps what does not leave them */
     int scores;          /* of expected values below the last shape (P15); 0: they do not exist */
@@ -161,6 +162,13 @@ static inline size_t cml_rz_cells(const struct cml_grid *grid)
 static inline size_t cml_ra_cells(const struct cml_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
+}
+
+/* The depth bin, of nz, that has what is in a cell by depth, 0 to nz + 1: the first and the last one have
+ * what lies beyond. */
+static inline size_t cml_depth_of_cell(size_t cell, size_t nz)
+{
+    return cell == 0 ? 0 : (cell <= nz ? cell - 1 : nz - 1);
 }
 
 /* The grid of one thread of several: without maps, volume and facets, with A_z instead of an A_rz beyond

@@ -3,7 +3,11 @@ own where it is not: rings, a backing, bodies, a beam from the side; totals, wha
 
 N = 2e5 packets a flight; statistic: z of Rd, A, Tt and of what layers and bodies absorb, and the sum of squares of z of the bins of a
 profile, as a normal deviate; level 1e-4 over all. Rows of one flight go wrong together, so every scene has its own seed."""
+import itertools
+import math
 import os
+import re
+import statistics
 import sys
 import tempfile
 
@@ -54,8 +58,9 @@ def against_exact(verdict):
                 verdict.z(f"flat {i + 1} {key}", record[key], record[key + "_se"], truth[key], truth[key + "_error"])
             for (name, value, error), layer in zip(absorbed(sections), truth["A_l"], strict=True):
                 verdict.z(f"flat {i + 1} {name}", value, error, layer)
-            own = cml.run(FLAT, "--seed", 8, "--ignore-absorption", *settings(FLAT_ROWS, i))[0]
+            own = cml.run(FLAT, "--seed", 8, *settings(FLAT_ROWS, i), keep=keep)[0]
             verdict.check(f"flat {i + 1}", record["Rd_se"] < 1.4 * own["Rd_se"], f"{record['Rd_se']} and {own['Rd_se']}")
+            depths_z(verdict, f"flat {i + 1}", record, sections, cml.read_sections(own["output"]))
 
 
 def profile_z(verdict, name, ours, theirs, key):
@@ -69,10 +74,27 @@ def profile_z(verdict, name, ours, theirs, key):
     verdict.z(f"{name} {key}", cube, spread, 1 - spread * spread)
 
 
+def read_A_rz(path):
+    with open(path, encoding="utf-8") as file:
+        body = re.split(r"^A_rz.*$", file.read(), maxsplit=1, flags=re.MULTILINE)[1]
+    return [float(word) for word in itertools.takewhile(lambda word: not word[0].isalpha() and word[0] != "#", body.split())]
+
+
+def depths_z(verdict, name, record, ours, theirs):
+    """A(z), and A(r,z) by its sums over 20 radii for each of 10 depths, all 0.05 cm apart."""
+    profile_z(verdict, name, ours, theirs, "A_z")
+    grid = read_A_rz(record["output"])
+    by_depth = [2 * math.pi * 0.05 ** 2 * sum((k + 0.5) * grid[k * 10 + j] for k in range(20)) for j in range(10)]
+    worst = max(abs(a / b - 1) for a, b in zip(by_depth, ours["A_z"], strict=True) if b)
+    verdict.check(f"{name} A_rz", worst < 1e-4, f"sums over r differ from A_z by {worst}")
+    errors = [b / a for a, b in zip(theirs["se_A_z"], ours["se_A_z"], strict=True) if a > 0]
+    print(f"{name}: errors of A_z {statistics.median(errors):.2f} times those of a flight of its own")
+
+
 def against_own(verdict, name, text, rows, seed):
     with tempfile.TemporaryDirectory() as keep, tempfile.TemporaryDirectory() as other:
         for i, (record, sections) in enumerate(reweighted(text, rows, keep, "--seed", seed)):
-            own = cml.run(text, "--seed", seed + 100 + i, "--ignore-absorption", *settings(rows, i), keep=other)[0]
+            own = cml.run(text, "--seed", seed + 100 + i, *settings(rows, i), keep=other)[0]
             theirs = cml.read_sections(own["output"])
             cml.check_balance(verdict, f"{name} {i + 1}", record)
             for key in ("Rsp", "Rd", "A", "Tt", "A_backing"):
@@ -83,6 +105,7 @@ def against_own(verdict, name, text, rows, seed):
             for key in ("detector_near", "detector_far", "Rd_t_later", "Tt_t_later"):
                 if key in theirs:
                     verdict.z(f"{name} {i + 1} {key}", sections[key][0], sections["se_" + key][0], theirs[key][0], theirs["se_" + key][0])
+            depths_z(verdict, f"{name} {i + 1}", record, sections, theirs)
             for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()) + (PLACES if PLACES[0] in theirs else ()):
                 profile_z(verdict, f"{name} {i + 1}", sections, theirs, key)
 

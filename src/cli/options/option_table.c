@@ -48,7 +48,7 @@ const struct cml_option cml_option_table[] = {
      TEXT(sweep)},
     {"reweight", 0, NULL, RUN | CHECK, NULL,
      "with --sweep: rows that differ in nothing but mua, of layers and bodies, come of one flight, each as "
-     "exact as a flight of its own; without A_rz",
+     "exact as a flight of its own; A_rz by every eighth interaction",
      FLAG(reweight)},
     {"derivatives", 0, NULL, RUN, NULL,
      "of totals, profiles over r and angle, and what layers and bodies absorb, by mua and mus of every "

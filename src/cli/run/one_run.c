@@ -231,7 +231,6 @@ static cml_status publish_row(const struct cml_run_call *call, const struct cml_
                                 .timing = &run->timing,
                                 .provenance = setup->provenance,
                                 .row = rows->number[i] + 1,
-                                .reweighted = true,
                                 .command = call->options->command};
     const cml_status status = publish(call, &report, &rows->record[i], err);
     if (status == CML_OK || status == CML_E_NUMERIC) find_poor(&run->result, &result, rows->number[i], poor);

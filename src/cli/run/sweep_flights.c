@@ -159,6 +159,32 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
     }
 }
 
+/* Of A(r,z) of all rows together, for each thread. */
+#define MOST_DEPTH_CELLS 5e7
+
+/* Whether the rows have A(z); says why, where they cannot. */
+static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group)
+{
+    const struct cml_scene *flown = &group->flown;
+    const struct cml_engine_rows rows = {group->count, group->more, false};
+    const int blind = cml_engine_rows_blind_in(flown, &rows);
+    const bool large = (double)flown->nr * flown->nz * group->count > MOST_DEPTH_CELLS;
+    char text[200];
+    if (!sweep->options->engine_options.absorption) return false;
+    if (blind < 0 && !large) return true;
+    if (large)
+        snprintf(text, sizeof text,
+                 "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)", group->count,
+                 flown->nr, flown->nz, MOST_DEPTH_CELLS);
+    else
+        snprintf(text, sizeof text,
+                 "no A_z and A_rz of rows: where some absorb, in medium %d, the packets of the palest hardly "
+                 "interact",
+                 blind);
+    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
+    return false;
+}
+
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;
@@ -168,7 +194,8 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
         options.engine_options.absorption = false;
-        options.engine_options.rows = (struct cml_engine_rows){group.count, group.more};
+        options.engine_options.rows = (struct cml_engine_rows){group.count, group.more, false};
+        options.engine_options.rows.depths = reaches_depths(sweep, &group);
         const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
         const struct cml_run_call call = {.options = &options,
                                           .scene = &group.flown,

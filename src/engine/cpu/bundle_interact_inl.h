@@ -155,6 +155,17 @@ CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct
     return any;
 }
 
+/* P16: which lanes have had an interaction that A(r,z) of rows is made of: sampled[CML_LANES] 1. */
+CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struct cml_bundle *b, int *sampled)
+{
+    const struct cml_setup copy = *setup;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++) {
+        const cml_u32 hash = cml_row_hash_of(&copy, b->index_low[i], b->index_high[i]);
+        sampled[i] = (b->task[i] == CML_LANE_INTERACT) & cml_row_samples(hash, b->interactions[i] + 1);
+    }
+}
+
 /* Where absorption is tallied. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {

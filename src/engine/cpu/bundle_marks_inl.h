@@ -1,9 +1,10 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). Fluence (P14): what lanes score where they interact, and marks on their
- * paths. SPDX-License-Identifier: MIT */
+ * paths; and interactions of which A(r,z) of rows (P16) is made. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_MARKS_INL_H
 #define CML_BUNDLE_MARKS_INL_H
 
+#include "engine/cpu/bundle_interact_inl.h"
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
@@ -107,6 +108,25 @@ static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
         s.p.z = 0;
         s.medium = s.u.z < 0 ? 0 : f->world->setup.num_layers + 1;
         (void)cml_mark_far(f->world, &f->to, &s, b->mark[i], CML_INFINITY);
+    }
+}
+
+/* P16: lanes whose interaction is a sample for rows. */
+static void cml_sample_rows(struct cml_flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    _Alignas(64) int sampled[CML_LANES];
+    cml_bundle_find_sampled(&f->world->setup, b, sampled);
+    uint64_t lanes = 0;
+    for (int first = 0; first < b->lanes; first += CML_GROUP)
+        lanes |= (uint64_t)cml_group_equal(sampled + first, 1) << first;
+    for (lanes &= f->live & ~f->ended; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctzll(lanes);
+        const cml_u32 before = b->flushed_w[i];
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+        cml_flush_deposits(f, i);
+        const struct cml_row_packet rows = cml_lane_rows(f, i);
+        cml_rows_sample(f->world, &rows, b->medium[i], p, before, b->w[i]);
     }
 }
 

@@ -471,6 +471,7 @@ static void cml_flight_interact(struct cml_flight *f)
         if (f->late) cml_scatter_late(f);
         cml_scatter_deposits(f->b, f->tally, f->first_cell);
     }
+    if (f->world->rows.part) cml_sample_rows(f);
     if (f->world->windows.cells)
         cml_weigh_lanes(f);
     else if (low)

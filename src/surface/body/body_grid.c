@@ -278,12 +278,14 @@ static void find_clearance(struct filling *f)
 static void make_near(const struct filling *f, struct cml_body_near *near)
 {
     const int *n = f->cells->n;
+    int *next = f->open; /* of no more use otherwise */
+    cml_patch_rows(n, f->patch, f->near, next);
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++)
             for (int x = 0; x < n[0]; x++) {
                 const size_t cell = cell_at(f, x, y, z);
                 const int at[3] = {x, y, z};
-                near[cell] = cml_body_near_of(f->cells->n, f->patch, f->near, at);
+                near[cell] = cml_body_near_of(f->cells->n, f->patch, f->near, next, at);
             }
 }
 

@@ -147,8 +147,18 @@ struct neighbour {
     double way[3], square;
 };
 
+void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *clear, int *next)
+{
+    for (size_t row = 0; row < (size_t)n[2] * (size_t)n[1]; row++)
+        for (int x = n[0] - 1, ahead = n[0]; x >= 0; x--) {
+            const size_t i = row * (size_t)n[0] + (size_t)x;
+            if (!(clear[i] > CML_CELL_REACH || patch[i].body == CML_PATCH_NONE)) ahead = x;
+            next[i] = ahead;
+        }
+}
+
 /* All cells that a surface may pass, and that a ball of the largest radius can reach. Returns how many. */
-static int find_neighbours(const int n[3], const struct cml_body_patch *patch, const float *clear,
+static int find_neighbours(const int n[3], const struct cml_body_patch *patch, const int *next_in_row,
                            const int at[3], struct neighbour found[CUBE * CUBE * CUBE])
 {
     int from[3], to[3], count = 0;
@@ -160,10 +170,11 @@ static int find_neighbours(const int n[3], const struct cml_body_patch *patch, c
         for (int y = from[1]; y <= to[1]; y++) {
             const size_t row = ((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0];
             for (int x = from[0]; x <= to[0]; x++) {
-                const size_t i = row + (size_t)x;
-                if (clear[i] > CML_CELL_REACH || patch[i].body == CML_PATCH_NONE) continue;
+                x = next_in_row[row + (size_t)x];
+                if (x > to[0]) break;
                 struct neighbour *next = &found[count++];
-                *next = (struct neighbour){.patch = &patch[i], .way = {x - at[0], y - at[1], z - at[2]}};
+                *next = (struct neighbour){.patch = &patch[row + (size_t)x],
+                                           .way = {x - at[0], y - at[1], z - at[2]}};
                 next->square = cml_vec3_dot(next->way, next->way);
             }
         }
@@ -246,13 +257,13 @@ static struct cml_body_near near_of_view(const struct view *view, double radius)
 /* Of balls with a surface the one that is large and leaves it little room; none if the largest without one is
  * as good. Large ones first: few are then worth a look. */
 struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
-                                      const int at[3])
+                                      const int *next, const int at[3])
 {
     const size_t i = ((size_t)at[2] * (size_t)n[1] + (size_t)at[1]) * (size_t)n[0] + (size_t)at[0];
     struct cml_body_near best = {
         .radius = clear[i], .lower = -1, .upper = -1, .steepest = 2, .body = CML_PATCH_NONE};
     struct neighbour neighbour[CUBE * CUBE * CUBE];
-    const int count = clear[i] < radii[NUM_RADII - 1] ? find_neighbours(n, patch, clear, at, neighbour) : 0;
+    const int count = clear[i] < radii[NUM_RADII - 1] ? find_neighbours(n, patch, next, at, neighbour) : 0;
     double most = nextafter(clear[i], INFINITY);
     for (size_t r = NUM_RADII; r-- > 0 && count > 0;) {
         struct view view;

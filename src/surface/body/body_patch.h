@@ -35,10 +35,14 @@ struct cml_body_near {
     int body;
 };
 
+/* For every cell of the grid the x of the first cell in its row, from itself on, that a surface may pass;
+ * n[0] where there is none. patch, clear: as below. */
+void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *clear, int *next);
+
 /* What is known of the ball around the middle of cell `at` (x, y, z). clear: of all middles, from all
  * surfaces, cells: a surface may be in those cells only where it is less than CML_CELL_REACH. patch: of all
- * n[0] n[1] n[2] cells of the grid, x fastest. */
+ * n[0] n[1] n[2] cells of the grid, x fastest. next: as from cml_patch_rows. */
 struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
-                                      const int at[3]);
+                                      const int *next, const int at[3]);
 
 #endif

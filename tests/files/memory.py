@@ -125,8 +125,10 @@ def check_scenes(verdict):
         with tempfile.TemporaryDirectory() as keep:
             if name == "phase functions":
                 text = with_bodies(list(write_phases(keep, 2)))
-            write_image(os.path.join(keep, "pattern.gsf"), 1500)
-            write_waves(os.path.join(keep, "waves.obj"), 400)
+            if "pattern.gsf" in text:
+                write_image(os.path.join(keep, "pattern.gsf"), 1500)
+            if "waves.obj" in text:
+                write_waves(os.path.join(keep, "waves.obj"), 400)
             with open(os.path.join(keep, "ball.obj"), "w", encoding="utf-8") as file:
                 file.write(OCTAHEDRON)
             before = printed(verdict, name, run(text, keep, "check")[0])

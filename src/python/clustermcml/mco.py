@@ -219,7 +219,7 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
         axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
     if re.search(r"^# detector ", text, re.MULTILINE):
         axes["medium"] = np.arange(len(media) + 2.0 + len(re.findall(r"^# body \d+: ", text, re.MULTILINE)))
-    data = xr.Dataset(_numbers(sections, _known(text), axes))
+    data = _numbers(sections, _known(text), axes)  # a Dataset last: each variable that is added to one copies it
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
@@ -229,5 +229,4 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
             data["body_" + name] = xr.DataArray(column, dims="body", attrs={"units": unit, "long_name": meaning})
     for name, (unit, meaning) in ((name, AXES[name]) for name in axes):
         data[name] = xr.DataArray(axes[name], dims=name, attrs={"units": unit, "long_name": meaning})
-    data.attrs.update({"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})
-    return data
+    return xr.Dataset(data, attrs={"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})

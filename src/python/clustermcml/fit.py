@@ -286,7 +286,7 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
         path = os.path.join(folder, "sweep.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
-        return ["--sweep", path, "--reweight"]
+        return ["--sweep", path, "--reweight", "--ignore-absorption"]
     told = _told(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
     numbers = [_numbers(data, row, result) for row, result in told]
     shape = tuple(len(grid) for grid in grids.values())

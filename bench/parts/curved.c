@@ -21,7 +21,7 @@ static int parts_timed; /* whether the parts are */
 static struct {
     double begin, ns;
     long times;
-} spent[CML_HOOK_PARTS];
+} taken[CML_HOOK_PARTS];
 
 static double nanoseconds(void)
 {
@@ -30,14 +30,14 @@ static double nanoseconds(void)
 
 static void begin(enum cml_hook_part part)
 {
-    if (parts_timed) spent[part].begin = nanoseconds();
+    if (parts_timed) taken[part].begin = nanoseconds();
 }
 
 static void end(enum cml_hook_part part)
 {
     if (!parts_timed) return;
-    spent[part].ns += nanoseconds() - spent[part].begin;
-    spent[part].times++;
+    taken[part].ns += nanoseconds() - taken[part].begin;
+    taken[part].times++;
 }
 
 #define CML_LEVEL curved
@@ -49,7 +49,7 @@ static double flight_begin;
 
 static void reset(void)
 {
-    memset(spent, 0, sizeof spent);
+    memset(taken, 0, sizeof taken);
     flight_begin = nanoseconds();
 }
 
@@ -65,7 +65,7 @@ static struct clocks time_clocks(void)
     parts_timed = 1;
     const double start = nanoseconds();
     for (int i = 0; i < COUNT; i++) begin(CML_HOOK_HITS), end(CML_HOOK_HITS);
-    const double within = spent[CML_HOOK_HITS].ns / COUNT, both = (nanoseconds() - start) / COUNT;
+    const double within = taken[CML_HOOK_HITS].ns / COUNT, both = (nanoseconds() - start) / COUNT;
     parts_timed = 0;
     return (struct clocks){within, both};
 }
@@ -73,13 +73,13 @@ static struct clocks time_clocks(void)
 /* What a part takes, with all parts within it. */
 static double whole(enum cml_hook_part part, struct clocks clocks)
 {
-    return spent[part].ns - (double)spent[part].times * clocks.within;
+    return taken[part].ns - (double)taken[part].times * clocks.within;
 }
 
 /* What a part that was timed has added to the one around it. */
 static double added(enum cml_hook_part part, struct clocks clocks)
 {
-    return whole(part, clocks) + (double)spent[part].times * clocks.around;
+    return whole(part, clocks) + (double)taken[part].times * clocks.around;
 }
 
 /* ns: of a photon, without clocks. flown: what the flight with clocks took, in ns; the machine may have been
@@ -87,7 +87,7 @@ static double added(enum cml_hook_part part, struct clocks clocks)
 static void report(const char *path, const struct bench_flight *flight, double ns, double flown,
                    struct clocks clocks)
 {
-    for (int part = 0; part < CML_HOOK_PARTS; part++) flown -= (double)spent[part].times * clocks.around;
+    for (int part = 0; part < CML_HOOK_PARTS; part++) flown -= (double)taken[part].times * clocks.around;
     const double n = flown / ns;
     const double reflect = whole(CML_HOOK_REFLECT, clocks);
     const double cross = whole(CML_HOOK_HITS, clocks) - added(CML_HOOK_REFLECT, clocks);

@@ -22,12 +22,23 @@ static size_t stem_length(const char *path)
     return length;
 }
 
-/* Maps and facets have no place in an .mco file. */
-bool cml_report_wants_fields(const struct cml_scene *scene)
+/* Maps and facets, which have files of their own too. */
+static bool has_pictures(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_detectors; k++)
         if (scene->detectors[k].kind == CML_DETECTOR_MAP) return true;
-    return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
+    return scene->map.nx > 0 || scene->facets;
+}
+
+/* What has pictures has no place in an .mco file. */
+bool cml_report_wants_fields(const struct cml_scene *scene)
+{
+    return scene->format == 'B' || has_pictures(scene);
+}
+
+bool cml_report_is_one_file(const struct cml_scene *scene)
+{
+    return !has_pictures(scene) && scene->saved.limit == 0;
 }
 
 /* All files of a run share the stem, whichever of them the user named. */

@@ -144,4 +144,8 @@ for name in $names; do
         rm "$work/$name.checkpoint"
     done
 done
+# Beside other files it does not: whether all are of one run it cannot say.
+"$program" samples/skinmap.mci --photons 100 --quiet -o "$work" || complain "skinmap"
+expect_code 0 samples/skinmap.mci --photons 100 --resume -o "$work"
+grep -q "finds no $work/skinmap.mco.checkpoint: the run begins anew" "$work/err" || complain "several files: $(cat "$work/err")"
 finish

@@ -469,7 +469,7 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
 }
 
 /* On rank 0: without a checkpoint, which knows all, whether the result that is there says to be of this run.
- * JSON and a sweep's table have more digits than it. */
+ * JSON and a sweep's table have more digits than it, and of files beside it nobody knows whose they are. */
 static bool result_stands(const struct cml_run_call *call, const struct cml_run_setup *setup)
 {
     const struct cml_options *options = call->options;
@@ -478,7 +478,7 @@ static bool result_stands(const struct cml_run_call *call, const struct cml_run_
     char *path = NULL, sum[CML_IDENTITY_SUM];
     bool stands = false;
     if (!options->resume || options->json || options->keep || call->row > 0 || cml_cluster_rank() != 0 ||
-        !setup->checkpoint || has_checkpoint(setup->checkpoint))
+        !setup->checkpoint || has_checkpoint(setup->checkpoint) || !cml_report_is_one_file(call->scene))
         return false;
     cml_identity_sum(setup->identity, sum);
     if (result_path(options, call->scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&

@@ -64,11 +64,14 @@ static inline size_t cml_row_factors(const struct cml_row_sums *sums)
     return (size_t)sums->count + 1;
 }
 
-/* A packet's own, of both words of its index: fmix32 of A. Appleby's MurmurHash3. A hash serves, as nothing
- * else depends on it. */
+/* A packet's own, of both words of its index and of all of the run's key, so that what chance does to one
+ * seed it does not do to the next: fmix32 of A. Appleby's MurmurHash3. A hash serves, as nothing else depends
+ * on it. */
 static inline cml_u32 cml_row_hash_of(const struct cml_setup *setup, cml_u32 low, cml_u32 high)
 {
-    return cml_row_hash(cml_row_hash(low ^ setup->stream.key[0]) + high);
+    const cml_u32 *key = setup->stream.key;
+    const cml_u32 run = cml_row_hash(cml_row_hash(cml_row_hash(key[2]) + key[1]) + key[0]);
+    return cml_row_hash(cml_row_hash(low + run) + high);
 }
 
 /* Weights are rounded at random, so that they keep the mean however small they are, but all of one packet

@@ -6,7 +6,7 @@
 #include "cli/run/one_run.h"
 #include "input/sweep/sweep_groups.h"
 #include "run/cluster.h"
-#include "tally/tally.h"
+#include "tally/row_cells.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -177,10 +177,11 @@ static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group
                  "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)", group->count,
                  flown->nr, flown->nz, MOST_DEPTH_CELLS);
     else
-        snprintf(text, sizeof text,
-                 "no A_z and A_rz of rows: where some absorb, in medium %d, the packets of the palest hardly "
-                 "interact",
-                 blind);
+        snprintf(
+            text, sizeof text,
+            "no A_z and A_rz of rows: in medium %d one absorbs more than %g times what scatters there, or "
+            "where nothing does what the palest absorbs",
+            blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
     if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
     return false;
 }

@@ -144,6 +144,12 @@ for name in $names; do
         rm "$work/$name.checkpoint"
     done
 done
+# Nor where its end is missing.
+"$program" $scene --photons 1000 --quiet -o "$work" --output again.mco || complain "again"
+head -n -3 "$work/again.mco" >"$work/cut" && mv "$work/cut" "$work/again.mco"
+expect_code 0 $scene --photons 1000 --resume -o "$work" --output again.mco
+grep -q "finds no $work/again.mco.checkpoint: the run begins anew" "$work/err" || complain "cut off: $(cat "$work/err")"
+
 # Beside other files it does not: whether all are of one run it cannot say.
 "$program" samples/skinmap.mci --photons 100 --quiet -o "$work" || complain "skinmap"
 expect_code 0 samples/skinmap.mci --photons 100 --resume -o "$work"

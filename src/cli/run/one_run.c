@@ -469,7 +469,8 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
 }
 
 /* On rank 0: without a checkpoint, which knows all, whether the result that is there says to be of this run.
- * JSON and a sweep's table have more digits than it, and of files beside it nobody knows whose they are. */
+ * JSON and a sweep's table have more digits than it, and of files beside it nobody knows whose they are.
+ * `lost` is the last of a whole one. */
 static bool result_stands(const struct cml_run_call *call, const struct cml_run_setup *setup)
 {
     const struct cml_options *options = call->options;
@@ -483,7 +484,7 @@ static bool result_stands(const struct cml_run_call *call, const struct cml_run_
     cml_identity_sum(setup->identity, sum);
     if (result_path(options, call->scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
         cml_result_read(path, &before, &ignored) == CML_OK) {
-        stands = strcmp(before.identity, sum) == 0;
+        stands = strcmp(before.identity, sum) == 0 && !before.damage && before.value[CML_QUANTITY_lost];
         cml_outcome_clear(&before);
     }
     free(path);

@@ -111,7 +111,7 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         struct cml_tally *tally = &trial->tally[way];
         cml_tally_zero(tally);
         CML_TRY(cml_engine_run_range(trial->engine, trial->flight[way], trial->packets, count, tally, err));
-        cml_tally_note(tally, 0); /* one A_rz for all */
+        cml_tally_note(tally, -1);
         fold_profiles(tally);
         trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);

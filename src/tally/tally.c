@@ -322,11 +322,12 @@ static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bin
                     bins + at.A_z - at.Rd_r);
 }
 
-/* Anew those of the groups to which anything has come since the last note: of this batch, or late. */
+/* Anew those of the groups to which anything has come since the last note: of this batch, or of any where it
+ * is -1, or late. */
 static void sum_groups(const struct cml_tally *tally, int batch)
 {
     const int groups = cml_cell_groups(&tally->grid);
-    unsigned changed = 1u << batch % groups;
+    unsigned changed = batch < 0 ? ~0u : 1u << batch % groups;
     for (int row = 0; row < tally->late.count; row++) changed |= 1u << tally->late.batch[row] % groups;
     for (size_t g = 0; g < (size_t)groups; g++)
         if (changed >> g & 1u) sum_group(tally, g, tally->grouped + g * bins_of_cells(&tally->grid));

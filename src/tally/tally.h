@@ -222,7 +222,8 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch);
 void cml_tally_clear_late(struct cml_tally *tally);
 
 /* Sets `brought` to the totals and profiles of all that the tally itself has got since the last call, or
- * since it was zero, without what is in rows of late packets. All of it is of this batch, 0..63. */
+ * since it was zero, without what is in rows of late packets. All of it is of this batch, 0..63, or of any
+ * where batch is -1. */
 void cml_tally_note(struct cml_tally *tally, int batch);
 
 #endif

@@ -19,9 +19,9 @@ join() {
 }
 for scene in samples/*.mci samples/shapes/*.mci; do join "$scene" >"$out/mci/$(basename "$scene")"; done
 
-# Refused ones: kind, message, then the file. Tables of a beam's light are no inputs by themselves.
+# Refused ones: kind, message, then the file. Tables of a beam's light, and of detectors, are no inputs by themselves.
 awk -v out="$out" '
-    /^@table/ { n++; file = "/dev/null"; next }
+    /^@(table|seen)/ { n++; file = "/dev/null"; next }
     /^@/ { n++; file = sprintf("%s/%s/refused%03d", out, substr($1, 2), n); printf "" > file; next }
     n    { print > file }' tests/cli/bad_input.cases
 

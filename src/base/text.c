@@ -50,8 +50,8 @@ const char *cml_text_name(const char *path)
 
 bool cml_file_ends_in(const char *path, const char *extension)
 {
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot, extension) == 0;
+    const size_t length = strlen(path), end = strlen(extension);
+    return length >= end && strcasecmp(path + length - end, extension) == 0;
 }
 
 /* Devices may have no end, as /dev/zero has none. A terminal has one. */

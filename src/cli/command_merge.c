@@ -60,10 +60,33 @@ static cml_status note_left_out(const struct cml_merge_input *inputs, int count,
     return CML_OK;
 }
 
+static bool is_saved(const char *path)
+{
+    return cml_file_ends_in(path, ".photons.h5");
+}
+
+static cml_status merge_saved(const struct cml_options *options, const struct cml_merge_input *inputs,
+                              int count, struct cml_error *err)
+{
+    const struct cml_hdf5_call call = {options->command, options->operands[0]};
+    struct cml_outcome merged;
+    struct cml_merge_saved saved;
+    cml_status status = CML_OK;
+    CML_TRY(cml_merge_saved(options->output, inputs, count, &call, &merged, &saved, err));
+    if (options->json)
+        status = cml_merge_saved_json(stdout, options->output, inputs, count, &merged, &saved, err);
+    else if (!options->quiet)
+        printf("%d files, %.0f saved packets, none missing of %.0f of %llu photons\n  -> %s\n", count,
+               saved.rows, saved.covers, (unsigned long long)merged.photons, options->output);
+    cml_outcome_clear(&merged);
+    return status;
+}
+
 static cml_status merge(const struct cml_options *options, const struct cml_merge_input *inputs, int count,
                         struct cml_error *err)
 {
     struct cml_outcome merged;
+    if (is_saved(options->output)) return merge_saved(options, inputs, count, err);
     CML_TRY(cml_merge(inputs, count, name_of(options->output), &merged, err));
     cml_status status = write_merged(options, inputs, count, &merged, err);
     if (status == CML_OK) status = note_left_out(inputs, count, &merged, err);
@@ -79,6 +102,12 @@ static cml_status check_output(const struct cml_options *options, struct cml_err
     if (!cml_file_ends_in(options->output, ".mco") && !cml_file_ends_in(options->output, ".h5"))
         return cml_fail(err, CML_E_INPUT, "merge: -o %.200s (expected a name that ends in .mco or .h5)",
                         options->output);
+    for (int i = 0; i < options->num_operands; i++)
+        if (is_saved(options->operands[i]) != is_saved(options->output))
+            return cml_fail(err, CML_E_INPUT,
+                            "merge: -o %.200s: %.200s (expected files of saved packets, NAME.photons.h5, and "
+                            "such a name, or results)",
+                            options->output, options->operands[i]);
     return cml_check_overwrite("merge", options->output, options->operands, options->num_operands, err);
 }
 
@@ -92,7 +121,8 @@ static cml_status read_and_merge(const struct cml_options *options, struct cml_e
         outcomes && inputs ? CML_OK : cml_fail_memory(err, count * (double)sizeof *outcomes, "results");
     for (int i = 0; status == CML_OK && i < count; i++) {
         inputs[i] = (struct cml_merge_input){options->operands[i], &outcomes[i]};
-        status = cml_result_read(options->operands[i], &outcomes[i], err);
+        status = is_saved(options->operands[i]) ? cml_h5_read_head(options->operands[i], &outcomes[i], err)
+                                                : cml_result_read(options->operands[i], &outcomes[i], err);
     }
     if (status == CML_OK) status = merge(options, inputs, count, err);
     for (int i = 0; outcomes && i < count; i++) cml_outcome_clear(&outcomes[i]);

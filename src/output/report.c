@@ -193,12 +193,10 @@ static void print_saved(FILE *stream, const struct cml_report *report)
     const struct cml_saved_sums kept = cml_saved_sort(sums->saved);
     fprintf(stream, "  saved: %.0f packets that %s", (double)kept.kept,
             report->scene->saved.detected ? "were detected" : "left");
-    const uint64_t covers = cml_report_covers(report);
-    if (kept.found > kept.kept) fprintf(stream, ", the first of %.0f (limit=): ", (double)kept.found);
-    if (kept.found > kept.kept && covers > 0)
-        fprintf(stream, "all of photons 0 to %.0f, none of later ones", (double)covers - 1);
-    else if (kept.found > kept.kept)
-        fputs("of the first beams alone, no sample of all light", stream);
+    if (kept.found > kept.kept)
+        fprintf(stream, ", the first of %.0f (limit=): all of the first %.0f photons%s, none of later ones",
+                (double)kept.found, (double)cml_report_covers(report),
+                report->scene->num_beams > 1 ? ", of each beam its share" : "");
     fputc('\n', stream);
 }
 

@@ -114,8 +114,10 @@ static cml_status write_h5(const struct cml_report *report, struct cml_outcome *
     CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
     CML_TRY(cml_field_list_create(report, &list, err));
     fill_list(&list);
-    const struct cml_h5_more more = {
-        report->scene->text, list.fields, list.num_fields, {report->command, report->scene->file}};
+    const struct cml_h5_more more = {.input = report->scene->text,
+                                     .field = list.fields,
+                                     .num_fields = list.num_fields,
+                                     .call = {report->command, report->scene->file}};
     const cml_status status = cml_h5_write(path, outcome, &more, err);
     cml_field_list_free(&list);
     return status;

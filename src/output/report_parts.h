@@ -23,9 +23,8 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
-/* Of how many photons, from the first on, no saved packet is missing, so that sums of rows over that number
- * are estimates; 0 where some are missing and beams are several: then rows are of the first beams, and no
- * sample of all light. */
+/* Of how many photons, the first of each beam, no saved packet is missing (cml_saved_covers), so that sums of
+ * rows over that number are estimates; 0 where memory runs out. */
 uint64_t cml_report_covers(const struct cml_report *report);
 
 /* Derivatives, where the run has scores; `all`: by bins, too, else those without other axes. The sizes of *o

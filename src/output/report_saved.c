@@ -152,7 +152,14 @@ double cml_saved_file_bytes(const struct cml_saved_kind *kind)
 uint64_t cml_report_covers(const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;
-    const struct cml_saved_sums kept = cml_saved_sort(sums->saved);
-    const bool partial = kept.found > kept.kept;
-    return partial && report->scene->num_beams > 1 ? 0 : cml_saved_covers(sums->saved, sums->photons);
+    const struct cml_scene *scene = report->scene;
+    struct cml_error ignored;
+    struct cml_deal run;
+    uint64_t covers = 0;
+    cml_saved_sort(sums->saved);
+    if (cml_deal_create(scene->shares, scene->num_beams, &run, &ignored) != CML_OK) return 0;
+    if (cml_deal_round(&run, 0, sums->photons, &ignored) == CML_OK)
+        covers = cml_saved_covers(sums->saved, &run);
+    cml_deal_clear(&run);
+    return covers;
 }

@@ -228,15 +228,20 @@ static cml_status read_quantity(const struct reader *r, enum cml_quantity quanti
     return CML_OK;
 }
 
-/* Bodies are counted before what there is of each. */
-static cml_status read_all(const struct reader *r)
+static cml_status read_head(const struct reader *r)
 {
-    CML_TRY(read_grid(r));
     CML_TRY(read_photons(r));
     CML_TRY(read_options(r));
     CML_TRY(read_merged(r));
     CML_TRY(read_scene(r));
-    CML_TRY(cml_outcome_own_stream(r->o, r->err));
+    return cml_outcome_own_stream(r->o, r->err);
+}
+
+/* Bodies are counted before what there is of each. */
+static cml_status read_all(const struct reader *r)
+{
+    CML_TRY(read_grid(r));
+    CML_TRY(read_head(r));
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         CML_TRY(read_quantity(r, (enum cml_quantity)i, false));
         CML_TRY(read_quantity(r, (enum cml_quantity)i, true));
@@ -245,15 +250,26 @@ static cml_status read_all(const struct reader *r)
     return CML_OK;
 }
 
-cml_status cml_h5_read(const char *path, struct cml_outcome *o, struct cml_error *err)
+static cml_status read_file(const char *path, cml_status (*read)(const struct reader *),
+                            struct cml_outcome *o, struct cml_error *err)
 {
     struct reader r = {.o = o, .err = err};
     *o = (struct cml_outcome){.provenance = cml_provenance_unknown()};
     CML_TRY(cml_hdf5_open(path, &r.file, err));
-    const cml_status status = read_all(&r);
+    const cml_status status = read(&r);
     cml_hdf5_close(&r.file);
     if (status != CML_OK) cml_outcome_clear(o);
     return status;
+}
+
+cml_status cml_h5_read(const char *path, struct cml_outcome *o, struct cml_error *err)
+{
+    return read_file(path, read_all, o, err);
+}
+
+cml_status cml_h5_read_head(const char *path, struct cml_outcome *o, struct cml_error *err)
+{
+    return read_file(path, read_head, o, err);
 }
 
 #else
@@ -262,6 +278,11 @@ cml_status cml_h5_read(const char *path, struct cml_outcome *o, struct cml_error
 {
     *o = (struct cml_outcome){0};
     return cml_hdf5_open(path, &(struct cml_hdf5){0}, err);
+}
+
+cml_status cml_h5_read_head(const char *path, struct cml_outcome *o, struct cml_error *err)
+{
+    return cml_h5_read(path, o, err);
 }
 
 #endif

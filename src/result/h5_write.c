@@ -118,11 +118,12 @@ static char *describe_streams(const struct cml_outcome *o)
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                                const struct fields *f, struct cml_error *err)
 {
-    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES];
+    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
     int count = cml_h5_attributes(o, more, attributes);
     char *streams = o->merged ? describe_streams(o) : NULL;
     if (o->merged && !streams) return cml_fail_memory(err, 1, "a merged result");
     if (o->merged) attributes[count++] = (struct cml_attribute){"merged", streams, 0};
+    for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
     const cml_status status = cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
     free(streams);
     return status;

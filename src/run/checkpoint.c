@@ -320,7 +320,7 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     bool good = true;
     if (saved) cml_saved_clear(saved);
     for (uint64_t i = 0; good && i < head->num_saved; i++) {
-        good = get(source, row, 1, size) && *row >= least && *row < head->end;
+        good = get(source, row, 1, size) && *row >= least && cml_saved_may_have(saved, *row, head->end);
         if (!good) break;
         least = *row + 1;
         cml_saved_add(saved, row, 1);

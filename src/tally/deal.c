@@ -100,6 +100,17 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
 }
 
+uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own)
+{
+    uint64_t count = 0;
+    if (deal->count == 1) return own < deal->end ? own : deal->end;
+    for (uint64_t batch = 0; batch < CML_NUM_BATCHES; batch++) {
+        const uint64_t first = in_batch(own, batch), all = of_beam(deal->after, beam, batch);
+        count += first < all ? first : all;
+    }
+    return count;
+}
+
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place)
 {
     const struct cml_piece all = cml_piece_at(deal->begin, deal->end, place);

@@ -38,6 +38,9 @@ CML_NODISCARD cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, u
 /* Whether a photon is among the round's, or those before it. */
 bool cml_deal_has(const struct cml_deal *deal, uint64_t photon);
 
+/* How many of these are the first `own` of a beam. */
+uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own);
+
 /* cml_piece_at of the round, of one beam. */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place);
 

@@ -1,20 +1,32 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/saved.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* When a packet is due if beams take turns by their shares; of equal times the smaller index comes first. */
+struct turn {
+    double time;
+    uint64_t index;
+};
+
 /* Of a row: where it lies before rows are moved. */
 struct key {
-    uint64_t index, at;
+    struct turn turn;
+    uint64_t at;
 };
 
 struct cml_saved {
     size_t media, words, limit, capacity, count;
-    uint64_t below, found; /* below: rows with such indices may still be wanted */
-    uint64_t *row;         /* [capacity + 1][words], the last one is spare */
-    struct key *key;       /* [capacity] */
+    uint64_t beams, found;
+    const double *share; /* as in its kind */
+    struct turn below;   /* rows of earlier turns may still be wanted */
+    uint64_t *row;       /* [capacity + 1][words], the last one is spare */
+    struct key *key;     /* [capacity] */
 };
+
+static const struct turn never = {INFINITY, 0};
 
 #define PART_WORDS ((size_t)1 << 13) /* of a thread's buffer, but one row at least */
 
@@ -53,7 +65,9 @@ cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved 
                                .words = words_of(kind->media),
                                .limit = kind->limit,
                                .capacity = capacity_of(kind),
-                               .below = UINT64_MAX};
+                               .beams = kind->beams,
+                               .share = kind->share,
+                               .below = never};
     made->row = calloc(made->capacity + 1, made->words * sizeof *made->row);
     made->key = calloc(made->capacity, sizeof *made->key);
     if (!made->row || !made->key) {
@@ -82,6 +96,18 @@ static uint64_t index_at(const struct cml_saved *saved, size_t i)
     return saved->row[i * saved->words];
 }
 
+static bool is_before(struct turn one, struct turn other)
+{
+    return one.time < other.time || (one.time == other.time && one.index < other.index);
+}
+
+/* Of one beam in the order of indices. */
+static struct turn turn_of(const struct cml_saved *saved, uint64_t index)
+{
+    const uint64_t beam = index >> CML_SOURCE_SHIFT, own = index - (beam << CML_SOURCE_SHIFT);
+    return (struct turn){saved->share ? ((double)own + 0.5) / saved->share[beam] : (double)index, index};
+}
+
 static void swap_keys(struct key *one, struct key *other)
 {
     const struct key key = *one;
@@ -93,10 +119,10 @@ static void swap_keys(struct key *one, struct key *other)
  * first key and not behind the last (Hoare). */
 static size_t part_keys(struct key *key, size_t begin, size_t end)
 {
-    const uint64_t pivot = key[begin + (end - begin - 1) / 2].index;
+    const struct turn pivot = key[begin + (end - begin - 1) / 2].turn;
     for (size_t i = begin, j = end - 1;; i++, j--) {
-        while (key[i].index < pivot) i++;
-        while (key[j].index > pivot) j--;
+        while (is_before(key[i].turn, pivot)) i++;
+        while (is_before(pivot, key[j].turn)) j--;
         if (i >= j) return j + 1;
         swap_keys(&key[i], &key[j]);
     }
@@ -136,28 +162,33 @@ static void move_rows(struct cml_saved *saved)
 }
 
 /* Of all rows. Returns whether they are in order as they are. */
-static bool make_keys(struct cml_saved *saved)
+static bool make_keys(struct cml_saved *saved, bool by_turn)
 {
-    uint64_t before = 0;
     bool sorted = true;
     for (size_t i = 0; i < saved->count; i++) {
-        saved->key[i] = (struct key){index_at(saved, i), i};
-        sorted &= saved->key[i].index >= before;
-        before = saved->key[i].index;
+        const uint64_t index = index_at(saved, i);
+        saved->key[i] = (struct key){by_turn ? turn_of(saved, index) : (struct turn){0, index}, i};
+        sorted = sorted && (i == 0 || !is_before(saved->key[i].turn, saved->key[i - 1].turn));
     }
     return sorted;
 }
 
+/* By turns, or indices: as many as may stay. */
+static void arrange(struct cml_saved *saved, bool by_turn)
+{
+    if (make_keys(saved, by_turn)) return;
+    sort_keys(saved->key, 0, saved->count, saved->limit);
+    move_rows(saved);
+}
+
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 {
-    if (!make_keys(saved)) {
-        sort_keys(saved->key, 0, saved->count, saved->limit);
-        move_rows(saved);
-    }
+    arrange(saved, true);
     if (saved->count >= saved->limit) {
         saved->count = saved->limit;
-        saved->below = index_at(saved, saved->limit - 1);
+        saved->below = turn_of(saved, index_at(saved, saved->limit - 1));
     }
+    if (saved->share) arrange(saved, false);
     return (struct cml_saved_sums){saved->found, saved->count};
 }
 
@@ -168,10 +199,16 @@ void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
     const uint64_t *from = rows;
     saved->found += count;
     for (size_t i = 0; i < count; i++, from += saved->words) {
-        if (*from >= saved->below) continue;
+        if (!is_before(turn_of(saved, *from), saved->below)) continue;
         if (saved->count == saved->capacity) cml_saved_sort(saved);
         memcpy(saved->row + saved->count++ * saved->words, from, saved->words * sizeof *from);
     }
+}
+
+bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t photons)
+{
+    const uint64_t beam = index >> CML_SOURCE_SHIFT;
+    return beam < saved->beams && index - (beam << CML_SOURCE_SHIFT) < photons;
 }
 
 const struct cml_saved_row *cml_saved_row(const struct cml_saved *saved, size_t i)
@@ -184,16 +221,33 @@ size_t cml_saved_media(const struct cml_saved *saved)
     return saved->media;
 }
 
-uint64_t cml_saved_covers(const struct cml_saved *saved, uint64_t photons)
+/* Of a beam's photons the first that comes behind a turn. */
+static uint64_t first_behind(const struct cml_saved *saved, int beam, struct turn turn)
 {
-    return saved->found > saved->count ? index_at(saved, saved->count - 1) + 1 : photons;
+    const double about = saved->share ? turn.time * saved->share[beam] - 0.5 : turn.time;
+    uint64_t own = about > 1 ? (uint64_t)about - 1 : 0;
+    while (!is_before(turn, turn_of(saved, ((uint64_t)beam << CML_SOURCE_SHIFT) + own))) own++;
+    return own;
+}
+
+uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run)
+{
+    struct turn last = {0};
+    uint64_t covers = 0;
+    if (saved->found == saved->count) return run->end;
+    for (size_t i = 0; i < saved->count; i++) {
+        const struct turn turn = turn_of(saved, index_at(saved, i));
+        if (is_before(last, turn)) last = turn;
+    }
+    for (int k = 0; k < run->count; k++) covers += cml_deal_count(run, k, first_behind(saved, k, last));
+    return covers;
 }
 
 void cml_saved_clear(struct cml_saved *saved)
 {
     saved->count = 0;
     saved->found = 0;
-    saved->below = UINT64_MAX;
+    saved->below = never;
 }
 
 void cml_saved_find(struct cml_saved *saved, uint64_t more)

@@ -1,11 +1,13 @@
-/* Packets that have left, saved one by one (P18). Of all that come those with the smallest indices stay, as
- * many as the limit allows: so which these are depends on no order, and threads, ranks, restarts and longer
- * runs agree. Threads collect rows in a buffer of their own and hand them in when it is full. All memory is
- * there before the first packet flies. SPDX-License-Identifier: MIT */
+/* Packets that have left, saved one by one (P18). Of all that come those with the smallest indices stay, or
+ * of several beams those that would fly first if beams took turns by their shares, as many as the limit
+ * allows: so which these are depends on no order, and threads, ranks, restarts and longer runs agree. Threads
+ * collect rows in a buffer of their own and hand them in when it is full. All memory is there before the
+ * first packet flies. SPDX-License-Identifier: MIT */
 #ifndef CML_SAVED_H
 #define CML_SAVED_H
 
 #include "base/status.h"
+#include "tally/deal.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,6 +33,8 @@ struct cml_saved_kind {
     uint64_t limit; /* of rows */
     bool detected;  /* only what a detector has seen */
     size_t media;
+    uint64_t beams;
+    const double *share; /* [beams] of the light; NULL: of one beam. Borrowed */
 };
 
 struct cml_saved;
@@ -55,12 +59,16 @@ struct cml_saved_sums {
 };
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved);
 
+/* Whether a run of so many photons can have one of this index. */
+bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t photons);
+
 /* Row i of those that stay. */
 const struct cml_saved_row *cml_saved_row(const struct cml_saved *saved, size_t i);
 size_t cml_saved_media(const struct cml_saved *saved);
 
-/* Of a run's photons those from the first on of which no row is missing, after cml_saved_sort. */
-uint64_t cml_saved_covers(const struct cml_saved *saved, uint64_t photons);
+/* How many photons of a run, whose round this is, none of which would have a row and has not, after
+ * cml_saved_sort: its first ones, of several beams of each the first, as many as its share. */
+uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run);
 
 /* For those who move or store them, after cml_saved_sort: forgets all; says that `more` packets were found
  * whose rows are not kept, or are added by themselves. */

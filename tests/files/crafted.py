@@ -190,9 +190,13 @@ def an_axis_that_can_grow(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), maxshape=(None, 30))
 
 
-@case("plot merge", "Rd_xy is stored in another way (expected chunks, or one number)")
-def contiguous(file):
-    replace(file, "Rd_xy", (20, 30), "<f4", data=numpy.ones((20, 30)))
+@case("plot merge", "Rd_xy is stored in another way (expected chunks, or one piece)")
+def compact(file):
+    del file["Rd_xy"]
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_layout(h5py.h5d.COMPACT)
+    h5py.h5d.create(file.id, b"Rd_xy", h5py.h5t.IEEE_F32LE, h5py.h5s.create_simple((20, 30)), properties)
+    file["Rd_xy"][()] = 1
 
 
 @case("compare curve merge", "Rd has values that are not there (expected all of them)")

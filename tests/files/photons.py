@@ -6,6 +6,7 @@
 - Threads, ranks, a stop with --resume and --more leave the same bytes, but for the group `call`; a limit leaves the first rows.
 - The arrays are those of Python's read_photons. A row of a sweep has a file of its own, that of a run with --set.
 Statistic: exact, but for the third: errors from the spread of the rows, which takes packets for independent. Shares the packets; the third nothing."""
+import json
 import os
 import re
 import shutil
@@ -140,12 +141,12 @@ def stopped(verdict, path, folder):
     verdict.check("--resume", process.returncode == 0 and stops > 0, f"ended with {process.returncode} after {stops} stops")
 
 
-def order(verdict, limit, photons, ways):
+def order(verdict, limit, photons, ways, beams=()):
     saved = f'photons "exits" limit={limit}'
     with tempfile.TemporaryDirectory() as top:
         path = os.path.join(top, "scene.mci")
         with open(path, "w", encoding="utf-8") as file:
-            file.write(scene(photons, saved, extra=DETECTORS))
+            file.write(scene(photons, saved, extra=[*DETECTORS, *beams]))
         files = {}
         for way in ("one", *ways):
             os.mkdir(folder := os.path.join(top, way))
@@ -172,9 +173,25 @@ def limits(verdict):
     verdict.check("limit", len(part.index) == 3000 and (part.index == whole.index[:3000]).all() and (np.diff(whole.index) > 0).all(), "not the first rows")
     verdict.check("limit", (part.path == whole.path[:3000]).all() and part.attributes["found"] == (whole.index < 1 << 15).sum(), "other rows")
     verdict.check("limit", part.attributes["covers"] == part.index[-1] + 1 and whole.attributes["covers"] == 1 << 17, f"covers {part.attributes['covers']}")
+
+
+def several_beams(verdict, photons=10000, limit=2000):
+    """Under a limit rows of all beams stay, of each those of as many of its photons as its share: they estimate what all rows say."""
+    beams, share = ["beam disk 0.1 share=3", "beam pencil z=0.09 light=isotropic share=1"], np.array([3, 1])
+    part = order(verdict, limit, photons, ("three", "more", "ranks"), beams)
     with tempfile.TemporaryDirectory() as folder:
-        cml.run(scene(saved='photons "exits" limit=1000', extra=["beam disk 0.1", "beam pencil z=0.09 light=isotropic"]), keep=folder)
-        verdict.check("several beams", Rows(os.path.join(folder, "exits.photons.h5")).attributes["covers"] == 0, "rows of the first beam are a sample")
+        cml.run(scene(photons, extra=[*DETECTORS, *beams]), keep=folder)
+        whole = Rows(os.path.join(folder, "exits.photons.h5"))
+    beam, own = np.divmod(whole.index.astype(np.int64), 1 << 48)
+    first = np.lexsort((beam, (own + 0.5) / share[beam]))[:limit]
+    covers, last = part.attributes["covers"], (own[first[-1]] + 0.5) / share[beam[first[-1]]]
+    times = (np.arange(photons) + 0.5) / share[:, None]
+    so_far = (times < last).sum() + (times == last)[:beam[first[-1]] + 1].sum()
+    verdict.check("several beams", (part.index == np.sort(whole.index[first])).all(), "other rows")
+    verdict.check("several beams", covers == so_far, f"covers {covers}, not {so_far}")
+    for side, (few, all_) in enumerate(zip(part.sums(covers), whole.sums(photons))):
+        squares = (part.weight[part.side == side]**2).sum() / covers - few**2
+        verdict.z(f"several beams, side {side}", few, np.sqrt(squares / covers), all_)
 
 
 def detected(verdict):
@@ -189,6 +206,33 @@ def detected(verdict):
         verdict.check("detected", (some.index == whole.index[whole.detector > 0]).all() and 0 < len(some.index) < len(whole.index), "other rows")
         cml.run(scene(saved='photons "exits" detected', extra=["detector disk 1e-9 at=50,50 name=none"]), keep=folder)
         verdict.check("detected", len(mc.read_photons(path)) == 0, "rows of nothing")
+
+
+def merged(verdict):
+    """Rows of three files behind each other, at once and in two steps; what is no file of the same packets' scene is refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for seed in (1, 2, 3):
+            os.mkdir(str(seed))
+            cml.run(scene(2000 * seed, 'photons "exits" limit=1500', extra=DETECTORS), "--seed", seed, keep=str(seed))
+        paths = [f"{seed}/exits.photons.h5" for seed in (1, 2, 3)]
+        for name, parts in (("all", paths), ("two", paths[:2]), ("steps", ["two.photons.h5", paths[2]])):
+            done = subprocess.run([cml.PROGRAM, "merge", *parts, "-o", f"{name}.photons.h5", "--json"], capture_output=True, text=True, check=True)
+            told = json.loads(done.stdout)
+        all_, parts = mc.read_photons("all.photons.h5"), [mc.read_photons(path) for path in paths]
+        verdict.check("merge", contents("all.photons.h5")[0] == contents("steps.photons.h5")[0], "two steps give other rows")
+        for k, part in enumerate(parts):
+            rows = all_[all_.result == k + 1]
+            verdict.check("merge", rows.drop(columns="result").equals(part) and len(part) == min(1500, part.attrs["found"]), f"other rows of file {k + 1}")
+        for name in ("covers", "found", "limit"):
+            verdict.check("merge", all_.attrs[name] == sum(part.attrs[name] for part in parts), f"{name} {all_.attrs[name]}")
+        verdict.check("merge", (told["rows"], told["covers"], told["photons"]) == (len(all_), all_.attrs["covers"], 12000), f"{told}")
+        cml.run(scene(2000, 'photons "exits" limit=1500', extra=DETECTORS), "--seed", 4, "--set", "layer1.mua=2", keep=".")
+        for words, said in ((paths[:1] * 2, "seed = 1, run 1 (expected a seed that 1/exits.photons.h5 does not have)"),
+                            ([paths[0], "1/out.h5"], "1/out.h5 (expected files of saved packets"), ([paths[0], "exits.photons.h5"], "scene = set layer1.mua = 2 (expected detector near")):
+            done = subprocess.run([cml.PROGRAM, "merge", *words, "-o", "no.photons.h5"], capture_output=True, text=True, check=False)
+            verdict.check("merge", done.returncode == 2 and said in done.stderr and not os.path.exists("no.photons.h5"), done.stderr)
+        os.chdir("/")
 
 
 def swept(verdict):
@@ -210,6 +254,8 @@ for engine in ("cpu", "reference"):
     tallies(verdict, engine)
 another_absorption(verdict)
 limits(verdict)
+several_beams(verdict)
 detected(verdict)
+merged(verdict)
 swept(verdict)
 verdict.finish(limit=4)

@@ -145,7 +145,8 @@ static bool read_chunk_sizes(struct cml_hdf5_dataset *dataset, hid_t properties)
     return true;
 }
 
-/* Arrays are chunked; a single number lies by itself, and is there: no fill value stands for it. */
+/* Arrays are chunked, or lie in one piece, as a single number does, and are there: no fill value stands for
+ * them. */
 static cml_status check_layout(struct cml_hdf5_dataset *dataset, hid_t properties, struct cml_error *err)
 {
     const H5D_layout_t layout = H5Pget_layout(properties);
@@ -153,13 +154,13 @@ static cml_status check_layout(struct cml_hdf5_dataset *dataset, hid_t propertie
         return refuse(dataset->file, dataset->name, "has its values in other files", "values of its own",
                       err);
     CML_TRY(check_shape(dataset, err));
-    const bool single = dataset->num_axes == 0;
-    if (layout != (single ? H5D_CONTIGUOUS : H5D_CHUNKED))
-        return refuse(dataset->file, dataset->name, "is stored in another way", "chunks, or one number", err);
-    const hsize_t stored = H5Dget_storage_size(dataset->id), most = stored * (single ? 1 : MOST_INFLATED);
+    const bool one_piece = layout == H5D_CONTIGUOUS;
+    if (!one_piece && (layout != H5D_CHUNKED || dataset->num_axes == 0))
+        return refuse(dataset->file, dataset->name, "is stored in another way", "chunks, or one piece", err);
+    const hsize_t stored = H5Dget_storage_size(dataset->id), most = stored * (one_piece ? 1 : MOST_INFLATED);
     if (stored > dataset->file->bytes || most < dataset->size * bytes_of_value(dataset))
         return refuse(dataset->file, dataset->name, "has values that are not there", "all of them", err);
-    if (single) return CML_OK;
+    if (one_piece) return CML_OK;
     dataset->chunks = calloc(1, sizeof *dataset->chunks);
     if (!dataset->chunks) return cml_fail_memory(err, sizeof *dataset->chunks, dataset->name);
     if (!read_filters(dataset, properties))
@@ -291,12 +292,23 @@ static bool read_bytes(const struct cml_hdf5 *file, haddr_t at, unsigned char *b
            pread(file->descriptor, bytes, size, (off_t)at) == (ssize_t)size;
 }
 
-static cml_status read_number(const struct cml_hdf5_dataset *dataset, double *out, struct cml_error *err)
+/* Of values that lie in one piece. */
+static cml_status read_piece(const struct cml_hdf5_dataset *dataset, size_t begin, size_t count, double *out,
+                             struct cml_error *err)
 {
-    unsigned char bytes[8] = {0};
-    const bool good = read_bytes(dataset->file, H5Dget_offset(dataset->id), bytes, bytes_of_value(dataset));
-    *out = decode(bytes, 1, dataset->single);
-    return good ? CML_OK : refuse(dataset->file, dataset->name, "cannot be read", "a number", err);
+    enum { ROOM = 512 };
+    unsigned char bytes[8 * ROOM];
+    const size_t each = bytes_of_value(dataset);
+    const haddr_t at = H5Dget_offset(dataset->id);
+    for (size_t done = 0; done < count;) {
+        const size_t left = count - done, values = left < ROOM ? left : ROOM;
+        if (at >= dataset->file->bytes ||
+            !read_bytes(dataset->file, at + (begin + done) * each, bytes, values * each))
+            return refuse(dataset->file, dataset->name, "cannot be read", "a number", err);
+        for (size_t i = 0; i < values; i++) out[done + i] = decode(bytes + i * each, 1, dataset->single);
+        done += values;
+    }
+    return CML_OK;
 }
 
 /* Stored bytes as the filters left them; false when they are not what they make. */
@@ -369,7 +381,7 @@ cml_status cml_hdf5_values(const struct cml_hdf5_dataset *dataset, size_t begin,
     hsize_t start[CML_FIELD_AXES] = {0};
     if (begin > dataset->size || count > dataset->size - begin)
         return refuse(dataset->file, dataset->name, "has fewer numbers", "more of them", err);
-    if (dataset->num_axes == 0) return count > 0 ? read_number(dataset, out, err) : CML_OK;
+    if (!dataset->chunks) return read_piece(dataset, begin, count, out, err);
     for (size_t done = 0; done < count;) {
         size_t inside;
         const size_t left = find_in_chunk(dataset, begin + done, start, &inside), more = count - done;

@@ -27,7 +27,7 @@ struct cml_hdf5_dataset {
     bool single; /* 32-bit floats, else 64-bit */
     int num_axes;
     size_t n[CML_FIELD_AXES], size; /* their product */
-    struct cml_hdf5_chunks *chunks; /* NULL without axes */
+    struct cml_hdf5_chunks *chunks; /* NULL: its values lie in one piece */
 };
 
 /* An axis of a data set that a scale belongs to. */

@@ -145,6 +145,14 @@ static cml_status check_quantity(const struct cml_merge_input *input, enum cml_q
                          negative ? -CML_MERGE_MOST : 0, err);
 }
 
+static cml_status check_errors(const struct cml_merge_input *input, struct cml_error *err)
+{
+    if (input->outcome->error[CML_QUANTITY_Rsp] && input->outcome->num_streams > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%.200s: has no seed or no standard errors (expected a result of this program)",
+                    input->name);
+}
+
 static cml_status check_input(const struct cml_merge_input *input, struct cml_error *err)
 {
     CML_TRY(check_numbers(input, "user time", &input->outcome->user_time, 1, 0, 0, err));
@@ -169,8 +177,8 @@ static void merge_provenance(const struct cml_merge_input *inputs, int count, st
         if (inputs[k].outcome->provenance.value[CML_DECIDES_sampling] > 0) value[CML_DECIDES_sampling] = 1;
 }
 
-static cml_status fill_head(const struct cml_merge_input *inputs, int count, const char *title,
-                            struct cml_outcome *merged, struct cml_error *err)
+cml_status cml_merge_head(const struct cml_merge_input *inputs, int count, const char *title,
+                          struct cml_outcome *merged, struct cml_error *err)
 {
     const struct cml_outcome *first = inputs[0].outcome;
     *merged = (struct cml_outcome){.dz = first->dz,
@@ -195,18 +203,18 @@ static cml_status fill_head(const struct cml_merge_input *inputs, int count, con
         for (int i = 0; i < o->num_streams; i++)
             CML_TRY(cml_outcome_add_stream(merged, inputs[k].name, o->stream[i].seed, o->stream[i].run, err));
     }
+    merge_provenance(inputs, count, merged);
     CML_TRY(cml_text_copy(title, &merged->output, err));
-    return cml_text_copy(cml_version(), &merged->program, err);
+    CML_TRY(cml_text_copy(cml_version(), &merged->program, err));
+    return cml_merge_words(inputs[0].outcome, merged, err);
 }
 
 static cml_status fill(const struct cml_merge_input *inputs, int count, const char *title,
                        struct cml_outcome *merged, struct cml_error *err)
 {
     for (int k = 0; k < count; k++) CML_TRY(check_input(&inputs[k], err));
-    CML_TRY(fill_head(inputs, count, title, merged, err));
+    CML_TRY(cml_merge_head(inputs, count, title, merged, err));
     CML_TRY(cml_outcome_allocate(merged, err));
-    merge_provenance(inputs, count, merged);
-    CML_TRY(cml_merge_words(inputs[0].outcome, merged, err));
     for (int i = 0; i < inputs[0].outcome->num_heights; i++) {
         const struct cml_heights *of = &inputs[0].outcome->heights[i];
         double *pair;
@@ -220,6 +228,7 @@ cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char
                      struct cml_outcome *merged, struct cml_error *err)
 {
     *merged = (struct cml_outcome){0};
+    for (int k = 0; k < count; k++) CML_TRY(check_errors(&inputs[k], err));
     CML_TRY(cml_merge_check(inputs, count, err));
     const cml_status status = fill(inputs, count, title, merged, err);
     if (status != CML_OK) cml_outcome_clear(merged);
@@ -260,7 +269,7 @@ cml_status cml_merge_write_h5(const char *path, const struct cml_outcome *merged
 {
     struct cml_merge_arrays arrays;
     CML_TRY(cml_merge_arrays_open(inputs, count, merged, &arrays, err));
-    const struct cml_h5_more more = {NULL, arrays.field, arrays.count, *call};
+    const struct cml_h5_more more = {.field = arrays.field, .num_fields = arrays.count, .call = *call};
     cml_status status = cml_h5_write(path, merged, &more, err);
     if (arrays.broken) {
         *err = arrays.err;
@@ -275,13 +284,30 @@ int cml_merged_totals(const struct cml_outcome *merged)
     return cml_num_totals(merged->value[CML_QUANTITY_A_backing] && merged->error[CML_QUANTITY_A_backing]);
 }
 
-cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs, int count,
-                          const struct cml_outcome *merged, struct cml_error *err)
+static json_t *json_of(const char *path, const struct cml_merge_input *inputs, int count,
+                       const struct cml_outcome *merged)
 {
     json_t *names = json_array();
     for (int k = 0; k < count; k++) json_array_append_new(names, cml_json_name(inputs[k].name));
-    json_t *object = json_pack("{s:o, s:o, s:I}", "output", cml_json_name(path), "inputs", names, "photons",
-                               (json_int_t)merged->photons);
+    return json_pack("{s:o, s:o, s:I}", "output", cml_json_name(path), "inputs", names, "photons",
+                     (json_int_t)merged->photons);
+}
+
+cml_status cml_merge_saved_json(FILE *stream, const char *path, const struct cml_merge_input *inputs,
+                                int count, const struct cml_outcome *merged,
+                                const struct cml_merge_saved *saved, struct cml_error *err)
+{
+    json_t *object = json_of(path, inputs, count, merged);
+    json_object_update_new(object, json_pack("{s:I, s:I, s:I, s:s}", "rows", (json_int_t)saved->rows, "found",
+                                             (json_int_t)saved->found, "covers", (json_int_t)saved->covers,
+                                             "version", cml_version()));
+    return cml_json_print(stream, object, err);
+}
+
+cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs, int count,
+                          const struct cml_outcome *merged, struct cml_error *err)
+{
+    json_t *object = json_of(path, inputs, count, merged);
     for (int errors = 0; errors < 2; errors++)
         for (int i = 0; i < cml_merged_totals(merged); i++) {
             const enum cml_quantity total = cml_quantity_of_total(i);

@@ -34,6 +34,26 @@ CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_o
                                             const struct cml_merge_input *inputs, int count,
                                             const struct cml_hdf5_call *call, struct cml_error *err);
 
+/* Of joined files of saved packets: rows, packets that were to be rows, and packets of which no row is
+ * missing (cml_saved_covers); the sum of the limits. */
+struct cml_merge_saved {
+    double rows, found, covers, limit;
+};
+
+/* Joins files of saved packets of one scene, count >= 2, whose outcomes are heads (cml_h5_read_head): the
+ * rows of each behind those of the one before, with an array `result` that says of which they are. Atomic;
+ * CML_E_IO, CML_E_INPUT as cml_merge, and for files that differ in what they hold. The caller clears *merged,
+ * which is empty after a failure. */
+CML_NODISCARD cml_status cml_merge_saved(const char *path, const struct cml_merge_input *inputs, int count,
+                                         const struct cml_hdf5_call *call, struct cml_outcome *merged,
+                                         struct cml_merge_saved *saved, struct cml_error *err);
+
+/* One object on one line: output, inputs, photons, rows, found, covers. */
+CML_NODISCARD cml_status cml_merge_saved_json(FILE *stream, const char *path,
+                                              const struct cml_merge_input *inputs, int count,
+                                              const struct cml_outcome *merged,
+                                              const struct cml_merge_saved *saved, struct cml_error *err);
+
 /* How many totals of a merged result are known with their errors, in the order of enum cml_total. */
 int cml_merged_totals(const struct cml_outcome *merged);
 

@@ -9,10 +9,14 @@
 CML_NODISCARD cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged,
                                          struct cml_error *err);
 
-/* CML_E_INPUT: the first difference between two scenes or grids, a seed that two have, or a result without
- * seeds or errors. */
+/* CML_E_INPUT: the first difference between two scenes or grids, or a seed that two have. */
 CML_NODISCARD cml_status cml_merge_check(const struct cml_merge_input *inputs, int count,
                                          struct cml_error *err);
+
+/* What a merged result is before it has values: the sizes, packets, seeds and words of all. *merged is zero,
+ * and the caller's to clear, whatever happens. */
+CML_NODISCARD cml_status cml_merge_head(const struct cml_merge_input *inputs, int count, const char *title,
+                                        struct cml_outcome *merged, struct cml_error *err);
 
 /* The largest number of an input. */
 #define CML_MERGE_MOST 1e100

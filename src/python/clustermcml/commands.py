@@ -154,5 +154,7 @@ def merge(results: Sequence[Path], output: Path) -> xr.Dataset:
     files = [errors.existing_file(f"results[{i}]", path) for i, path in enumerate(results)]
     if not isinstance(output, (str, os.PathLike)) or os.path.splitext(output)[1].lower() not in (".mco", ".h5"):
         raise errors.refuse("output", output, "a name that ends in .mco or .h5")
+    if os.fspath(output).endswith(".photons.h5"):
+        raise errors.refuse("output", output, "the name of a result; tables of packets are joined by pandas.concat")
     say(["merge", *files, "--quiet", "--output", os.path.abspath(os.fspath(output))], "")
     return read(output)

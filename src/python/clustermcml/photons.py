@@ -19,7 +19,7 @@ from .h5 import read_saved
 @dataclass
 class Saved:
     """Saves packets that leave to NAME.photons.h5 beside the result, which `read_photons` reads. detected: only those that a detector sees. limit: at most so
-    many, those with the smallest numbers; None: a million.
+    many, those with the smallest numbers, of several beams of each; None: a million.
 
     >>> Saved("exits", limit=1e5).line()
     'photons "exits" limit=100000'
@@ -44,8 +44,8 @@ class Saved:
 def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
     """The packets in a file NAME.photons.h5 as a table, with their numbers as its index, for `trace`.
 
-    Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, and by medium path_0 path_1 ... and
-    interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of its first `covers` photons none is missing (0: a limit left those of the first beams).
+    Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, of merged files result, and by medium path_0 path_1 ... and
+    interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of its first `covers` photons, of several beams of each the first, none is missing.
     """
     data = read_saved(errors.existing_file("path", path))
     columns = {}
@@ -55,7 +55,7 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
         else:
             columns.update({f"{name}_{medium}": values.values[:, medium] for medium in range(values.shape[1])})
     table = pd.DataFrame(columns, index=pd.Index(data["index"].values.astype(np.int64), name="index"))
-    for name in ("touches", "side", "detector", *(name for name in columns if name.startswith("interactions_"))):
+    for name in ("touches", "side", "detector", "result", *(name for name in columns if name.startswith("interactions_"))):
         if name in table:
             table[name] = table[name].astype(np.int64)
     table.attrs.update(data.attrs)

@@ -78,6 +78,7 @@ static void rounds_are_one_run(void **state)
         for (int k = 0; k < count; k++) {
             uint64_t flown = 0;
             for (int i = 0; i < SPAN; i++) {
+                assert_int_equal(cml_deal_count(&deal, k, (uint64_t)i), flown);
                 flown += whole[k][i];
                 assert_int_equal(cml_deal_has(&deal, ((uint64_t)k << CML_SOURCE_SHIFT) + (uint64_t)i),
                                  whole[k][i]);

@@ -2,6 +2,7 @@
 #include "tally/saved.h"
 #include "lib/dice.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static struct cml_error err;
@@ -13,11 +14,19 @@ static void take(void *context, const void *rows, size_t count)
     cml_saved_add(context, rows, count);
 }
 
-/* Indices 0, 3, 6 ... as threads find them: in any order, each of several with a buffer of its own. */
-static struct cml_saved *saved_of(uint32_t seed, uint64_t limit)
+/* Row i of beam i mod beams: of each beam every third index. */
+static uint64_t index_of(int i, int beams)
+{
+    return ((uint64_t)(i % beams) << CML_SOURCE_SHIFT) + 3 * (uint64_t)(i / beams);
+}
+
+/* Such indices, of one beam 0, 3, 6 ..., as threads find them: in any order, each of several with a buffer of
+ * its own. */
+static struct cml_saved *saved_of_beams(uint32_t seed, uint64_t limit, const double *share, int beams)
 {
     enum { PARTS = 3 };
-    const struct cml_saved_kind kind = {.limit = limit, .media = MEDIA};
+    const struct cml_saved_kind kind = {
+        .limit = limit, .media = MEDIA, .beams = (uint64_t)beams, .share = share};
     struct cml_saved *saved;
     struct cml_saved_part *part[PARTS];
     struct dice dice = dice_new(seed);
@@ -34,7 +43,7 @@ static struct cml_saved *saved_of(uint32_t seed, uint64_t limit)
     }
     for (int i = 0; i < FOUND; i++) {
         struct cml_saved_row *row = cml_saved_next(part[dice_below(&dice, PARTS)]);
-        row->index = 3 * (uint64_t)order[i];
+        row->index = index_of(order[i], beams);
         row->weight = (uint32_t)order[i];
         ((uint32_t *)(row + 1))[2 * MEDIA - 1] = (uint32_t)order[i];
     }
@@ -43,6 +52,11 @@ static struct cml_saved *saved_of(uint32_t seed, uint64_t limit)
         free(part[i]);
     }
     return saved;
+}
+
+static struct cml_saved *saved_of(uint32_t seed, uint64_t limit)
+{
+    return saved_of_beams(seed, limit, NULL, 1);
 }
 
 static void require_first(struct cml_saved *saved, size_t kept)
@@ -62,11 +76,50 @@ static void the_smallest_indices_stay_in_order(void **state)
 {
     (void)state;
     const uint64_t limits[] = {1, 2, 100, 4000, FOUND - 1, FOUND, FOUND + 1, 100000};
+    const struct cml_deal run = {.count = 1, .end = 3 * FOUND};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         struct cml_saved *saved = saved_of((uint32_t)i, limits[i]);
         require_first(saved, limits[i] < FOUND ? limits[i] : FOUND);
-        assert_int_equal(cml_saved_covers(saved, 3 * FOUND),
-                         limits[i] < FOUND ? 3 * limits[i] - 2 : 3 * FOUND);
+        assert_int_equal(cml_saved_covers(saved, &run), limits[i] < FOUND ? 3 * limits[i] - 2 : 3 * FOUND);
+        cml_saved_free(saved);
+    }
+}
+
+/* Two beams that take turns as 1 to 4 do, and a third whose time is the first's: which rows stay, the times
+ * of all rows say; how many photons these cover, those of all photons. */
+static void of_several_beams_all_give_their_share(void **state)
+{
+    enum { BEAMS = 3 };
+    (void)state;
+    const double share[BEAMS] = {1, 4, 1};
+    const uint64_t limits[] = {1, 60, 2000, 3400, FOUND - 1};
+    for (size_t l = 0; l < sizeof limits / sizeof *limits; l++) {
+        struct cml_saved *saved = saved_of_beams((uint32_t)l, limits[l], share, BEAMS);
+        struct cml_deal run;
+        const size_t kept = cml_saved_sort(saved).kept;
+        uint64_t covers = 0, of[BEAMS] = {0};
+        double last[BEAMS] = {0};
+        assert_int_equal(kept, limits[l]);
+        for (size_t i = 0; i < kept; i++) {
+            const uint64_t index = cml_saved_row(saved, i)->index, beam = index >> CML_SOURCE_SHIFT;
+            if (i > 0) assert_true(index > cml_saved_row(saved, i - 1)->index);
+            assert_int_equal(index, index_of((int)(of[beam] * BEAMS + beam), BEAMS));
+            last[beam] = (3 * (double)of[beam]++ + 0.5) / share[beam];
+        }
+        const double end = fmax(last[0], fmax(last[1], last[2]));
+        for (uint64_t k = 0; k < BEAMS; k++) /* the next of each would come later */
+            assert_true(of[k] == FOUND / BEAMS || (3 * (double)of[k] + 0.5) / share[k] >= end);
+        assert_int_equal(cml_deal_create(share, BEAMS, &run, &err), CML_OK);
+        assert_int_equal(cml_deal_round(&run, 0, 6 * FOUND, &err), CML_OK);
+        for (uint64_t k = 0; k < BEAMS; k++)
+            for (uint64_t own = 0; ((double)own + 0.5) / share[k] <= end; own++) {
+                const uint64_t index = (k << CML_SOURCE_SHIFT) + own;
+                const bool tie = ((double)own + 0.5) / share[k] == end,
+                           behind = tie && k == 2 && last[2] < end;
+                covers += cml_deal_has(&run, index) && !behind;
+            }
+        assert_int_equal(cml_saved_covers(saved, &run), covers);
+        cml_deal_clear(&run);
         cml_saved_free(saved);
     }
 }
@@ -105,6 +158,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_indices_stay_in_order),
+        cmocka_unit_test(of_several_beams_all_give_their_share),
         cmocka_unit_test(what_is_added_again_is_the_same),
         cmocka_unit_test(nothing_is_saved_unless_asked_for),
     };

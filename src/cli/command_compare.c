@@ -31,7 +31,7 @@ static cml_status verdict(const struct cml_compare_report *report, struct cml_er
 /* Nothing is said of results that cannot be compared. */
 static cml_status check_tests(const struct cml_compare_report *report, struct cml_error *err)
 {
-    if (report->comparison->count > 0) return CML_OK;
+    if (report->comparison->tests > 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "compare: %s and %s: %g and %g packets (expected enough to compare anything)",
                     report->names[0], report->names[1], (double)report->outcome[0].photons,

@@ -15,42 +15,24 @@
  * batches and make z a Student deviate, which is turned into the normal one of the same tail. Sidak's
  * correction over all tests is exact for independent bins and conservative for correlated ones
  * (significance.h), which bins and their totals are. Two runs of one seed share their noise: they always
- * agree. Not compared: A_l (MCML forms it from z bins), the grids over (r, z) and (r, angle), which have no
- * errors; A_z where one run did not tally absorption; what only one run has by time. SPDX-License-Identifier:
- * MIT */
+ * agree.
+ *
+ * Every array that both results have is tested, where it has errors: of quantities of the table that only .h5
+ * files hold (maps, voxels, facets), these are read piece by piece. Numbers that are no weight of packets
+ * (means, derivatives, totals by the twin) are never taken together. Without errors in both files there is no
+ * test of grids over two axes and of what layers absorb (which MCML forms from z bins); A_z is left out where
+ * one run did not tally absorption, and what has other bins in both. SPDX-License-Identifier: MIT */
 #ifndef CML_COMPARE_H
 #define CML_COMPARE_H
 
-#include "result/outcome.h"
+#include "plot/compare_groups.h"
 
-#define CML_COMPARE_PACKETS 20.0
-
-/* Whether a quantity is compared: totals and profiles are. */
+/* Whether a quantity of an outcome is compared: all that have errors are. */
 bool cml_compare_tests(enum cml_quantity quantity);
 
-/* One test: a total (first = last = 0), a bin, or neighbouring bins. */
-struct cml_compare_test {
-    enum cml_quantity quantity;
-    char key[CML_OUTCOME_KEY]; /* its name in files: of detectors each has its own */
-    int first, last;           /* bins */
-    double lower, upper;       /* their ends on the axis, cm, rad or ps */
-    double value[2], error[2]; /* of both files in the file's unit; means over merged bins */
-    double z, p;               /* normal deviate, two-sided probability of it */
-};
-
-struct cml_comparison {
-    int count;                     /* tests */
-    struct cml_compare_test *test; /* [count], owned, ordered by quantity, then by bin */
-    int bins[CML_NUM_QUANTITIES];  /* in the tests of this quantity; 0: too few packets, or nothing to test */
-    bool measured[2];              /* the file carries standard errors */
-    bool lends[2];                 /* they say how single packets scatter, to a file without any */
-    bool no_absorption;            /* A_z was left out, because one run did not tally it */
-    double p;                      /* Sidak-corrected: of a difference as large as the largest, by chance */
-    int worst;                     /* the test of the largest |z|, -1 when there is no test */
-};
-
-/* a, b: results on the same grid; names: of the files, for messages. CML_E_INPUT names the field in which the
- * grids differ. *comparison is the caller's to clear; on failure it is cleared. */
+/* a, b: results on the same grid; names: of the files, for messages, and to read what an outcome does not
+ * hold where both are .h5. CML_E_INPUT names the field in which the grids differ, or what cannot be read.
+ * *comparison is the caller's to clear; on failure it is cleared. */
 CML_NODISCARD cml_status cml_compare(const struct cml_outcome *a, const struct cml_outcome *b,
                                      const char *const names[2], struct cml_comparison *comparison,
                                      struct cml_error *err);

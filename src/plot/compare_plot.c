@@ -33,12 +33,15 @@ struct drawing {
     double limit; /* |z| at the level */
 };
 
-/* Profiles without a single test get none, nor do layers, which are few, and detectors, of which there may be
- * hundreds. */
+/* Profiles without a single test get none, nor do layers and media, which are few, detectors, of which there
+ * may be hundreds, and arrays of .h5 files. */
 static bool has_panel(const struct cml_comparison *c, int q)
 {
     const enum cml_quantity quantity = (enum cml_quantity)q;
-    return c->bins[q] > 0 && cml_quantity_place(quantity) && quantity != CML_QUANTITY_A_l_expected &&
+    const enum cml_estimator estimator = cml_quantities[q].estimator;
+    const bool profile =
+        estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE || estimator == CML_FROM_GROUPS;
+    return c->bins[q] > 0 && profile && cml_quantity_place(quantity) &&
            !cml_quantity_is_of_detector(quantity);
 }
 
@@ -56,7 +59,7 @@ static void write_verdict(const struct drawing *d)
     char text[200];
     struct cml_page_text line = {WIDTH / 2.0, d->page.height - 44, CML_ALIGN_CENTER, CML_PAGE_NORMAL, text};
     snprintf(text, sizeof text, "They %s: among %d tests chance alone makes such a difference with p = %.2g.",
-             c->p < d->report->alpha ? "differ" : "agree", c->count, c->p);
+             c->p < d->report->alpha ? "differ" : "agree", c->tests, c->p);
     cml_page_write(&d->page, LABEL_VERDICT, &line);
     snprintf(text, sizeof text, "dashed: |z| = %.2f, the level %g; arrows: beyond |z| = %g", d->limit,
              d->report->alpha, most);
@@ -172,7 +175,7 @@ cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *e
         return cml_fail(err, CML_E_INPUT, "%s: too few packets for a picture (expected a profile to show)",
                         d.report->names[0]);
     d.page.height = HEAD + panels * (PANEL + GAP) + FOOT;
-    d.limit = cml_two_sided_limit(cml_sidak_level(d.report->alpha, c->count));
+    d.limit = cml_two_sided_limit(cml_sidak_level(d.report->alpha, c->tests));
     write_head(&d);
     for (int q = 0, place = 0; q < CML_NUM_QUANTITIES; q++)
         if (has_panel(c, q)) write_panel(&d, q, place++);

@@ -25,15 +25,12 @@ static int find_worst(const struct cml_comparison *c, const struct cml_compare_t
     return count;
 }
 
-/* NULL where the quantity was not tested; *tests counts them. */
-static const struct cml_compare_test *worst_of(const struct cml_comparison *c, enum cml_quantity quantity,
-                                               int *tests)
+/* NULL where the quantity was not tested. */
+static const struct cml_compare_test *worst_of(const struct cml_comparison *c, enum cml_quantity quantity)
 {
     const struct cml_compare_test *worst = NULL;
-    *tests = 0;
     for (int i = 0; i < c->count; i++) {
         if (c->test[i].quantity != quantity) continue;
-        (*tests)++;
         if (!worst || fabs(c->test[i].z) > fabs(worst->z)) worst = &c->test[i];
     }
     return worst;
@@ -75,6 +72,8 @@ static void print_notes(FILE *stream, const struct cml_compare_report *report)
         }
     if (report->comparison->no_absorption)
         fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
+    if (report->comparison->left_out[0])
+        fprintf(stream, "note: without errors, or with other bins: %s\n", report->comparison->left_out);
 }
 
 /* Tests are ordered by quantity, the totals of every run first. */
@@ -89,9 +88,24 @@ static void print_totals(FILE *stream, const struct cml_comparison *c)
     }
 }
 
+/* "[2][0][7]" of the first bin. */
+static void print_indices(FILE *stream, const struct cml_compare_test *t)
+{
+    int index[CML_QUANTITY_AXES] = {0}, left = t->first, axes = 0;
+    while (axes < CML_QUANTITY_AXES && t->shape[axes]) axes++;
+    for (int i = axes - 1; i >= 0; left /= t->shape[i--]) index[i] = left % t->shape[i];
+    fputs(t->key, stream);
+    for (int i = 0; i < axes; i++) fprintf(stream, "[%d]", index[i]);
+    if (t->last > t->first) fprintf(stream, " and %d more", t->last - t->first);
+}
+
 /* "r [cm] 0.12..0.13"; "layer 2" */
 static void print_place(FILE *stream, const struct cml_compare_test *t)
 {
+    if (t->shape[0]) {
+        print_indices(stream, t);
+        return;
+    }
     const char *axis = cml_quantity_place(t->quantity);
     if (cml_quantity_is_of_detector(t->quantity)) fprintf(stream, "%s ", t->key);
     if (axis && t->upper > t->lower)
@@ -104,17 +118,16 @@ static void print_place(FILE *stream, const struct cml_compare_test *t)
 static void print_profiles(FILE *stream, const struct cml_comparison *c)
 {
     for (int q = CML_TOTALS; q < CML_NUM_QUANTITIES; q++) {
-        int tests = 0;
-        const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
-        if (!cml_compare_tests((enum cml_quantity)q) || cml_quantity_is_total((enum cml_quantity)q) ||
-            (!worst && q > CML_QUANTITY_Tt_a))
-            continue;
+        const enum cml_quantity quantity = (enum cml_quantity)q;
+        const struct cml_compare_test *worst = worst_of(c, quantity);
+        const bool of_mcml = quantity >= CML_QUANTITY_A_z && quantity <= CML_QUANTITY_Tt_a;
+        if (cml_quantity_is_total(quantity) || (!worst && !of_mcml)) continue;
         fprintf(stream, "%-5s ", cml_quantities[q].name);
         if (!worst) {
             fputs("not tested: too few packets\n", stream);
             continue;
         }
-        fprintf(stream, "%d bins in %d tests, worst z %+.2f at ", c->bins[q], tests, worst->z);
+        fprintf(stream, "%d bins in %d tests, worst z %+.2f at ", c->bins[q], c->tests_of[q], worst->z);
         print_place(stream, worst);
         fputc('\n', stream);
     }
@@ -144,7 +157,7 @@ void cml_compare_summary(FILE *stream, const struct cml_compare_report *report)
     print_totals(stream, c);
     print_profiles(stream, c);
     print_worst(stream, c);
-    fprintf(stream, "p = %.3g (Sidak over %d tests): %s at the level %g\n", c->p, c->count,
+    fprintf(stream, "p = %.3g (Sidak over %d tests): %s at the level %g\n", c->p, c->tests,
             c->p < report->alpha ? "they differ" : "no difference", report->alpha);
 }
 
@@ -178,16 +191,15 @@ static void add_deviates(json_t *object, const struct cml_comparison *c, int qua
     json_object_set_new(object, "z", z);
 }
 
-/* All quantities have an entry, so that readers need not ask whether one is there; `worst` is null where
- * there was no test. */
+/* All quantities of an outcome have an entry, so that readers need not ask whether one is there; `worst` is
+ * null where there was no test. */
 static json_t *quantities_json(const struct cml_comparison *c)
 {
     json_t *object = json_object();
     for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
-        int tests = 0;
-        if (!cml_compare_tests((enum cml_quantity)q)) continue;
-        const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
-        json_t *entry = json_pack("{s:i, s:i, s:o}", "bins", c->bins[q], "tests", tests, "worst",
+        if (!cml_compare_tests((enum cml_quantity)q) && c->tests_of[q] == 0) continue;
+        const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q);
+        json_t *entry = json_pack("{s:i, s:i, s:o}", "bins", c->bins[q], "tests", c->tests_of[q], "worst",
                                   worst ? test_json(worst) : json_null());
         add_deviates(entry, c, q);
         json_object_set_new(object, cml_quantities[q].name, entry);
@@ -210,7 +222,7 @@ cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *repor
     json_t *object = json_pack(
         "{s:o, s:o, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", cml_json_name(report->names[0]), "b",
         cml_json_name(report->names[1]), "packets", (json_int_t)report->outcome[0].photons,
-        (json_int_t)report->outcome[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha, "agree",
+        (json_int_t)report->outcome[1].photons, "tests", c->tests, "p", c->p, "alpha", report->alpha, "agree",
         !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
     return cml_json_print(stream, object, err);
 }

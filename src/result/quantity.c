@@ -60,6 +60,8 @@ const char *cml_quantity_place(enum cml_quantity quantity)
         return "t [ps]";
     case CML_AXIS_layer:
         return "layer";
+    case CML_AXIS_body:
+        return "body";
     case CML_AXIS_theta:
         return "direction [bin]";
     default:

@@ -161,8 +161,8 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map", NULL)                             \
     Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map", NULL)                                   \
     Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume", NULL)                             \
-    Q(body_of_facet, "1", FIELD, 0, OVER1(body_facet), 0, "body, from 1", NULL)                                      \
-    Q(body_area, "cm2", FIELD, 0, OVER1(body_facet), 0, "area of the facet", NULL)                                   \
+    Q(body_of_facet, "1", INPUT, 0, OVER1(body_facet), 0, "body, from 1", NULL)                                      \
+    Q(body_area, "cm2", INPUT, 0, OVER1(body_facet), 0, "area of the facet", NULL)                                   \
     Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body", NULL)    \
     Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body", NULL)      \
     Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body", NULL)      \
@@ -173,7 +173,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below", NULL)            \
     Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last", NULL)             \
     Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last", NULL)                   \
-    Q(area, "cm2", FIELD, 0, OVER1(facet), 0, "area of the facet", NULL)
+    Q(area, "cm2", INPUT, 0, OVER1(facet), 0, "area of the facet", NULL)
 /* clang-format on */
 
 #define CML_ENUMERATOR(name, ...) CML_AXIS_##name,

@@ -65,6 +65,23 @@ if command -v gnuplot >/dev/null; then
     expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
 fi
 
+# What only .h5 files hold: voxels of a body that absorbs more, by their indices; what has no errors, or other bins, is named.
+if "$program" --version | grep -q "HDF5 yes"; then
+    for mua in 1 9; do
+        mkdir "$work/v$mua"
+        printf '1.0\n1\nv.h5 B\n2e4\nmap 8 8 0.05 0.05 volume\nfluence\n0.02 0.05\n10 8 1\n1\n1\n1.4 1 50 0.7 0.2\ni sphere 0.1 0.1 0.1 0.05 1.4 %s 50 0.7\n1\n' $mua >"$work/v$mua/v.mci"
+        expect_code 0 "$work/v$mua/v.mci" --seed $mua --quiet -o "$work/v$mua"
+    done
+    a=$work/v1/v.h5 b=$work/v9/v.h5
+    expect_code 1 compare "$a" "$b"
+    grep -q '^A_xyz 640 bins in [0-9]* tests, worst z -[0-9.]* at A_xyz\[[0-9]\]\[[0-9]\]\[[0-9]\]' "$work/out" || complain "no voxels: $(grep xyz "$work/out")"
+    grep -q '^phi_xyz 640 bins in ' "$work/out" || complain "no fluence of voxels"
+    sed 's/8 8 0.05 0.05/8 8 0.06 0.05/' "$work/v1/v.mci" >"$work/other.mci"
+    expect_code 0 "$work/other.mci" --seed 3 --quiet -o "$work/3"
+    expect_code 0 compare "$a" "$work/3/v.h5"
+    grep -q '^note: without errors, or with other bins: A_xyz, Rd_xy, Tt_xy, phi_xyz$' "$work/out" || complain "other voxels are not named: $(grep note "$work/out")"
+fi
+
 # One packet: nothing is said of what cannot be compared.
 printf '1.0\n1\none.mco A\n1\n0.1 0.1\n2 4 2\nbeam pencil angle=45\n1\n1\n1.4 0 10 0.5 0.1\n1\n' >"$work/one.mci"
 for seed in 1 5; do # transmitted, reflected

@@ -10,6 +10,7 @@ quantile at 1e-4 for a true rate of 0.05. The second half, power: a run with mus
 import json
 import math
 import os
+import re
 import subprocess
 import tempfile
 
@@ -73,6 +74,21 @@ def false_alarms(verdict, scene, photons, pairs):
             paths = [[path[tag, i] + (".cut" if tag in without else "") for tag in "ab"] for i in range(pairs)]
             count_alarms(verdict, f"{scene} {photons} errors in {files}", paths)
         count_alarms(verdict, f"{scene} {photons[0]} two lattices", [[path["a", i - 1], path["a", i]] for i in range(1, pairs, 2)])
+
+
+def false_alarms_of_arrays(verdict, photons, pairs):
+    """Of .h5 files: voxels, maps, facets, pixels, what bodies absorb, means of detectors, derivatives."""
+    asks = ["map 12 12 0.02 0.02 angles volume", "fluence", "facets", "directions 4 6",
+            "detector map 8 8 0.05 0.05 na=0.9 name=camera", "detector ring 0.05 0.3 name=far"]
+    layers = ["1.4 2 60 0.7 0.1", "1.5 5 90 0.8 0.1\ni sphere 0.02 0 0.15 0.03 1.6 9 40 0.6"]
+    with tempfile.TemporaryDirectory() as keep:
+        text = cml.repeated(2 * pairs, layers, "a", ".h5", photons=photons, grid="0.02 0.01", bins="10 20 5", extra=asks, surfaces={0: "b 3  0.15 0.02  0.05 0.04  0 0.05"})
+        cml.run(re.sub(r"(\.h5) A\n", r"\1 B\n", text), "--seed", 31, "--derivatives", keep=keep)
+        paths = [[os.path.join(keep, f"a{i}.h5") for i in (2 * k, 2 * k + 1)] for k in range(pairs)]
+        count_alarms(verdict, f"arrays {photons}", paths)
+        tested = compare(*paths[0])["quantities"]
+        for name in ("A_xyz", "phi_xyz", "Rd_xya", "detector_map", "irradiance_above", "body_exitance_inside", "A_l", "A_body", "detector_path", "dRd_dmua"):
+            verdict.check("arrays", tested.get(name, {"tests": 0})["tests"] > 0, f"{name} is not tested")
 
 
 def power(verdict, photons):

@@ -10,5 +10,6 @@ verdict = cml.Verdict("compare.long")
 for scene in pairs.SCENES:
     for photons in ((1000, 1000), (10000, 10000), (100000, 100000), (1000, 100000)):
         pairs.false_alarms(verdict, scene, photons, 400)
+pairs.false_alarms_of_arrays(verdict, 20000, 100)
 pairs.power(verdict, 10000000)
 verdict.finish()

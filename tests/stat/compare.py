@@ -9,5 +9,6 @@ import pairs  # noqa: E402
 verdict = cml.Verdict("compare")
 pairs.false_alarms(verdict, "thin", (5000, 5000), 60)
 pairs.false_alarms(verdict, "dark", (2000, 20000), 60)
+pairs.false_alarms_of_arrays(verdict, 10000, 6)
 pairs.power(verdict, 4000000)
 verdict.finish()

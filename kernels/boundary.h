@@ -1,5 +1,6 @@
-/* What a boundary is: its kind, and its facets with what is scored on them; and how voxels are scored. Knows
- * no precision, so that tallies can stand on it. SPDX-License-Identifier: MIT */
+/* What kinds of boundaries, beams, detectors and backings there are, as the reader of a scene, the walk and
+ * the reports of a result name them; a boundary's facets with what is scored on them. Knows no precision, so
+ * that scenes and tallies can stand on it. SPDX-License-Identifier: MIT */
 #ifndef CML_BOUNDARY_H
 #define CML_BOUNDARY_H
 
@@ -22,6 +23,21 @@ enum cml_clearance_form {
     CML_CLEARANCE_RADII,  /* the radius: rings */
     CML_CLEARANCE_PERIOD, /* a rectangle that is repeated over the whole plane: a mesh that is */
 };
+
+/* How the starts of a beam's packets lie across its axis. */
+enum cml_beam_shape {
+    CML_BEAM_PENCIL,   /* in a point */
+    CML_BEAM_DISK,     /* evenly */
+    CML_BEAM_GAUSSIAN, /* its density falls as exp(-2 r^2 / radius^2) */
+    CML_BEAM_RING,
+    CML_BEAM_RECTANGLE,
+    CML_BEAM_IMAGE /* pixels, each evenly */
+};
+
+enum cml_detector_shape { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
+
+/* What lies under the last boundary and sends light back (P12). */
+enum cml_backing_kind { CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN, CML_BACKING_METAL };
 
 /* Facets are the triangles of a mesh or the rings of cones, in order, and behind them the outer plane; the
  * pixels of the map on a plane, and behind them what lies outside. Above and below are the sides of the

@@ -24,9 +24,9 @@ CML_FN real cml_clamp(real x, real most)
 }
 
 /* Cell index along one axis, clamped to the rim; NaN gives 0. */
-CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real x, real corner)
+CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *map, real x, real corner)
 {
-    return (int)cml_clamp((x - corner) * grid->per_cell, (real)(grid->size - 1));
+    return (int)cml_clamp((x - corner) * map->per_cell, (real)(map->size - 1));
 }
 
 /* Number of bits of n < 2^24: the level whose cells are longer than n cells of level 0. In float from its
@@ -41,16 +41,16 @@ CML_FN int cml_clearance_level(int n)
 }
 
 /* The depth, times side, that a packet must keep to on its way from p to p + d, of a mesh's pyramid. */
-CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
+CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *map, const CML_GLOBAL real *bounds,
                                  struct cml_vec p, struct cml_vec d, real side)
 {
     const real far_x = p.x + d.x, far_y = p.y + d.y;
-    const int x0 = cml_clearance_index(grid, far_x < p.x ? far_x : p.x, grid->corner_x);
-    const int x1 = cml_clearance_index(grid, far_x > p.x ? far_x : p.x, grid->corner_x);
-    const int y0 = cml_clearance_index(grid, far_y < p.y ? far_y : p.y, grid->corner_y);
-    const int y1 = cml_clearance_index(grid, far_y > p.y ? far_y : p.y, grid->corner_y);
+    const int x0 = cml_clearance_index(map, far_x < p.x ? far_x : p.x, map->corner_x);
+    const int x1 = cml_clearance_index(map, far_x > p.x ? far_x : p.x, map->corner_x);
+    const int y0 = cml_clearance_index(map, far_y < p.y ? far_y : p.y, map->corner_y);
+    const int y1 = cml_clearance_index(map, far_y > p.y ? far_y : p.y, map->corner_y);
     const int level = cml_clearance_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
-    const int size = grid->size >> level, offset = grid->first + grid->level_offset[level];
+    const int size = map->size >> level, offset = map->first + map->level_offset[level];
     const int row0 = offset + (y0 >> level) * size, row1 = offset + (y1 >> level) * size;
     const real a = side * bounds[row0 + (x0 >> level)], b = side * bounds[row0 + (x1 >> level)];
     const real c = side * bounds[row1 + (x0 >> level)], e = side * bounds[row1 + (x1 >> level)];
@@ -80,16 +80,15 @@ CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, re
 
 /* cml_clearance_of_box of a period. On the level whose cells are longer than the range, cells that follow one
  * another cover it, the last and the first of a period too. */
-CML_FN real cml_clearance_of_period(const CML_GLOBAL struct cml_clearance *grid,
-                                    const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
-                                    real side)
+CML_FN real cml_clearance_of_period(const CML_GLOBAL struct cml_clearance *map, const CML_GLOBAL real *bounds,
+                                    struct cml_vec p, struct cml_vec d, real side)
 {
-    const int size = grid->size;
-    const struct cml_cell_range x = cml_cells_of_period(p.x, d.x, grid->corner_x, grid->per_cell, size),
-                                y = cml_cells_of_period(p.y, d.y, grid->corner_y, grid->per_cell_y, size);
+    const int size = map->size;
+    const struct cml_cell_range x = cml_cells_of_period(p.x, d.x, map->corner_x, map->per_cell, size),
+                                y = cml_cells_of_period(p.y, d.y, map->corner_y, map->per_cell_y, size);
     const int wanted = cml_clearance_level(x.more | y.more), last = cml_clearance_level(size) - 1;
     const int level = wanted < last ? wanted : last, cells = size >> level, mask = cells - 1;
-    const int offset = grid->first + grid->level_offset[level];
+    const int offset = map->first + map->level_offset[level];
     const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
     const int row0 = offset + ((y.first >> level) & mask) * cells,
               row1 = offset + (((y.first + y.more) >> level) & mask) * cells;
@@ -101,15 +100,15 @@ CML_FN real cml_clearance_of_period(const CML_GLOBAL struct cml_clearance *grid,
 
 /* cml_cell_horizon of a period: the highest of the cells in which rounding may have put the point; infinite
  * where they are too many. */
-CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,
+CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_clearance *map, const CML_GLOBAL real *horizon,
                                   struct cml_vec p)
 {
-    const struct cml_cell_range x = cml_cells_of_period(p.x, 0, grid->corner_x, grid->per_cell, grid->size),
-                                y = cml_cells_of_period(p.y, 0, grid->corner_y, grid->per_cell_y, grid->size);
-    const int level = grid->horizon_level, cells = grid->size >> level, mask = cells - 1;
+    const struct cml_cell_range x = cml_cells_of_period(p.x, 0, map->corner_x, map->per_cell, map->size),
+                                y = cml_cells_of_period(p.y, 0, map->corner_y, map->per_cell_y, map->size);
+    const int level = map->horizon_level, cells = map->size >> level, mask = cells - 1;
     const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
-    const int row0 = grid->first_horizon + ((y.first >> level) & mask) * cells,
-              row1 = grid->first_horizon + (((y.first + y.more) >> level) & mask) * cells;
+    const int row0 = map->first_horizon + ((y.first >> level) & mask) * cells,
+              row1 = map->first_horizon + (((y.first + y.more) >> level) & mask) * cells;
     const real a = horizon[row0 + x0], b = horizon[row0 + x1], c = horizon[row1 + x0], e = horizon[row1 + x1];
     const real ab = a > b ? a : b, ce = c > e ? c : e, most = ab > ce ? ab : ce;
     return (x.more | y.more) > 1 ? CML_INFINITY : most;
@@ -121,30 +120,30 @@ CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_clearance *grid, c
 
 /* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
  * their side of the mesh, that go away from it meet it never again (src/surface/cell_horizon.h). */
-CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,
+CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *map, const CML_GLOBAL real *horizon,
                              struct cml_vec p, const int form)
 {
-    if (form == CML_CLEARANCE_PERIOD) return cml_horizon_in_period(grid, horizon, p);
-    const int x = cml_clearance_index(grid, p.x, grid->corner_x) >> grid->horizon_level;
-    const int y = cml_clearance_index(grid, p.y, grid->corner_y) >> grid->horizon_level;
-    return horizon[grid->first_horizon + y * (grid->size >> grid->horizon_level) + x];
+    if (form == CML_CLEARANCE_PERIOD) return cml_horizon_in_period(map, horizon, p);
+    const int x = cml_clearance_index(map, p.x, map->corner_x) >> map->horizon_level;
+    const int y = cml_clearance_index(map, p.y, map->corner_y) >> map->horizon_level;
+    return horizon[map->first_horizon + y * (map->size >> map->horizon_level) + x];
 }
 
 /* cml_clearance_of_box of the pyramid of rings. The way comes closest to the axis at an end or, where it
  * turns outwards between them, abreast of it. */
-CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
+CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *map, const CML_GLOBAL real *bounds,
                                    struct cml_vec p, struct cml_vec d, real side)
 {
     const real x = p.x + d.x, y = p.y + d.y;
     const real from = CML_SQRT(p.x * p.x + p.y * p.y), to = CML_SQRT(x * x + y * y);
-    const real err_radius = 4 * CML_EPSILON * (from + to), far = from < to ? to : from;
-    real near = from < to ? from : to;
+    const real err_radius = 4 * CML_EPSILON * (from + to), most = from < to ? to : from;
+    real least = from < to ? from : to;
     if ((p.x * d.x + p.y * d.y < 0) & (x * d.x + y * d.y > 0))
-        near = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
-    const int r0 = cml_clearance_index(grid, near - err_radius, 0),
-              r1 = cml_clearance_index(grid, far + err_radius, 0);
+        least = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
+    const int r0 = cml_clearance_index(map, least - err_radius, 0),
+              r1 = cml_clearance_index(map, most + err_radius, 0);
     const int level = cml_clearance_level(r1 - r0);
-    const int offset = grid->first + grid->level_offset[level];
+    const int offset = map->first + map->level_offset[level];
     const real a = side * bounds[offset + (r0 >> level)], b = side * bounds[offset + (r1 >> level)];
     return a > b ? a : b;
 }
@@ -158,8 +157,8 @@ struct cml_interval {
 /* What is left of an interval without what keeps clear of the surface, for a packet on the given side (+1
  * below, -1 above) that begins it at p, in the boundary's frame, x and y from the scene's axis. Below rings
  * its ends are cut as well, but for a 1024th of the distance, which is more than rounding; a mesh has a tree
- * for that. Where an interval is not finite nothing is known to be clear. */
-CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearance *grid,
+ * for that. Where an interval is not finite nothing is known to be free. */
+CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearance *map,
                                              const CML_GLOBAL real *bounds, struct cml_vec p,
                                              struct cml_vec u, real side, struct cml_interval s,
                                              const int form)
@@ -167,15 +166,15 @@ CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearan
     const int rings = form == CML_CLEARANCE_RADII;
     const real length = s.to - s.from;
     const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
-    const real keep = rings                          ? cml_clearance_of_radii(grid, bounds, p, d, side)
-                      : form == CML_CLEARANCE_PERIOD ? cml_clearance_of_period(grid, bounds, p, d, side)
-                                                     : cml_clearance_of_box(grid, bounds, p, d, side);
+    const real keep = rings                          ? cml_clearance_of_radii(map, bounds, p, d, side)
+                      : form == CML_CLEARANCE_PERIOD ? cml_clearance_of_period(map, bounds, p, d, side)
+                                                     : cml_clearance_of_box(map, bounds, p, d, side);
     const real here = side * p.z - keep, end = side * (p.z + d.z) - keep;
     const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
-    const int begins_clear = finite & (here > 0), ends_clear = finite & (end > 0);
+    const int begins_free = finite & (here > 0), ends_free = finite & (end > 0);
     const real cut = CML_FMA(length, here / (here - end), s.from), late = (real)1.0009765625 * cut;
-    const real from = begins_clear ? cut : s.from, to = (ends_clear & (late < s.to)) ? late : s.to;
-    const struct cml_interval left = {s.meets & !(begins_clear & ends_clear), (real)0.9990234375 * from,
+    const real from = begins_free ? cut : s.from, to = (ends_free & (late < s.to)) ? late : s.to;
+    const struct cml_interval left = {s.meets & !(begins_free & ends_free), (real)0.9990234375 * from,
                                       rings ? to : s.to};
     return left;
 }

@@ -40,11 +40,11 @@ CML_FN int cml_is_in_shape(const struct cml_detector *detector, real x, real y, 
     const struct cml_map *map = &detector->pixels;
     const real dx = x - detector->middle.x, dy = y - detector->middle.y;
     *pixel = 0;
-    if (detector->shape == CML_DETECTS_RING) {
+    if (detector->shape == CML_DETECTOR_RING) {
         const real square = CML_FMA(dx, dx, dy * dy);
         return (square >= detector->inner2) & (square < detector->outer2);
     }
-    if (detector->shape == CML_DETECTS_RECTANGLE)
+    if (detector->shape == CML_DETECTOR_RECTANGLE)
         return (x >= detector->low_x) & (x < detector->high_x) & (y >= detector->low_y) &
                (y < detector->high_y);
     const real ix = CML_FMA(dx, map->per_dx, map->half_x), iy = CML_FMA(dy, map->per_dy, map->half_y);

@@ -20,13 +20,13 @@
     } while (0)
 
 struct cml_deposits {
-    __local const struct cml_windows *windows;
-    __local cml_u64 *near;
+    __local const struct cml_local_parts *parts;
+    __local cml_u64 *local_cells;
     __global cml_u64 *cells;
-    __global struct cml_control *control;
+    __global struct cml_counters *counters;
 };
 
-CML_FN void cml_add_near(__local cml_u64 *cell, cml_u64 amount)
+CML_FN void cml_add_local(__local cml_u64 *cell, cml_u64 amount)
 {
 #if CML_GROUP_SIZE == 1
     *cell += amount;
@@ -39,7 +39,7 @@ CML_FN void cml_add_near(__local cml_u64 *cell, cml_u64 amount)
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
-CML_FN void cml_add_far(__global cml_u64 *cell, cml_u64 amount)
+CML_FN void cml_add_global(__global cml_u64 *cell, cml_u64 amount)
 {
 #ifdef CML_TWO_WORDS
     CML_ADD_WORDS(__global, cell, amount);
@@ -48,37 +48,38 @@ CML_FN void cml_add_far(__global cml_u64 *cell, cml_u64 amount)
 #endif
 }
 
-CML_FN void cml_add(const struct cml_deposits *to, struct cml_window window, cml_u32 cell, cml_u64 amount)
+CML_FN void cml_add(const struct cml_deposits *to, struct cml_local_part part, cml_u32 cell, cml_u64 amount)
 {
-    if (cell < window.count)
-        cml_add_near(to->near + window.near + cell, amount);
+    if (cell < part.count)
+        cml_add_local(to->local_cells + part.first_local + cell, amount);
     else
-        cml_add_far(to->cells + window.first + cell, amount);
+        cml_add_global(to->cells + part.first + cell, amount);
 }
 
 /* By all items of a group together, with a barrier behind it. */
-CML_FN void cml_clear_near(__local cml_u64 *near, cml_u32 count)
+CML_FN void cml_zero_local(__local cml_u64 *cells, cml_u32 count)
 {
-    for (cml_u32 i = (cml_u32)get_local_id(0); i < count; i += CML_GROUP_SIZE) near[i] = 0;
+    for (cml_u32 i = (cml_u32)get_local_id(0); i < count; i += CML_GROUP_SIZE) cells[i] = 0;
 }
 
 /* By all items of a group together, with a barrier before it. */
-CML_FN void cml_flush_window(const struct cml_deposits *to, struct cml_window window)
+CML_FN void cml_flush_local_part(const struct cml_deposits *to, struct cml_local_part part)
 {
-    for (cml_u32 i = (cml_u32)get_local_id(0); i < window.count; i += CML_GROUP_SIZE)
-        if (to->near[window.near + i]) cml_add_far(to->cells + window.first + i, to->near[window.near + i]);
+    for (cml_u32 i = (cml_u32)get_local_id(0); i < part.count; i += CML_GROUP_SIZE)
+        if (to->local_cells[part.first_local + i])
+            cml_add_global(to->cells + part.first + i, to->local_cells[part.first_local + i]);
 }
 
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
-    cml_add(to, to->windows->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
+    cml_add(to, to->parts->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
 }
 
 /* One for all packets: the host knows of which group they are. */
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int cell, cml_u32 dw)
 {
     (void)index;
-    cml_add(to, to->windows->absorbed, (cml_u32)cell, dw);
+    cml_add(to, to->parts->absorbed, (cml_u32)cell, dw);
 }
 
 /* Of none of these does a device keep any: the host refuses scenes that ask for them. */
@@ -112,7 +113,7 @@ CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int f
 
 CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_term term, cml_u64 amount)
 {
-    if (amount) cml_add_near(to->near + CML_CELL_BALANCE + (cml_u32)term, amount);
+    if (amount) cml_add_local(to->local_cells + CML_CELL_BALANCE + (cml_u32)term, amount);
 }
 
 CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
@@ -122,18 +123,18 @@ CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
 
 CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u32 amount)
 {
-    if (amount) cml_add_near(to->near + CML_CELL_COUNT + (cml_u32)count, amount);
+    if (amount) cml_add_local(to->local_cells + CML_CELL_COUNT + (cml_u32)count, amount);
 }
 
 CML_FN void cml_add_exit(const struct cml_deposits *to, int reflected, int cell, cml_u32 w)
 {
-    cml_add(to, reflected ? to->windows->reflected : to->windows->transmitted, (cml_u32)cell, w);
+    cml_add(to, reflected ? to->parts->reflected : to->parts->transmitted, (cml_u32)cell, w);
 }
 
 CML_FN void cml_add_lost(const struct cml_deposits *to, cml_u64 index)
 {
-    const cml_u32 place = atomic_inc(&to->control->num_lost);
-    if (place < CML_LOST_KEPT) to->control->lost[place] = index;
+    const cml_u32 i = atomic_inc(&to->counters->num_lost);
+    if (i < CML_LOST_KEPT) to->counters->lost[i] = index;
 }
 
 #endif

@@ -27,9 +27,9 @@ struct cml_device_lanes {
     real stop_above[CML_DEVICE_LANES],
         stop_below[CML_DEVICE_LANES]; /* z between which there is no boundary */
     real start_above[CML_DEVICE_LANES],
-        start_below[CML_DEVICE_LANES]; /* the same for surfaces that are no planes */
-    cml_u32 live[CML_DEVICE_LANES];    /* 1: holds a packet */
-    cml_u32 cleared[CML_DEVICE_LANES]; /* 1: a boundary was looked for, and there is none before the
+        start_below[CML_DEVICE_LANES];      /* the same for surfaces that are no planes */
+    cml_u32 live[CML_DEVICE_LANES];         /* 1: holds a packet */
+    cml_u32 path_is_free[CML_DEVICE_LANES]; /* 1: a boundary was looked for, and there is none before the
                                           interaction */
     /* of this pass */
     cml_u32 mine[CML_DEVICE_LANES]; /* 1: the packet flies s to its interaction */
@@ -60,7 +60,7 @@ struct cml_device_lanes {
 /* Whether lane i may meet a boundary before its interaction, s away: 0 only where none can be met. What is
  * not a number, or infinite, may. A plane is met at the end of the path or before, never by a packet that
  * stands on it and leads away. */
-CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, real s)
+CML_FN cml_u32 cml_device_may_hit(const struct cml_device_lanes *l, cml_u32 i, real s)
 {
     const real z = l->z[i], step = s * l->uz[i], end = z + step, err_depth = cml_err_depth(z, step);
     return !((end - err_depth > l->stop_above[i]) & (end + err_depth < l->stop_below[i]) &
@@ -85,14 +85,14 @@ CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cm
     }
     const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
     const real s = cml_path(tau, l->mfp[i]);
-    const cml_u32 near = cml_device_is_near(l, i, s), live = l->live[i];
+    const cml_u32 may_hit = cml_device_may_hit(l, i, s), live = l->live[i];
     l->draw1[i] = draw.w[1];
     l->draw2[i] = draw.w[2];
     l->draw3[i] = draw.w[3];
     l->tau[i] = tau;
     l->s[i] = s;
-    l->mine[i] = live & !near;
-    return live & near;
+    l->mine[i] = live & !may_hit;
+    return live & may_hit;
 }
 
 #if CML_DEVICE_LANES > 1
@@ -100,19 +100,19 @@ CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cm
  * returns 1. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
-    cml_u32 near_lanes = 0;
+    cml_u32 may_hit = 0;
     CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) near_lanes |= cml_device_fly_lane(stream, 0, l, i) << i;
-    return near_lanes;
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) may_hit |= cml_device_fly_lane(stream, 0, l, i) << i;
+    return may_hit;
 }
 
 /* cml_device_fly_random where some lanes may draw from the lattice. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
-    cml_u32 near_lanes = 0;
+    cml_u32 may_hit = 0;
     CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) near_lanes |= cml_device_fly_lane(stream, 1, l, i) << i;
-    return near_lanes;
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) may_hit |= cml_device_fly_lane(stream, 1, l, i) << i;
+    return may_hit;
 }
 
 /* The second only where it must be: it takes twice as many random numbers. */
@@ -123,13 +123,13 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
     return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
 #else
-/* The only lane; one that was cleared meets no boundary. */
+/* The only lane; one whose path is free meets no boundary. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
-    const cml_u32 near = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);
-    const cml_u32 stops = near & !l->cleared[0];
+    const cml_u32 may_hit = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);
+    const cml_u32 stops = may_hit & !l->path_is_free[0];
     l->mine[0] = !stops;
-    l->cleared[0] = 0;
+    l->path_is_free[0] = 0;
     return stops;
 }
 #endif

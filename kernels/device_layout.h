@@ -15,7 +15,7 @@
 #endif
 
 /* All tallies of a device are one block of 64-bit cells: weight balance, counts, A_l, Rd_ra, Tt_ra,
- * A_rz. */
+ * A_rz. A weight in it counts in units of 1/CML_WEIGHT_ONE of a packet. */
 #define CML_CELL_BALANCE 0
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
@@ -30,45 +30,47 @@ CML_FN int cml_device_column(int ir, int nr, int lanes)
 }
 
 /* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
- * the launch ends. */
-struct cml_window {
-    cml_u64 first; /* cell of the block */
-    cml_u32 near;  /* cell of the local memory */
-    cml_u32 count; /* cells in local memory */
+ * the kernel ends. Cells count from 0. */
+struct cml_local_part {
+    cml_u64 first;       /* cell of the block */
+    cml_u32 first_local; /* cell of the local memory */
+    cml_u32 count;       /* cells in local memory */
 };
 
-struct cml_windows {
-    /* sums: balance to A_l; begins both memories, and its cells below CML_CELL_LAYER are always near */
-    struct cml_window sums, reflected, transmitted, absorbed;
+struct cml_local_parts {
+    /* sums: balance to A_l; begins both memories, and its cells below CML_CELL_LAYER are always in the local
+     * one */
+    struct cml_local_part sums, reflected, transmitted, absorbed;
 };
 
-/* One launch of the kernel. */
-struct cml_launch {
-    cml_u32 items;      /* work-items that may fly; the others of the last group rest */
-    cml_u32 steps;      /* events per work-item at most: watchdogs end what takes too long */
-    cml_u32 record;     /* write the fates */
-    cml_u32 near_cells; /* cells of the local memory */
+/* One call of the kernel. */
+struct cml_kernel_call {
+    cml_u32 items;     /* work-items that may fly; the others of the last group rest */
+    cml_u32 steps;     /* events per work-item at most: watchdogs end what takes too long */
+    cml_u32 record;    /* 1: write the fates, 0: do not */
+    cml_u32 num_local; /* cells of the local memory */
 };
 
 #define CML_LOST_KEPT 64
 
-/* What work-items share: photons first, first + stride, first + 2 stride and so on, `count` of them, of which
- * `taken` have been taken. */
-struct cml_control {
-    cml_u64 first, stride;
-    cml_u32 count, taken;
-    cml_u32 alive;               /* packets that the next launch goes on with */
+/* Counters that work-items share: photons first, first + stride, first + 2 stride and so on, `count` of them,
+ * of which `taken` have been taken. */
+struct cml_counters {
+    cml_u64 first, stride;       /* index of a photon; difference of two indices */
+    cml_u32 count, taken;        /* photons */
+    cml_u32 alive;               /* packets that the next call goes on with */
     cml_u32 num_lost;            /* photons, of which the first CML_LOST_KEPT are listed */
-    cml_u64 lost[CML_LOST_KEPT]; /* indices of photons, the first of a launch */
+    cml_u64 lost[CML_LOST_KEPT]; /* indices of photons, the first of a call */
 };
 
 /* How one packet ended. Weights are in units of 1/CML_WEIGHT_ONE of a whole packet. */
 struct cml_device_fate {
-    cml_u64 absorbed, backing;
-    int fate, cause;
-    cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y; /* cm */
-    struct cml_vec u;    /* unit direction */
+    cml_u64 absorbed, backing;             /* weights */
+    int fate, cause;                       /* enum cml_fate, cml_lost_cause */
+    cml_u32 w;                             /* weight at the end */
+    cml_u32 interactions, boundary_events; /* numbers of them */
+    real exit_x, exit_y;                   /* cm, from the first beam's axis */
+    struct cml_vec u;                      /* unit direction */
 };
 
 /* Of a packet the host has more behind what a device has. */
@@ -90,11 +92,11 @@ struct cml_device_fate {
             CML_OFFSET(struct cml_surface, facets), CML_DEVICE_PACKET, CML_OFFSET(struct cml_packet, u),     \
             CML_OFFSET(struct cml_packet, w), CML_OFFSET(struct cml_packet, medium),                         \
             CML_OFFSET(struct cml_packet, fate), CML_OFFSET(struct cml_packet, gained),                      \
-            CML_OFFSET(struct cml_packet, queries), sizeof(struct cml_windows),                              \
-            CML_OFFSET(struct cml_windows, absorbed), CML_OFFSET(struct cml_window, count),                  \
-            sizeof(struct cml_launch), CML_OFFSET(struct cml_launch, near_cells),                            \
-            sizeof(struct cml_control), CML_OFFSET(struct cml_control, alive),                               \
-            CML_OFFSET(struct cml_control, lost), sizeof(struct cml_device_fate),                            \
+            CML_OFFSET(struct cml_packet, queries), sizeof(struct cml_local_parts),                          \
+            CML_OFFSET(struct cml_local_parts, absorbed), CML_OFFSET(struct cml_local_part, count),          \
+            sizeof(struct cml_kernel_call), CML_OFFSET(struct cml_kernel_call, num_local),                   \
+            sizeof(struct cml_counters), CML_OFFSET(struct cml_counters, alive),                             \
+            CML_OFFSET(struct cml_counters, lost), sizeof(struct cml_device_fate),                           \
             CML_OFFSET(struct cml_device_fate, w), CML_OFFSET(struct cml_device_fate, u),                    \
             sizeof(struct cml_body), CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),      \
             CML_OFFSET(struct cml_body_node, body), sizeof(struct cml_body_grid),                            \

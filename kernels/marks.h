@@ -20,8 +20,8 @@ struct cml_stretch {
 };
 
 /* More than so many marks, or a length that may be infinite, and they are placed one by one no more. */
-#define CML_MARKS_NEAR 64
-#define CML_MARKS_FAR 1024
+#define CML_MARKS_ONE_BY_ONE 64
+#define CML_MARKS_DRAWN 1024
 
 /* Cell of the fluence that a place of a packet belongs to; bins: of the medium. Those of its batch have cells
  * beyond the grid as A_rz has. */
@@ -96,7 +96,7 @@ CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_depos
     cml_clip_to_grid(world, s, t, &begin, &end);
     const int64_t first = cml_first_mark(mark, spacing, begin), last = cml_first_mark(mark, spacing, end);
     int64_t every = 1;
-    while ((last - first) / every > CML_MARKS_FAR) every *= 2;
+    while ((last - first) / every > CML_MARKS_DRAWN) every *= 2;
     const cml_u32 word =
         every > 1 ? cml_draw(world->setup.stream, s->index, CML_PURPOSE_MARK, 1 + s->events).w[0] : 0;
     const int64_t begins = first + (int64_t)(word % (cml_u32)every);
@@ -115,7 +115,7 @@ CML_FN real cml_mark_stretch(const struct cml_world *world, const struct cml_dep
                              const struct cml_stretch *s, real mark, real t)
 {
     const real spacing = world->setup.marks.spacing;
-    if (!(t < CML_MARKS_NEAR * spacing)) return cml_mark_far(world, to, s, mark, t);
+    if (!(t < CML_MARKS_ONE_BY_ONE * spacing)) return cml_mark_far(world, to, s, mark, t);
     if (to->phi_xyz) cml_mark_voxels(world, to, s, mark, t);
     for (; mark < t; mark += spacing) cml_score_mark(world, to, s, mark, s->w);
     return mark - t;

@@ -115,7 +115,7 @@ CML_FN cml_u32 cml_phase_draw(cml_u32 polar_word)
 }
 
 /* The cell of a word in the table of a medium; 0 where it has none. */
-CML_FN cml_u32 cml_phase_place(real g, cml_u32 polar_word)
+CML_FN cml_u32 cml_phase_cell_number(real g, cml_u32 polar_word)
 {
     const real size = CML_FABS(g);
     const cml_u32 table = size > 1 ? (cml_u32)(int)size - 2u : 0u;
@@ -124,10 +124,10 @@ CML_FN cml_u32 cml_phase_place(real g, cml_u32 polar_word)
 }
 
 /* That cell, or a part of it. */
-CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 place,
+CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 number,
                                                cml_u32 polar_word)
 {
-    const struct cml_phase_cell cell = cells[place];
+    const struct cml_phase_cell cell = cells[number];
     const cml_u32 part = cml_phase_draw(polar_word) >> (32 - CML_PHASE_LOG2_CELLS - CML_PHASE_LOG2_PARTS) &
                          (CML_PHASE_PARTS - 1u);
     return cell.slope < 0 ? cells[(cml_u32)(int)-cell.start + part] : cell;
@@ -199,7 +199,8 @@ CML_FN struct cml_vec cml_scatter_in(CML_GLOBAL const struct cml_phase_cell *cel
                                      cml_u32 polar_word, cml_u32 azimuth_word)
 {
     if (!CML_MAY_HAVE_PHASES || !cells) return cml_scatter(u, g, polar_word, azimuth_word);
-    const struct cml_phase_cell cell = cml_phase_cell_at(cells, cml_phase_place(g, polar_word), polar_word);
+    const struct cml_phase_cell cell =
+        cml_phase_cell_at(cells, cml_phase_cell_number(g, polar_word), polar_word);
     return cml_scatter_either(u, g, cml_phase_one_minus(cell, polar_word), polar_word, azimuth_word);
 }
 

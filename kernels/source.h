@@ -59,8 +59,8 @@ CML_FN real cml_round_offset(const CML_GLOBAL struct cml_source *source, struct 
 {
     const real xi = cml_uniform(draw.w[0]);
     cml_circle_point(draw.w[1], c, s);
-    if (source->shape == CML_SHAPE_DISK) return source->a * CML_SQRT(xi);
-    if (source->shape == CML_SHAPE_GAUSSIAN) return source->a * CML_SQRT((real)-0.5 * cml_log(xi));
+    if (source->shape == CML_BEAM_DISK) return source->a * CML_SQRT(xi);
+    if (source->shape == CML_BEAM_GAUSSIAN) return source->a * CML_SQRT((real)-0.5 * cml_log(xi));
     return CML_SQRT(CML_FMA(xi, source->b, source->a));
 }
 
@@ -69,12 +69,12 @@ CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL st
                               struct cml_block draw, real *x, real *y)
 {
     const int shape = source->shape;
-    if (shape <= CML_SHAPE_RING) {
+    if (shape <= CML_BEAM_RING) {
         real c, s;
         const real r = cml_round_offset(source, draw, &c, &s);
         *x = r * c;
         *y = r * s;
-    } else if (shape == CML_SHAPE_RECTANGLE) {
+    } else if (shape == CML_BEAM_RECTANGLE) {
         *x = source->a * cml_uniform_symmetric(draw.w[0]);
         *y = source->b * cml_uniform_symmetric(draw.w[1]);
     } else {
@@ -263,7 +263,7 @@ CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL stru
     const struct cml_block draw = cml_draw_launch(world->setup.stream, packet->index, spread);
     struct cml_vec at = source->middle;
     real x, y;
-    if (source->shape != CML_SHAPE_POINT) {
+    if (source->shape != CML_BEAM_PENCIL) {
         cml_source_offset(world, source, draw, &x, &y);
         at = cml_along(cml_along(at, x, source->e1), y, source->e2);
     }
@@ -292,7 +292,7 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
         cml_place_any(world, source, packet);
         return;
     }
-    if (source->shape != CML_SHAPE_POINT) {
+    if (source->shape != CML_BEAM_PENCIL) {
         real c, s;
         const struct cml_block draw = cml_draw_launch(world->setup.stream, index, 0);
         const real r = cml_round_offset(source, draw, &c, &s);

@@ -92,7 +92,7 @@ CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, s
 {
     return p.x == known->p.x && p.y == known->p.y && p.z == known->p.z && u.x == known->u.x &&
            u.y == known->u.y && u.z == known->u.z && boundary == 0 && on_primitive == known->on_primitive &&
-           t_max > known->least && (t_max < known->clear || t_max > known->from);
+           t_max > known->least && (t_max < known->most || t_max > known->from);
 }
 
 /* *near_facet: the crossing's ends_near_facet. */
@@ -403,19 +403,19 @@ CML_FN int cml_is_unit(struct cml_vec u)
 CML_FN int cml_is_on_side(const struct cml_world *world, int boundary, struct cml_vec p, real side, real err)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
-    const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
-    const CML_GLOBAL real *bounds = (side > 0 ? world->highest : world->deepest) + grid->first;
+    const CML_GLOBAL struct cml_clearance *map = &surface->clearance;
+    const CML_GLOBAL real *bounds = (side > 0 ? world->highest : world->deepest) + map->first;
     if (cml_is_plane(world, boundary)) return !(side * p.z < -err);
-    if (grid->size == 0) return 1;
+    if (map->size == 0) return 1;
     const real margin = (surface->highest - surface->lowest) * (real)0.0009765625 + err;
     const struct cml_vec q = cml_from_scene_axis(world, p);
     const struct cml_vec still = {0, 0, 0};
-    if (grid->form == CML_CLEARANCE_PERIOD)
-        return !(side * p.z < -cml_clearance_of_period(grid, bounds - grid->first, q, still, -side) - margin);
-    int cell = cml_clearance_index(grid, CML_SQRT(q.x * q.x + q.y * q.y), 0);
+    if (map->form == CML_CLEARANCE_PERIOD)
+        return !(side * p.z < -cml_clearance_of_period(map, bounds - map->first, q, still, -side) - margin);
+    int cell = cml_clearance_index(map, CML_SQRT(q.x * q.x + q.y * q.y), 0);
     if (surface->kind != CML_SURFACE_CONE)
-        cell = cml_clearance_index(grid, q.y, grid->corner_y) * grid->size +
-               cml_clearance_index(grid, q.x, grid->corner_x);
+        cell = cml_clearance_index(map, q.y, map->corner_y) * map->size +
+               cml_clearance_index(map, q.x, map->corner_x);
     return !(side * p.z < side * bounds[cell] - margin);
 }
 

@@ -1,6 +1,6 @@
 /* The walk of walk.h on an OpenCL device. Every work-item flies CML_DEVICE_LANES packets (1 on a GPU), takes
  * the next index from a counter that all share when a packet ends, and stops after a bounded number of
- * events; its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
+ * events; its packets wait in global memory for the next call of the kernel. SPDX-License-Identifier: MIT */
 #include "device_lanes.h"
 
 /* ---- a finished packet's entry into the tallies ---- */
@@ -54,20 +54,20 @@ CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml
 /* What every packet of the group adds alike, from their number: by one item, with a barrier before it. */
 CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_deposits *to)
 {
-    const cml_u64 photons = to->near[CML_CELL_COUNT + CML_COUNT_PHOTONS];
+    const cml_u64 photons = to->local_cells[CML_CELL_COUNT + CML_COUNT_PHOTONS];
     if (!photons) return;
-    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_LAUNCHED, photons * CML_WEIGHT_ONE);
-    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_SPECULAR, photons * setup->specular);
+    cml_add_global(to->cells + CML_CELL_BALANCE + CML_BALANCE_LAUNCHED, photons * CML_WEIGHT_ONE);
+    cml_add_global(to->cells + CML_CELL_BALANCE + CML_BALANCE_SPECULAR, photons * setup->specular);
 }
 
 /* ---- packets of a work-item ---- */
 
-CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
+CML_FN int cml_device_take(__global struct cml_counters *counters, cml_u64 *index)
 {
-    if (*(volatile __global cml_u32 *)&control->taken >= control->count) return 0; /* count stays small */
-    const cml_u32 taken = atomic_inc(&control->taken);
-    *index = control->first + taken * control->stride;
-    return taken < control->count;
+    if (*(volatile __global cml_u32 *)&counters->taken >= counters->count) return 0; /* count stays small */
+    const cml_u32 taken = atomic_inc(&counters->taken);
+    *index = counters->first + taken * counters->stride;
+    return taken < counters->count;
 }
 
 CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
@@ -85,12 +85,13 @@ CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
     fate->u = packet->u;
 }
 
-/* Whether the item can do anything in this launch. */
-CML_FN int cml_device_has_work(__global struct cml_control *control, __global const struct cml_packet *saved)
+/* Whether the item can do anything in this call. */
+CML_FN int cml_device_has_work(__global struct cml_counters *counters,
+                               __global const struct cml_packet *saved)
 {
     for (int lane = 0; lane < CML_DEVICE_LANES; lane++)
         if (saved[lane].fate == CML_FATE_ALIVE) return 1;
-    return *(volatile __global cml_u32 *)&control->taken < control->count;
+    return *(volatile __global cml_u32 *)&counters->taken < counters->count;
 }
 
 /* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
@@ -167,7 +168,7 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
     l->flushed_w[i] = packet->w;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
     l->live[i] = packet->fate == CML_FATE_ALIVE;
-    l->cleared[i] = 0;
+    l->path_is_free[i] = 0;
     cml_device_load_medium(world, f, i);
 }
 
@@ -203,16 +204,16 @@ CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_de
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
 CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
-                               struct cml_launch launch, __global struct cml_device_fate *fates,
+                               struct cml_kernel_call call, __global struct cml_device_fate *fates,
                                struct cml_device_flight *f, cml_u32 i)
 {
     CML_PACKET struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
     cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
-    if (launch.record)
-        cml_device_write_fate(packet, fates + (packet->index - to->control->first) / to->control->stride);
-    if (cml_device_take(to->control, &index))
+    if (call.record)
+        cml_device_write_fate(packet, fates + (packet->index - to->counters->first) / to->counters->stride);
+    if (cml_device_take(to->counters, &index))
         cml_begin_walk(world, to, index, packet);
     else
         f->alive--;
@@ -314,21 +315,21 @@ CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct c
 #if CML_DEVICE_LANES > 1
 /* One event of every packet. Returns how many that is. */
 CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
-                               const struct cml_deposits *to, struct cml_launch launch,
+                               const struct cml_deposits *to, struct cml_kernel_call call,
                                __global struct cml_device_fate *fates, struct cml_device_flight *f,
                                cml_u32 most)
 {
     cml_u32 ended = 0;
     world->setup.stream = *stream;
-    const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
-    for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
+    const cml_u32 may_hit = cml_device_fly(world->setup.stream, &f->lanes);
+    for (cml_u32 rest = may_hit; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     const cml_u32 low_lanes = cml_device_interact(&world->setup, world->phase_cells, &f->lanes);
     if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
     for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
         ended |= cml_device_roulette(world->setup.roulette, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
-        cml_device_replace(world, to, launch, fates, f, CML_LOWEST(rest));
+        cml_device_replace(world, to, call, fates, f, CML_LOWEST(rest));
     return most ? 1 : 0;
 }
 #else
@@ -337,33 +338,33 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
  * to roulette or to an end do that together. A boundary that is looked for and not met is no event: the item
  * goes on to its interaction in the next pass. Returns how many there were. */
 CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
-                               const struct cml_deposits *to, struct cml_launch launch,
+                               const struct cml_deposits *to, struct cml_kernel_call call,
                                __global struct cml_device_fate *fates, struct cml_device_flight *f,
                                cml_u32 most)
 {
-    cml_u32 events = 0, near, low = 0, ended = 0;
+    cml_u32 events = 0, may_hit, low = 0, ended = 0;
     do {
         world->setup.stream = *stream;
-        near = cml_device_fly(world->setup.stream, &f->lanes);
-        if (near) break;
+        may_hit = cml_device_fly(world->setup.stream, &f->lanes);
+        if (may_hit) break;
         low = cml_device_interact(&world->setup, world->phase_cells, &f->lanes);
         if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
         events++;
     } while (!low && events < most && events < CML_DEVICE_PASSES);
-    if (near) {
+    if (may_hit) {
         ended = cml_device_process_lane(world, to, f, 0);
-        f->lanes.cleared[0] = f->lanes.mine[0];
+        f->lanes.path_is_free[0] = f->lanes.mine[0];
         events += !f->lanes.mine[0];
     }
     if (low) ended = cml_device_roulette(world->setup.roulette, to, f, 0);
-    if (ended) cml_device_replace(world, to, launch, fates, f, 0);
+    if (ended) cml_device_replace(world, to, call, fates, f, 0);
     return events;
 }
 #endif
 
-/* The events of one work-item in one launch. stream: that of the world, see struct cml_shared. */
+/* The events of one work-item in one call. stream: that of the world, see struct cml_shared. */
 CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
-                                 const struct cml_deposits *to, struct cml_launch launch,
+                                 const struct cml_deposits *to, struct cml_kernel_call call,
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)
 {
     struct cml_device_flight flight;
@@ -376,13 +377,13 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_u64 index;
         CML_PACKET struct cml_packet *packet = &flight.packets[i];
-        if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->control, &index))
+        if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->counters, &index))
             cml_begin_walk(world, to, index, packet);
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
-    for (cml_u32 done = 0; flight.alive && (done < launch.steps || flight.lanes.cleared[0]);)
-        done += cml_device_pass(world, stream, to, launch, fates, &flight, launch.steps - done);
+    for (cml_u32 done = 0; flight.alive && (done < call.steps || flight.lanes.path_is_free[0]);)
+        done += cml_device_pass(world, stream, to, call, fates, &flight, call.steps - done);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_device_read_lane(&flight, i);
         cml_device_flush_deposits(to, &flight, i);
@@ -390,29 +391,28 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
         saved[i] = flight.packets[i];
 #endif
     }
-    if (flight.alive) atomic_add(&to->control->alive, flight.alive);
+    if (flight.alive) atomic_add(&to->counters->alive, flight.alive);
 }
 
 /* What a compiler would keep in registers, with all that follows from it alone, if it came with the kernel's
  * arguments: every pass reads it anew from local memory. */
 struct cml_shared {
-    struct cml_windows windows;
+    struct cml_local_parts parts;
     struct cml_stream stream;
 };
 
-__kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
-cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
-              __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
-              __global const real *ring_r, __global const real *ring_z, __global const real *ring_slope,
-              __global const real *ring_horizon_above, __global const real *ring_horizon_below,
-              __global const int *ring_starts, __global const real *deepest, __global const real *highest,
-              __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
-              __global const struct cml_body_grid *body_grids,
-              __global const struct cml_body_cell *body_cells,
-              __global const struct cml_phase_cell *phase_cells, __global const struct cml_source *sources,
-              __global const struct cml_light_cell *light_cells, __global const cml_u32 *image_words,
-              __global struct cml_control *control, __global struct cml_packet *packets,
-              __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
+__kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_transport(
+    const struct cml_setup setup, const struct cml_local_parts parts, const struct cml_kernel_call call,
+    __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
+    __global const real *ring_r, __global const real *ring_z, __global const real *ring_slope,
+    __global const real *ring_horizon_above, __global const real *ring_horizon_below,
+    __global const int *ring_starts, __global const real *deepest, __global const real *highest,
+    __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
+    __global const struct cml_body_grid *body_grids, __global const struct cml_body_cell *body_cells,
+    __global const struct cml_phase_cell *phase_cells, __global const struct cml_source *sources,
+    __global const struct cml_light_cell *light_cells, __global const cml_u32 *image_words,
+    __global struct cml_counters *counters, __global struct cml_packet *packets,
+    __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *local_cells)
 {
     struct cml_world world = {setup,
                               media,
@@ -436,25 +436,25 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
                               light_cells,
                               image_words};
     __local struct cml_shared shared;
-    const struct cml_deposits to = {&shared.windows, near, cells, control};
+    const struct cml_deposits to = {&shared.parts, local_cells, cells, counters};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
-    if (!cml_device_has_work(control, packets + item * CML_DEVICE_LANES)) return;
+    if (!cml_device_has_work(counters, packets + item * CML_DEVICE_LANES)) return;
 #endif
     if (get_local_id(0) == 0) {
         shared.stream = setup.stream;
-        shared.windows = windows;
+        shared.parts = parts;
     }
-    cml_clear_near(near, launch.near_cells);
+    cml_zero_local(local_cells, call.num_local);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < launch.items)
-        cml_device_work_item(&world, &shared.stream, &to, launch, packets + item * CML_DEVICE_LANES, fates);
+    if (item < call.items)
+        cml_device_work_item(&world, &shared.stream, &to, call, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0) cml_score_launches(&world.setup, &to);
-    cml_flush_window(&to, windows.sums);
-    cml_flush_window(&to, windows.reflected);
-    cml_flush_window(&to, windows.transmitted);
-    cml_flush_window(&to, windows.absorbed);
+    cml_flush_local_part(&to, parts.sums);
+    cml_flush_local_part(&to, parts.reflected);
+    cml_flush_local_part(&to, parts.transmitted);
+    cml_flush_local_part(&to, parts.absorbed);
 }
 
 /* The device's sizes and offsets, for the host to compare with its own. */

@@ -115,8 +115,6 @@ struct cml_direction_bins {
 };
 
 #ifndef __OPENCL_VERSION__
-enum cml_detector_shape { CML_DETECTS_RING, CML_DETECTS_RECTANGLE, CML_DETECTS_MAP };
-
 /* What sees packets that have left for good (P13). Lengths in cm, places in scene coordinates. */
 struct cml_detector {
     int shape;             /* enum cml_detector_shape */
@@ -266,17 +264,7 @@ struct cml_weight_windows {
 #define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
 #endif
 
-/* How packets of a source lie across its axis, and what its numbers are. */
-enum cml_source_shape {
-    CML_SHAPE_POINT,
-    CML_SHAPE_DISK,      /* a: radius */
-    CML_SHAPE_GAUSSIAN,  /* a: 1/e^2 radius */
-    CML_SHAPE_RING,      /* a: square of the inner radius, b: difference of both squares */
-    CML_SHAPE_RECTANGLE, /* a, b: half the lengths along e1 and e2 */
-    CML_SHAPE_IMAGE      /* a, b: lengths of a pixel along e1 and e2 */
-};
-
-/* Their directions about the axis. */
+/* Directions of a source's packets about its axis. */
 enum cml_source_light {
     CML_LIGHT_PARALLEL,
     CML_LIGHT_EVEN,   /* evenly per solid angle, as far as 1 - cosine is `spread`, or, where that is 0, the
@@ -297,11 +285,13 @@ struct cml_source {
                             * inside: of the medium */
     real start;            /* z where packets start in the frame of the medium, unless inside */
     struct cml_vec axis, e1, e2; /* direction, and two unit vectors across it */
-    int shape, light;            /* enum cml_source_shape, cml_source_light */
-    real a, b;                   /* of the shape */
-    real aperture, spread;       /* of the light */
-    int nx, ny, first_word;      /* of an image */
-    int first_cell, num_cells;   /* of a table */
+    int shape, light;            /* enum cml_beam_shape, cml_source_light */
+    real a, b; /* disk: the radius; Gaussian: the 1/e^2 radius; ring: the square of the inner radius, and the
+                * difference of both squares; rectangle: half its lengths along e1 and e2; image: lengths of a
+                * pixel along them */
+    real aperture, spread;     /* of the light */
+    int nx, ny, first_word;    /* of an image */
+    int first_cell, num_cells; /* of a table */
 };
 
 /* A part of the directions of a table: 1 - cosine from v on, `width` wide; density at both ends. */
@@ -311,10 +301,8 @@ struct cml_light_cell {
 };
 
 /* What lies under the last boundary and sends light back (P12). */
-enum cml_backing_kind { CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN, CML_BACKING_METAL };
-
 struct cml_backing {
-    int kind;
+    int kind;     /* enum cml_backing_kind */
     int boundary; /* the last one; -1 without a backing */
     real kept; /* mirror, lambertian: share of the weight that does not come back; a little over 1 where none
                 * does */
@@ -400,12 +388,12 @@ struct cml_hit {
 
 #ifndef __OPENCL_VERSION__
 /* What paths from p along u meet of the first boundary, a mesh, on whose primitive they begin, below it:
- * nothing where they are longer than `least` and shorter than `clear`, `hit` where they are longer than
+ * nothing where they are longer than `least` and shorter than `most`, `hit` where they are longer than
  * `from`, cm. Others are to be asked. */
 struct cml_known_path {
     struct cml_vec p, u;
     int on_primitive;
-    double least, clear, from;
+    double least, most, from;
     struct cml_hit hit;
 };
 #endif

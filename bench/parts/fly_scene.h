@@ -32,7 +32,7 @@ static cml_status bench_open(const char *path, enum cml_surface_kind force, stru
     CML_TRY(cml_mci_read(path, NULL, &flight->list, err));
     const struct cml_scene *scene = &flight->list.scenes[0];
     CML_TRY(cml_surfaces_create(scene, &how, &flight->surfaces, err));
-    const struct cml_grid grid = cml_engine_grid(scene, &flight->surfaces, &options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, &flight->surfaces, &options);
     CML_TRY(cml_tally_create(&grid, &flight->tally, err));
     return cpu_open(scene, &flight->surfaces, &options, &flight->cpu, err);
 }

@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tables
 
 GROUP = 128  # work-items: GPU_GROUP of src/engine/opencl/opencl_flight.c
-NEAR_KB = 16  # local memory of a group: NEAR_BYTES_SHARED there
+NEAR_KB = 16  # local memory of a group: LOCAL_BYTES_SHARED there
 INSTRUCTION = 16  # bytes, from sm_70 on
 # Of a multiprocessor: registers, warps, local memory [KiB] (CUDA C++ Programming Guide 12.9, table "Technical Specifications
 # per Compute Capability"); registers are handed out to warps by the 256

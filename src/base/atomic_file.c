@@ -254,7 +254,7 @@ static bool same_folder(const char *path, const char *other)
     return slash - path == others - other && strncmp(path, other, (size_t)(slash - path)) == 0;
 }
 
-static void note_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
+static void keep_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
 {
     if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);
 }
@@ -263,10 +263,10 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
 {
     cml_status status = CML_OK;
     char **path = deferred.path;
-    for (size_t i = 0; i < deferred.count; i++) note_reason(path[i], sync_file(path[i]), &status, err);
+    for (size_t i = 0; i < deferred.count; i++) keep_reason(path[i], sync_file(path[i]), &status, err);
     for (size_t i = 0; i < deferred.count; i++)
         if (i == 0 || !same_folder(path[i], path[i - 1]))
-            note_reason(path[i], sync_folder(path[i]), &status, err);
+            keep_reason(path[i], sync_folder(path[i]), &status, err);
     for (size_t i = 0; i < deferred.count; i++) free(path[i]);
     free(path);
     deferred.path = NULL;

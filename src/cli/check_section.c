@@ -22,7 +22,7 @@ static double half_size(const struct cml_beam *beam)
 {
     const double half[] = {
         0, beam->size[0], beam->size[0], beam->size[1], beam->size[0] / 2, beam->size[0] / 2};
-    return half[beam->kind];
+    return half[beam->shape];
 }
 
 /* Across the beam, R; along x, more where the beam is slanted. */
@@ -105,8 +105,8 @@ static void find_depth(const struct cml_scene *scene, const double x[2], double 
 static void label_backing(const struct cml_backing_def *backing, struct cml_section_label *label)
 {
     char what[48];
-    if (backing->kind == CML_NO_BACKING) return;
-    if (backing->kind == CML_BACKED_BY_METAL)
+    if (backing->kind == CML_BACKING_NONE) return;
+    if (backing->kind == CML_BACKING_METAL)
         snprintf(what, sizeof what, "%.3g+%.3gi", backing->n, backing->k);
     else
         snprintf(what, sizeof what, "R = %.3g", backing->R);
@@ -138,12 +138,12 @@ static void describe_in_words(const struct cml_scene *scene, int k, char *text, 
     FILE *out = fmemopen(text, size, "w");
     if (!out) return;
     if (scene->num_beams > 1) fprintf(out, "%d: ", k + 1);
-    fputs(kinds[beam->kind], out);
-    if (beam->kind == CML_BEAM_DISK || beam->kind == CML_BEAM_GAUSSIAN)
+    fputs(kinds[beam->shape], out);
+    if (beam->shape == CML_BEAM_DISK || beam->shape == CML_BEAM_GAUSSIAN)
         fprintf(out, ", R = %g cm", beam->size[0]);
-    else if (beam->kind == CML_BEAM_RING)
+    else if (beam->shape == CML_BEAM_RING)
         fprintf(out, ", R = %g to %g cm", beam->size[0], beam->size[1]);
-    else if (beam->kind != CML_BEAM_PENCIL)
+    else if (beam->shape != CML_BEAM_PENCIL)
         fprintf(out, ", %g x %g cm", beam->size[0], beam->size[1]);
     if (beam->angle > 0)
         fprintf(out, ", angle %g, azimuth %g", beam->angle * degrees, beam->azimuth * degrees);

@@ -61,7 +61,7 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
            100 * (double)pair->equal / (double)setup->photons, (unsigned long long)differ,
            (unsigned long long)setup->photons,
            setup->sides[s].same_geometry ? ", at most 0.01 % may" : "; another geometry");
-    const int totals = cml_num_totals(setup->scene->backing.kind != CML_NO_BACKING);
+    const int totals = cml_num_totals(setup->scene->backing.kind != CML_BACKING_NONE);
     for (int t = 0; t < totals; t++)
         printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", cml_quantities[cml_quantity_of_total(t)].name,
                pair->total[t].mean, pair->total[t].error, pair->total[t].z);
@@ -97,7 +97,7 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     json_t *side = json_pack("{s:s, s:I, s:f}", "name", setup->sides[s].name, "lost",
                              (json_int_t)cml_result_lost(sums), "residue", cml_result_imbalance(sums));
     json_t *differences = json_object();
-    const int totals = cml_num_totals(setup->scene->backing.kind != CML_NO_BACKING);
+    const int totals = cml_num_totals(setup->scene->backing.kind != CML_BACKING_NONE);
     for (int t = 0; t < totals; t++) {
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         const struct cml_check_total *total = &pair->total[t];

@@ -10,7 +10,7 @@
 #include "run/cluster.h"
 #include "scene/body/body_shape.h"
 #include "surface/mean_depth.h"
-#include "tally/places.h"
+#include "tally/piece.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -126,14 +126,14 @@ static cml_status choose_area(const struct cml_scene *scene, struct furnace *f, 
 
 static struct cml_beam diffuse_beam(const struct furnace *f)
 {
-    return (struct cml_beam){.kind = CML_BEAM_RECTANGLE,
+    return (struct cml_beam){.shape = CML_BEAM_RECTANGLE,
                              .size = {f->size[0], f->size[1]},
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
-    if (scene->backing.kind != CML_NO_BACKING)
+    if (scene->backing.kind != CML_BACKING_NONE)
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a backing (expected none in a furnace: light comes from there)", scene->file,
                         scene->backing.line);
@@ -212,7 +212,7 @@ static void judge(struct furnace *f, int i, double share, double error, double l
 static void judge_medium(struct furnace *f, const struct cml_result *result, int i)
 {
     const struct cml_scene *scene = &f->scene;
-    const int m = i > scene->num_layers ? i + 1 : i, media = (int)cml_grid_media(&result->grid);
+    const int m = i > scene->num_layers ? i + 1 : i, media = (int)cml_tally_media(&result->grid);
     const struct cml_medium_def *medium = &scene->media[m];
     struct place *place = &f->place[i];
     const double law =

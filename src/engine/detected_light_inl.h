@@ -175,7 +175,7 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
         if (k + 1 == detection->arc.detector) continue;
         seen = seen && seen <= k ? seen : k + 1;
         cml_add_to_detector(world, light, k, sums);
-        if (!pixels || detector->shape != CML_DETECTS_MAP) continue;
+        if (!pixels || detector->shape != CML_DETECTOR_MAP) continue;
         uint64_t *const to = pixels->detector_map + detector->first_pixel + seeing.pixel;
         cml_add_shared(to, light->times * light->w);
         cml_add_shared(to + (pixels->detector_map2 - pixels->detector_map),

@@ -53,11 +53,11 @@ int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_eng
     return -1;
 }
 
-struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                const struct cml_engine_options *options)
+struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                      const struct cml_engine_options *options)
 {
     const struct cml_map_def *map = &scene->map;
-    struct cml_grid grid = {
+    struct cml_tally_grid grid = {
         .nr = scene->nr,
         .nz = scene->nz,
         .na = scene->na,
@@ -86,12 +86,12 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                   scene->num_beams > 1 ? scene->shares : NULL}};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
-        if (detector->kind == CML_DETECTOR_MAP)
+        if (detector->shape == CML_DETECTOR_MAP)
             grid.detector_pixels += (size_t)detector->nx * (size_t)detector->ny;
     }
     for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
-    grid.backed = scene->facets && surfaces && scene->backing.kind != CML_NO_BACKING &&
+    grid.backed = scene->facets && surfaces && scene->backing.kind != CML_BACKING_NONE &&
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
@@ -136,7 +136,7 @@ cml_status cml_engine_given_up(struct cml_error *err)
 struct range_work {
     pthread_mutex_t lock; /* around all that follows */
     uint64_t begin, end;  /* photons */
-    uint64_t place;       /* of the next one to fly */
+    uint64_t turn;        /* of the next one to fly */
     struct cml_tally *tally;
 };
 
@@ -145,18 +145,18 @@ static bool next_of_range(void *context, uint64_t most, int takers, struct cml_p
     struct range_work *range = context;
     pthread_mutex_lock(&range->lock);
     *piece = (struct cml_piece){0};
-    if (range->place < range->end) {
-        const uint64_t size = cml_piece_size(most, takers, range->end - range->place);
-        *piece = cml_piece_at(range->begin, range->end, range->place);
+    if (range->turn < range->end) {
+        const uint64_t size = cml_piece_size(most, takers, range->end - range->turn);
+        *piece = cml_piece_at(range->begin, range->end, range->turn);
         if (piece->count > size) piece->count = size;
-        range->place += piece->count;
+        range->turn += piece->count;
     }
     pthread_mutex_unlock(&range->lock);
     return piece->count > 0;
 }
 
 /* One tally for all batches. */
-static void note_nothing(void *context, int batch, struct cml_tally *tally)
+static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
     (void)batch;
@@ -174,8 +174,8 @@ static void add_to_range(void *context, struct cml_tally *tally)
 cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
                                 struct cml_tally *tally, struct cml_error *err)
 {
-    struct range_work range = {.begin = first, .end = first + count, .place = first, .tally = tally};
-    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range, NULL, NULL};
+    struct range_work range = {.begin = first, .end = first + count, .turn = first, .tally = tally};
+    const struct cml_work work = {&range, next_of_range, ignore_batch, add_to_range, NULL, NULL};
     pthread_mutex_init(&range.lock, NULL);
     const cml_status status = engine->run(self, &work, err);
     pthread_mutex_destroy(&range.lock);

@@ -9,7 +9,7 @@
 #include "scene/scene.h"
 #include "base/status.h"
 #include "surface/surface.h"
-#include "tally/places.h"
+#include "tally/piece.h"
 #include "tally/tally.h"
 
 /* Roulette (P8), in shares of a packet; both 0: that of original MCML. */
@@ -96,11 +96,11 @@ struct cml_work {
      * the end. false: there are no more for this call of run; *piece is empty then. */
     bool (*next)(void *context, uint64_t most, int takers, struct cml_piece *piece);
     /* All that has come to the tally since the last call, or since it was zero, is of this batch, but for
-     * what its late packets have brought (tally.h). Packets may still be under way: what they bring is noted
-     * later. The cells stay. */
-    void (*note)(void *context, int batch, struct cml_tally *tally);
-    /* Takes all cells of a tally that gets no more in this call of run, and that was noted whole; it is zero
-     * afterwards. */
+     * what its late packets have brought (tally.h). Packets may still be under way: what they bring comes
+     * with a later call. The cells stay. */
+    void (*end_batch)(void *context, int batch, struct cml_tally *tally);
+    /* Takes all cells of a tally that gets no more in this call of run, whose last batch has ended; it is
+     * zero afterwards. */
     void (*add)(void *context, struct cml_tally *tally);
     /* The system refused to start all threads of the engine: so many fly. NULL: not told. */
     void (*fewer)(void *context, int threads);
@@ -152,8 +152,8 @@ CML_NODISCARD cml_status cml_engine_run_range(const struct cml_engine *engine, v
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left);
 
 /* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
-struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                const struct cml_engine_options *options);
+struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                      const struct cml_engine_options *options);
 
 const char *cml_fate_name(int fate);
 const char *cml_lost_cause_name(int cause);

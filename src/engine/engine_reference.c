@@ -29,7 +29,7 @@ static void reference_close(void *self)
 static cml_status reference_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
     struct reference_engine *engine = calloc(1, sizeof *engine);
     *self = NULL;
     if (!engine) return cml_fail_memory(err, sizeof *engine, "an engine");
@@ -48,7 +48,7 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Little at a time, so that a run which is to stop has little to end; noted batch by batch. */
+/* Little at a time, so that a run which is to stop has little to end; told batch by batch. */
 static cml_status reference_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     struct reference_engine *engine = self;
@@ -56,13 +56,13 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
     struct cml_piece piece;
     int batch = -1;
     while (work->next(work->context, 64, 1, &piece)) {
-        if (batch >= 0 && piece.batch != batch) work->note(work->context, batch, &engine->tally);
+        if (batch >= 0 && piece.batch != batch) work->end_batch(work->context, batch, &engine->tally);
         batch = piece.batch;
         if (!run_piece(&engine->owned.world, work, &piece, &patience, engine->factor, &engine->branches,
                        &engine->tally))
             return cml_engine_given_up(err);
     }
-    if (batch >= 0) work->note(work->context, batch, &engine->tally);
+    if (batch >= 0) work->end_batch(work->context, batch, &engine->tally);
     cml_saved_hand_in(engine->tally.saved);
     work->add(work->context, &engine->tally);
     return CML_OK;

@@ -58,10 +58,10 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
-/* Of all values, which are those of cml_tally_note. */
-static void list_series(const struct cml_grid *grid, struct series *series)
+/* Of all values, which are those of cml_tally_bring. */
+static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
-    const struct cml_profile_places at = cml_tally_profiles(grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(grid);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
     const struct series profiles[] = {
         {"Rd_r", at.Rd_r, nr},
@@ -81,7 +81,7 @@ static void list_series(const struct cml_grid *grid, struct series *series)
 /* As in the output: what lies beyond the grid counts in its first and last bins. */
 static void fold_profiles(struct cml_tally *tally)
 {
-    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
     const size_t nr = (size_t)tally->grid.nr, nz = (size_t)tally->grid.nz;
     uint64_t *Rd_r = tally->brought + at.Rd_r, *Tt_r = tally->brought + at.Tt_r,
              *A_z = tally->brought + at.A_z;
@@ -111,7 +111,7 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         struct cml_tally *tally = &trial->tally[way];
         cml_tally_zero(tally);
         CML_TRY(cml_engine_run_range(trial->engine, trial->flight[way], trial->packets, count, tally, err));
-        cml_tally_note(tally, -1);
+        cml_tally_bring(tally, -1);
         fold_profiles(tally);
         trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);
@@ -211,7 +211,7 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
                              const struct cml_surface_set *ways[2], struct trial *trial,
                              struct cml_error *err)
 {
-    const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, ways[0], options);
     list_series(&grid, trial->series);
     trial->num_values = cml_tally_profile_bins(&grid);
     trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);

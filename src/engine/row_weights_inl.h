@@ -28,7 +28,7 @@ struct cml_row_sums {
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
                                                   const struct cml_tally *tally)
 {
-    const struct cml_grid *grid = &tally->grid;
+    const struct cml_tally_grid *grid = &tally->grid;
     struct cml_row_sums sums = {.count = world->rows.count};
     if (sums.count == 0) return sums;
     sums.scores = world->rows.hits != NULL;

@@ -225,13 +225,13 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
                                        cml_trace_function *on_event, void *context,
                                        struct cml_fate_record *records, struct cml_error *err)
 {
-    const struct cml_grid grid = {.nr = 1,
-                                  .nz = 1,
-                                  .na = 1,
-                                  .num_layers = world->setup.num_layers,
-                                  .num_bodies = world->setup.num_bodies,
-                                  .gates = on_event ? world->setup.gates.count : 0,
-                                  .detectors = on_event ? world->detection.num_detectors : 0};
+    const struct cml_tally_grid grid = {.nr = 1,
+                                        .nz = 1,
+                                        .na = 1,
+                                        .num_layers = world->setup.num_layers,
+                                        .num_bodies = world->setup.num_bodies,
+                                        .gates = on_event ? world->setup.gates.count : 0,
+                                        .detectors = on_event ? world->detection.num_detectors : 0};
     struct cml_tally tally;
     CML_TRY(cml_tally_create(&grid, &tally, err));
     struct tracing tracing = {world, on_event, context};

@@ -208,17 +208,17 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
     size_t first = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_clearance_map *map = &from->item[b].clearance;
-        struct cml_clearance *grid = &to->surfaces[b].clearance;
+        struct cml_clearance *clearance = &to->surfaces[b].clearance;
         int offset = 0;
-        grid->form = (int)map->form;
-        grid->size = map->size;
-        grid->first = (int)first;
-        grid->corner_x = (real)map->corner[0];
-        grid->corner_y = (real)map->corner[1];
-        grid->per_cell = (real)(map->cell[0] > 0 ? 1 / map->cell[0] : 0);
-        grid->per_cell_y = (real)(map->cell[1] > 0 ? 1 / map->cell[1] : 0);
+        clearance->form = (int)map->form;
+        clearance->size = map->size;
+        clearance->first = (int)first;
+        clearance->corner_x = (real)map->corner[0];
+        clearance->corner_y = (real)map->corner[1];
+        clearance->per_cell = (real)(map->cell[0] > 0 ? 1 / map->cell[0] : 0);
+        clearance->per_cell_y = (real)(map->cell[1] > 0 ? 1 / map->cell[1] : 0);
         for (int l = 0; l < map->levels; l++) {
-            grid->level_offset[l] = offset;
+            clearance->level_offset[l] = offset;
             offset += (int)cml_clearance_level_cells(map, l);
         }
         for (size_t i = 0; i < map->cells; i++) {
@@ -343,7 +343,7 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
 }
 
 /* The grid of r and z begins at depth 0, that of voxels at the top of theirs. */
-static void set_marks(const struct cml_grid *grid, const struct cml_map *map, struct cml_marks *marks)
+static void set_marks(const struct cml_tally_grid *grid, const struct cml_map *map, struct cml_marks *marks)
 {
     const real top = grid->phi_volume ? map->top_bins : 0;
     marks->top = top < 0 ? top : 0;
@@ -394,11 +394,9 @@ static cml_status set_windows(const struct cml_scene *scene, const struct cml_wi
 /* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
-    static const int kinds[] = {CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN,
-                                CML_BACKING_METAL};
     const struct cml_backing_def *def = &scene->backing;
     const double n = scene->media[scene->num_layers].n;
-    backing->kind = kinds[def->kind];
+    backing->kind = (int)def->kind;
     backing->boundary = backing->kind == CML_BACKING_NONE ? -1 : scene->num_layers;
     backing->kept = (real)(def->R > 0 ? 1 - def->R : 1 + 4 * (double)CML_EPSILON);
     backing->n = (real)(def->n / n);
@@ -407,10 +405,10 @@ static void set_backing(const struct cml_scene *scene, struct cml_backing *backi
 
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
-    const struct cml_roulette_rule window = {(cml_u32)(options->below * CML_WEIGHT_ONE),
-                                             (cml_u32)(options->weight * CML_WEIGHT_ONE)},
+    const struct cml_roulette_rule given = {(cml_u32)(options->below * CML_WEIGHT_ONE),
+                                            (cml_u32)(options->weight * CML_WEIGHT_ONE)},
                                    mcml = {(cml_u32)(1e-4 * CML_WEIGHT_ONE), 0};
-    return options->below > 0 ? window : mcml;
+    return options->below > 0 ? given : mcml;
 }
 
 /* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
@@ -438,7 +436,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
-    const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, NULL, options);
     setup->keeps_paths =
         scene->time.gates > 0 || scene->num_detectors > 0 || grid.saved.limit > 0 || grid.rows > 0;
     set_marks(&grid, &setup->map, &setup->marks);
@@ -449,11 +447,11 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
 }
 
 /* P16. */
-static cml_status copy_rows(const struct cml_scene *scene, const struct cml_grid *grid,
+static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                             const struct cml_engine_rows *rows, struct cml_owned_world *to,
                             struct cml_error *err)
 {
-    const size_t media = cml_grid_media(grid), own = (size_t)rows->count, all = cml_row_stride(grid);
+    const size_t media = cml_tally_media(grid), own = (size_t)rows->count, all = cml_row_stride(grid);
     if (own == 0) return CML_OK;
     to->row_more = calloc(media * all, sizeof *to->row_more);
     to->row_part = calloc(media * all, sizeof *to->row_part);
@@ -475,10 +473,10 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_grid
 }
 
 /* P17. */
-static cml_status make_scores(const struct cml_scene *scene, const struct cml_grid *grid,
+static cml_status make_scores(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                               struct cml_owned_world *to, struct cml_error *err)
 {
-    const size_t media = cml_grid_media(grid), all = cml_row_stride(grid);
+    const size_t media = cml_tally_media(grid), all = cml_row_stride(grid);
     to->row_more = calloc(media * all, sizeof *to->row_more);
     to->row_hits = calloc(media * all, sizeof *to->row_hits);
     if (!to->row_more || !to->row_hits)
@@ -525,7 +523,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
     if (status == CML_OK)
         status = grid.derivatives ? make_scores(scene, &grid, to, err)
                                   : copy_rows(scene, &grid, &options->rows, to, err);

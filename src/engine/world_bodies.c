@@ -112,7 +112,7 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
         grid->per_cell = (real)(1 / from->cell);
     }
     for (size_t i = 0; i < to->num_body_cells; i++) {
-        const struct cml_body_near *from = &grids->near[i];
+        const struct cml_body_ball *from = &grids->ball[i];
         to->body_cells[i] =
             (struct cml_body_cell){(real)from->radius,
                                    from->body < 0 ? -1 : cml_body_medium(scene, from->body),

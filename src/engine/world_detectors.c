@@ -11,11 +11,10 @@
 
 static struct cml_detector detector_of(const struct cml_scene *scene, const struct cml_detector_def *def)
 {
-    static const int shapes[] = {CML_DETECTS_RING, CML_DETECTS_RECTANGLE, CML_DETECTS_MAP};
     const double n = scene->media[def->below ? scene->num_layers + 1 : 0].n;
     const double sine = sin(def->angle), half_w = def->nx * def->size[0] / 2,
                  half_h = def->ny * def->size[1] / 2;
-    struct cml_detector d = {.shape = shapes[def->kind], .aimed = def->aimed, .diffuse = def->diffuse};
+    struct cml_detector d = {.shape = (int)def->shape, .aimed = def->aimed, .diffuse = def->diffuse};
     d.axis = cml_vec_of(sine * cos(def->azimuth), sine * sin(def->azimuth),
                         (def->below ? 1 : -1) * cos(def->angle));
     d.most_sine2 = (real)(def->na < n ? (def->na / n) * (def->na / n) : 2);
@@ -35,7 +34,7 @@ static struct cml_detector detector_of(const struct cml_scene *scene, const stru
     return d;
 }
 
-/* ---- a grid over those of one level ---- */
+/* ---- cells over those of one level ---- */
 
 struct rectangle {
     double low[2], high[2];
@@ -43,7 +42,7 @@ struct rectangle {
 
 static struct rectangle rectangle_around(const struct cml_detector_def *def)
 {
-    const bool ring = def->kind == CML_DETECTOR_RING;
+    const bool ring = def->shape == CML_DETECTOR_RING;
     const double w = ring ? def->size[1] : def->nx * def->size[0] / 2,
                  h = ring ? def->size[1] : def->ny * def->size[1] / 2;
     return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
@@ -81,14 +80,14 @@ static bool ring_reaches(const struct level *level, const struct cml_detector_de
 {
     const int at[2] = {ix, iy};
     const double middle[2] = {def->x, def->y};
-    double near[2], far[2];
+    double closest[2], farthest[2];
     for (int i = 0; i < 2; i++) {
         const double width = (level->all.high[i] - level->all.low[i]) / level->n;
         const double low = level->all.low[i] + (at[i] - 0.01) * width - middle[i], high = low + 1.02 * width;
-        near[i] = fmax(0, fmax(low, -high));
-        far[i] = fmax(high, -low);
+        closest[i] = fmax(0, fmax(low, -high));
+        farthest[i] = fmax(high, -low);
     }
-    return hypot(far[0], far[1]) >= def->size[0] && hypot(near[0], near[1]) <= def->size[1];
+    return hypot(farthest[0], farthest[1]) >= def->size[0] && hypot(closest[0], closest[1]) <= def->size[1];
 }
 
 /* Counts, or with a list enters, the detectors of every cell: next[n * n] is how many there are, or where the
@@ -103,7 +102,7 @@ static double fill_cells(const struct level *level, double most, int *next, int 
         for (int i = 0; i < 2; i++) find_cells(level, &own, i, &first[i], &last[i]);
         for (int iy = first[1]; iy <= last[1]; iy++)
             for (int ix = first[0]; ix <= last[0] && entries < most; ix++) {
-                if (def->kind == CML_DETECTOR_RING && !ring_reaches(level, def, ix, iy)) continue;
+                if (def->shape == CML_DETECTOR_RING && !ring_reaches(level, def, ix, iy)) continue;
                 const int entry = next[iy * level->n + ix]++;
                 if (list) list[entry] = level->place[k].number;
                 entries++;
@@ -231,7 +230,7 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
                     const struct cml_detector_def *defs)
 {
     const struct cml_vec up = {0, 0, -1};
-    const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_SHAPE_POINT;
+    const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_BEAM_PENCIL;
     for (int k = 0; k < num_detectors; k++)
         if (!defs[k].below && !defs[k].diffuse && (!defs[k].aimed || cml_is_in_cone(&detectors[k], up)))
             return alike ? CML_SPLIT_ALIKE : CML_SPLIT_APART;
@@ -259,7 +258,7 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)
 {
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});
     struct detection d = {.to = to};
     const size_t n = (size_t)scene->num_detectors;
     cml_u64 pixels = 0;
@@ -277,7 +276,7 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
         place[k] = (struct place){def->below, def->z, (int)k};
         to->detectors[k] = detector_of(scene, def);
         to->detectors[k].first_pixel = pixels;
-        if (def->kind == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
+        if (def->shape == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
     }
     qsort(place, n, sizeof *place, compare_places);
     const cml_status status = add_levels(scene, place, &d, &num_levels, err);

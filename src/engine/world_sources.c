@@ -41,7 +41,7 @@ static void sum_parts(const double *part, size_t stride, int count, cml_u32 *wor
 
 static size_t image_words(const struct cml_beam *beam)
 {
-    return beam->kind == CML_BEAM_IMAGE
+    return beam->shape == CML_BEAM_IMAGE
                ? 1 + (size_t)beam->rows + (size_t)beam->rows * (1 + (size_t)beam->columns)
                : 0;
 }
@@ -136,25 +136,18 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
-static int shape_of(const struct cml_beam *beam)
-{
-    static const int shapes[] = {CML_SHAPE_POINT, CML_SHAPE_DISK,      CML_SHAPE_GAUSSIAN,
-                                 CML_SHAPE_RING,  CML_SHAPE_RECTANGLE, CML_SHAPE_IMAGE};
-    return shapes[beam->kind];
-}
-
 static void set_shape(const struct cml_beam *beam, struct cml_source *source)
 {
     const double a = beam->size[0], b = beam->size[1];
-    source->shape = shape_of(beam);
+    source->shape = (int)beam->shape;
     source->a = (real)a;
-    if (beam->kind == CML_BEAM_RING) {
+    if (beam->shape == CML_BEAM_RING) {
         source->a = (real)(a * a);
         source->b = (real)((b - a) * (b + a));
-    } else if (beam->kind == CML_BEAM_RECTANGLE) {
+    } else if (beam->shape == CML_BEAM_RECTANGLE) {
         source->a = (real)(a / 2);
         source->b = (real)(b / 2);
-    } else if (beam->kind == CML_BEAM_IMAGE) {
+    } else if (beam->shape == CML_BEAM_IMAGE) {
         source->nx = beam->columns;
         source->ny = beam->rows;
         source->a = (real)(a / beam->columns);
@@ -241,7 +234,7 @@ static cml_status check_backing(const struct cml_scene *scene, const struct cml_
     const double highest = (double)world->media[last + 1].depth + (double)world->surfaces[last].lowest;
     const double height = cml_beam_height(beam);
     char value[40];
-    if (scene->backing.kind == CML_NO_BACKING ||
+    if (scene->backing.kind == CML_BACKING_NONE ||
         (medium != last + 1 && (height == 0 || beam->z + height < highest)))
         return CML_OK;
     snprintf(value, sizeof value, "%g", beam->z);
@@ -271,7 +264,7 @@ static cml_status place_inside(const struct cml_scene *scene, const struct cml_b
     CML_TRY(check_place(scene, world, beam, medium, err));
     CML_TRY(check_backing(scene, world, beam, medium, err));
     CML_TRY(check_aperture(scene, beam, medium, err));
-    source->is_pencil = beam->kind == CML_BEAM_PENCIL;
+    source->is_pencil = beam->shape == CML_BEAM_PENCIL;
     if (!source->is_pencil) return CML_OK;
     source->medium = medium;
     source->middle.z = (real)(beam->z - (double)world->media[medium].depth);
@@ -333,7 +326,7 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
         source->first_word = (int)word;
         if (beam->light.kind == CML_LIGHT_OF_TABLE)
             source->num_cells = cut_table(&beam->light, to->light_cells + cell, sum);
-        if (beam->kind == CML_BEAM_IMAGE) status = sum_image(beam, to->image_words + word, err);
+        if (beam->shape == CML_BEAM_IMAGE) status = sum_image(beam, to->image_words + word, err);
         cell += light_cells(&beam->light);
         word += image_words(beam);
     }
@@ -369,7 +362,7 @@ cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surfa
         else
             place_above(scene, beam, surfaces, start_as, source);
         source->is_common =
-            !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL && beam->kind <= CML_BEAM_GAUSSIAN;
+            !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL && beam->shape <= CML_BEAM_GAUSSIAN;
     }
     if (scene->num_beams == 1) setup->specular = to->sources[0].specular;
     return CML_OK;

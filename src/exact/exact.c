@@ -80,7 +80,7 @@ static cml_status solve_order(struct search *search, const struct cml_directions
 
 static bool is_diffuse(const struct cml_backing_def *backing)
 {
-    return backing && backing->kind == CML_BACKED_BY_LAMBERTIAN;
+    return backing && backing->kind == CML_BACKING_LAMBERTIAN;
 }
 
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
@@ -181,11 +181,11 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     if (scene->num_bodies > 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
                               "layers without bodies: adding-doubling knows no others");
-    if (scene->backing.kind == CML_BACKED_BY_METAL)
+    if (scene->backing.kind == CML_BACKING_METAL)
         return cml_fail_field(err, scene->file, scene->backing.line, "backing", "metal",
                               "mirror or lambertian: adding-doubling knows no others");
     struct cml_exact_options own = *options;
-    own.backing = scene->backing.kind == CML_NO_BACKING ? NULL : &scene->backing;
+    own.backing = scene->backing.kind == CML_BACKING_NONE ? NULL : &scene->backing;
     struct cml_medium_def *media = malloc(count * sizeof *media);
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
     cml_status status = cml_exact_light_create(scene, &light, err);

@@ -133,7 +133,7 @@ static cml_status check_beams(const struct cml_scene *scene, struct cml_error *e
 
 bool cml_exact_knows(const struct cml_scene *scene)
 {
-    return scene->backing.kind != CML_BACKED_BY_METAL && all_come_from_above(scene);
+    return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene);
 }
 
 cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,

@@ -111,7 +111,7 @@ static void begin(struct stack *stack, int n)
 static void begin_backed(struct stack *stack, const struct cml_backing_def *backing,
                          const struct cml_directions *directions, double m, int n)
 {
-    const bool diffuse = backing->kind == CML_BACKED_BY_LAMBERTIAN;
+    const bool diffuse = backing->kind == CML_BACKING_LAMBERTIAN;
     stack->n = n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)

@@ -171,7 +171,7 @@ static cml_status read_image(struct cml_mci_reader *reader, const char *name, st
 /* A shape's numbers have the same names in messages and in settings. */
 struct shape {
     const char *name;
-    enum cml_beam_kind kind;
+    enum cml_beam_shape shape;
     int numbers;
     struct cml_mci_field field[2];
 };
@@ -204,13 +204,13 @@ static cml_status read_beam_shape(const struct cml_mci_line_options *options, st
         return cml_mci_fail_option(
             options, "shape", word,
             "pencil, disk R, gaussian R, ring R1 R2, rectangle W H or image \"FILE.gsf\"");
-    beam->kind = shape->kind;
+    beam->shape = shape->shape;
     for (int i = 0; i < shape->numbers; i++) {
         word = cml_text_word(&options->reader->cursor);
         if (!word || !cml_mci_parse(&shape->field[i], word, &beam->size[i]))
             return cml_mci_fail_option(options, shape->field[i].name, word, shape->field[i].expected);
     }
-    if (beam->kind != CML_BEAM_IMAGE) return CML_OK;
+    if (beam->shape != CML_BEAM_IMAGE) return CML_OK;
     word = cml_text_word(&options->reader->cursor);
     if (!word || *word == '"' || *word == '\0' || strchr(word, '='))
         return cml_mci_fail_option(options, "file", word, "a file name in a pair of quotes");
@@ -328,25 +328,25 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 
 /* ---- settings ---- */
 
-struct cml_mci_place cml_mci_beam_place(struct cml_scene *scene, int k, const char *member)
+struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const char *member)
 {
     struct cml_beam *beam = &scene->beams[k];
-    const struct shape *shape = &shapes[beam->kind];
+    const struct shape *shape = &shapes[beam->shape];
     const struct {
         bool there;
-        struct cml_mci_place place;
-    } places[] = {{true, {&beam->x, &x_field, 1}},
-                  {true, {&beam->y, &y_field, 1}},
-                  {beam->inside, {&beam->z, &z_field, 1}},
-                  {true, {&beam->angle, beam->inside ? &angle_inside : &angle_above, degree}},
-                  {true, {&beam->azimuth, &azimuth, degree}},
-                  {beam->light.kind == CML_LIGHT_OF_NA, {&beam->light.na, &aperture, 1}},
-                  {scene->num_beams > 1, {&scene->shares[k], &share, 1}},
-                  {shape->numbers > 0, {&beam->size[0], &shape->field[0], 1}},
-                  {shape->numbers > 1, {&beam->size[1], &shape->field[1], 1}}};
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-        if (places[i].there && strcmp(places[i].place.field->name, member) == 0) return places[i].place;
-    return (struct cml_mci_place){0};
+        struct cml_mci_number number;
+    } numbers[] = {{true, {&beam->x, &x_field, 1}},
+                   {true, {&beam->y, &y_field, 1}},
+                   {beam->inside, {&beam->z, &z_field, 1}},
+                   {true, {&beam->angle, beam->inside ? &angle_inside : &angle_above, degree}},
+                   {true, {&beam->azimuth, &azimuth, degree}},
+                   {beam->light.kind == CML_LIGHT_OF_NA, {&beam->light.na, &aperture, 1}},
+                   {scene->num_beams > 1, {&scene->shares[k], &share, 1}},
+                   {shape->numbers > 0, {&beam->size[0], &shape->field[0], 1}},
+                   {shape->numbers > 1, {&beam->size[1], &shape->field[1], 1}}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (numbers[i].there && strcmp(numbers[i].number.field->name, member) == 0) return numbers[i].number;
+    return (struct cml_mci_number){0};
 }
 
 /* ---- what belongs together ---- */
@@ -385,7 +385,7 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
 {
     const struct cml_beam *beam = &scene->beams[k];
     char value[80];
-    if (beam->kind == CML_BEAM_RING && !(beam->size[0] < beam->size[1])) {
+    if (beam->shape == CML_BEAM_RING && !(beam->size[0] < beam->size[1])) {
         snprintf(value, sizeof value, "%g %g", beam->size[0], beam->size[1]);
         return fail_beam(reader, scene, k, "beam: r1 r2", value, "r1 < r2");
     }

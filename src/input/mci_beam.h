@@ -14,7 +14,7 @@ CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_
 
 /* Where beam k has the number `member`, as of beam.radius: of what its line has, and a pencil has no radius.
  */
-struct cml_mci_place cml_mci_beam_place(struct cml_scene *scene, int k, const char *member);
+struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const char *member);
 
 /* After all numbers are there: checks what lines and media have to do with each other. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_check_beams(const struct cml_mci_reader *reader,

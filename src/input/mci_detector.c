@@ -33,7 +33,7 @@ static const double degree = CML_PI / 180;
 
 static const struct shape {
     const char *name;
-    enum cml_detector_kind kind;
+    enum cml_detector_shape shape;
     int numbers;
     struct cml_mci_field field[4]; /* their names are those of settings, too */
 } shapes[] = {
@@ -82,13 +82,13 @@ static cml_status read_shape(const struct cml_mci_line_options *options, const c
         if (!word || !cml_mci_parse(field, word, &number[i]))
             return cml_mci_fail_option(options, field->name, word, field->expected);
     }
-    const bool map = shapes[s].kind == CML_DETECTOR_MAP;
-    detector->kind = shapes[s].kind;
+    const bool map = shapes[s].shape == CML_DETECTOR_MAP;
+    detector->shape = shapes[s].shape;
     detector->nx = map ? (int)number[0] : 1;
     detector->ny = map ? (int)number[1] : 1;
     for (int i = 0; i < 2; i++) detector->size[i] = number[map ? i + 2 : i];
     if (shapes[s].numbers == 1) memcpy(detector->size, (double[]){0, number[0]}, sizeof detector->size);
-    return detector->kind == CML_DETECTOR_RING ? check_radii(options, detector->size) : CML_OK;
+    return detector->shape == CML_DETECTOR_RING ? check_radii(options, detector->size) : CML_OK;
 }
 
 /* ---- options ---- */
@@ -121,7 +121,7 @@ static cml_status set_name(const struct cml_mci_line_options *options, struct cm
     return cml_text_copy(name, &detector->name, options->reader->err);
 }
 
-static cml_status set_place(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+static cml_status set_position(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
 {
     double values[2];
     if (options->key == KEY_Z) {
@@ -169,7 +169,7 @@ static cml_status set_option(const struct cml_mci_line_options *options, struct 
     case KEY_NAME:
         return set_name(options, detector);
     default:
-        return set_place(options, detector);
+        return set_position(options, detector);
     }
 }
 
@@ -268,29 +268,29 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
 static const struct shape *shape_of(const struct cml_detector_def *detector)
 {
     int s = 0;
-    while (shapes[s].kind != detector->kind || (s == 0 && detector->size[0] > 0)) s++;
+    while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
     return &shapes[s];
 }
 
-struct cml_mci_place cml_mci_detector_place(struct cml_detector_def *detector, const char *member)
+struct cml_mci_number cml_mci_detector_number(struct cml_detector_def *detector, const char *member)
 {
     if (strcmp(member, z_field.name) == 0) detector->at_z = true;
     const struct shape *shape = shape_of(detector);
     const struct cml_mci_field *last = &shape->field[shape->numbers - 1];
     const struct {
         bool there;
-        struct cml_mci_place place;
-    } places[] = {{true, {&detector->x, &x_field, 1}},
-                  {true, {&detector->y, &y_field, 1}},
-                  {true, {&detector->z, &z_field, 1}},
-                  {shape->numbers > 1, {&detector->size[0], last - (shape->numbers > 1), 1}},
-                  {true, {&detector->size[1], last, 1}},
-                  {detector->aimed, {&detector->na, &aperture, 1}},
-                  {detector->aimed, {&detector->angle, &angle_field, degree}},
-                  {detector->aimed, {&detector->azimuth, &azimuth_field, degree}}};
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-        if (places[i].there && strcmp(places[i].place.field->name, member) == 0) return places[i].place;
-    return (struct cml_mci_place){0};
+        struct cml_mci_number number;
+    } numbers[] = {{true, {&detector->x, &x_field, 1}},
+                   {true, {&detector->y, &y_field, 1}},
+                   {true, {&detector->z, &z_field, 1}},
+                   {shape->numbers > 1, {&detector->size[0], last - (shape->numbers > 1), 1}},
+                   {true, {&detector->size[1], last, 1}},
+                   {detector->aimed, {&detector->na, &aperture, 1}},
+                   {detector->aimed, {&detector->angle, &angle_field, degree}},
+                   {detector->aimed, {&detector->azimuth, &azimuth_field, degree}}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (numbers[i].there && strcmp(numbers[i].number.field->name, member) == 0) return numbers[i].number;
+    return (struct cml_mci_number){0};
 }
 
 /* ---- what belongs together ---- */
@@ -302,7 +302,7 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     char number[16], value[80];
     if (!detector->at_z) detector->z = scene->boundaries[detector->below ? scene->num_layers : 0].z;
     snprintf(value, sizeof value, "%g %g", detector->size[0], detector->size[1]);
-    if (detector->kind == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
+    if (detector->shape == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
         return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
     snprintf(number, sizeof number, "%d", k + 1);
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
@@ -347,7 +347,7 @@ cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         CML_TRY(fill_in(reader, scene, k));
-        if (detector->kind == CML_DETECTOR_MAP) pixels += 2.0 * detector->nx * detector->ny;
+        if (detector->shape == CML_DETECTOR_MAP) pixels += 2.0 * detector->nx * detector->ny;
         snprintf(value, sizeof value, "%d %d", detector->nx, detector->ny);
         if (pixels > most)
             return fail_detector(reader, scene, k, "detector: nx ny", value,

@@ -12,7 +12,7 @@ CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct 
 
 /* Where a detector has the number `member`, as of detector.radius: of what its line has, and one that sees
  * all directions has no axis. */
-struct cml_mci_place cml_mci_detector_place(struct cml_detector_def *detector, const char *member);
+struct cml_mci_number cml_mci_detector_number(struct cml_detector_def *detector, const char *member);
 
 /* After all numbers are there: fills in names and planes that lines do not give, and checks what lines have
  * to do with each other. CML_E_INPUT: two of a name, too many pixels. */

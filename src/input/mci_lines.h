@@ -52,7 +52,7 @@ struct cml_mci_field {
 };
 
 /* Where a number stands that may be set (input/mci_settings.h). */
-struct cml_mci_place {
+struct cml_mci_number {
     double *value; /* NULL: there is no such number */
     const struct cml_mci_field *field;
     double unit; /* what *value is of 1 outside: radians of a degree, else 1 */

@@ -206,8 +206,8 @@ static cml_status own_phase(const struct cml_mci_reader *reader, struct cml_scen
     return add_phase(reader, scene, copy, medium);
 }
 
-static cml_status phase_place(const struct cml_mci_reader *reader, struct cml_scene *scene,
-                              struct cml_medium_def *medium, const char *name, struct cml_mci_place *place)
+static cml_status phase_number(const struct cml_mci_reader *reader, struct cml_scene *scene,
+                               struct cml_medium_def *medium, const char *name, struct cml_mci_number *number)
 {
     if (!medium->phase) return CML_OK;
     struct cml_phase *own;
@@ -216,23 +216,24 @@ static cml_status phase_place(const struct cml_mci_reader *reader, struct cml_sc
     while (names[i] && strcmp(names[i], name) != 0) i++;
     if (!names[i]) return CML_OK;
     CML_TRY(own_phase(reader, scene, medium, &own));
-    *place = (struct cml_mci_place){&own->number[i], phase_field(name), 1};
+    *number = (struct cml_mci_number){&own->number[i], phase_field(name), 1};
     return CML_OK;
 }
 
-cml_status cml_mci_medium_place(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
-                                const char *member, struct cml_mci_place *place)
+cml_status cml_mci_medium_number(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
+                                 const char *member, struct cml_mci_number *number)
 {
     struct cml_medium_def *medium = &scene->media[m];
     double *const values[] = {&medium->n, &medium->mua, &medium->mus, &medium->g};
     const bool outer = m == 0 || m == scene->num_layers + 1, layer = !outer && m <= scene->num_layers;
-    *place = (struct cml_mci_place){0};
+    *number = (struct cml_mci_number){0};
     if (!outer && strncmp(member, "phase.", 6) == 0)
-        return phase_place(reader, scene, medium, member + 6, place);
+        return phase_number(reader, scene, medium, member + 6, number);
     for (int i = 0; i < (outer ? 1 : CML_MCI_MEDIUM_FIELDS); i++)
         if (strcmp(cml_mci_medium_fields[i].name, member) == 0)
-            *place = (struct cml_mci_place){values[i], &cml_mci_medium_fields[i], 1};
-    if (layer && strcmp(member, "d") == 0) *place = (struct cml_mci_place){&medium->d, &cml_mci_thickness, 1};
+            *number = (struct cml_mci_number){values[i], &cml_mci_medium_fields[i], 1};
+    if (layer && strcmp(member, "d") == 0)
+        *number = (struct cml_mci_number){&medium->d, &cml_mci_thickness, 1};
     return CML_OK;
 }
 
@@ -289,14 +290,14 @@ static const struct cml_mci_field backing_R = {"backing: R", 0, 1, false,
                                   backing_k = {"backing: K", 0, MAX_INDEX, false,
                                                "the imaginary part of an index, 0..100"};
 
-struct cml_mci_place cml_mci_backing_place(struct cml_backing_def *backing, const char *member)
+struct cml_mci_number cml_mci_backing_number(struct cml_backing_def *backing, const char *member)
 {
-    const bool metal = backing->kind == CML_BACKED_BY_METAL;
-    if (metal && strcmp(member, "n") == 0) return (struct cml_mci_place){&backing->n, &backing_n, 1};
-    if (metal && strcmp(member, "k") == 0) return (struct cml_mci_place){&backing->k, &backing_k, 1};
-    if (!metal && backing->kind != CML_NO_BACKING && strcmp(member, "r") == 0)
-        return (struct cml_mci_place){&backing->R, &backing_R, 1};
-    return (struct cml_mci_place){0};
+    const bool metal = backing->kind == CML_BACKING_METAL;
+    if (metal && strcmp(member, "n") == 0) return (struct cml_mci_number){&backing->n, &backing_n, 1};
+    if (metal && strcmp(member, "k") == 0) return (struct cml_mci_number){&backing->k, &backing_k, 1};
+    if (!metal && backing->kind != CML_BACKING_NONE && strcmp(member, "r") == 0)
+        return (struct cml_mci_number){&backing->R, &backing_R, 1};
+    return (struct cml_mci_number){0};
 }
 
 static cml_status backing_number(struct cml_mci_reader *reader, const char *word,
@@ -308,13 +309,13 @@ static cml_status backing_number(struct cml_mci_reader *reader, const char *word
 
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
-    if (backing->kind != CML_NO_BACKING)
+    if (backing->kind != CML_BACKING_NONE)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one backing line");
     cml_mci_cut_comment(reader->cursor);
     const char *word = cml_text_word(&reader->cursor);
     backing->line = reader->text.line;
     if (word && strcmp(word, "metal") == 0) {
-        backing->kind = CML_BACKED_BY_METAL;
+        backing->kind = CML_BACKING_METAL;
         CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), &backing_n, &backing->n));
         CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), &backing_k, &backing->k));
         word = cml_text_word(&reader->cursor);
@@ -324,7 +325,7 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
         const bool diffuse = word && strcmp(word, "lambertian") == 0;
         if (word && !diffuse && strcmp(word, "mirror") != 0)
             return cml_mci_fail(reader, "backing", word, "mirror, lambertian or the end of the line");
-        backing->kind = diffuse ? CML_BACKED_BY_LAMBERTIAN : CML_BACKED_BY_MIRROR;
+        backing->kind = diffuse ? CML_BACKING_LAMBERTIAN : CML_BACKING_MIRROR;
         if (word) word = cml_text_word(&reader->cursor);
     }
     if (word) return cml_mci_fail(reader, "backing", word, "the end of the line or a comment");

@@ -23,9 +23,9 @@ CML_NODISCARD cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer,
 
 /* Where medium m has the number `member`, as of layer2.mua or layer2.phase.g1, whose phase function is its
  * own from then on. */
-CML_NODISCARD cml_status cml_mci_medium_place(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
-                                              const char *member, struct cml_mci_place *place);
-struct cml_mci_place cml_mci_backing_place(struct cml_backing_def *backing, const char *member);
+CML_NODISCARD cml_status cml_mci_medium_number(struct cml_mci_reader *reader, struct cml_scene *scene, int m,
+                                               const char *member, struct cml_mci_number *number);
+struct cml_mci_number cml_mci_backing_number(struct cml_backing_def *backing, const char *member);
 
 /* After all numbers are there. Refuses an absorption that would be lost in rounding: mua's setting is named
  * where there is one, else the line; and a phase function whose mean cosine is not the medium's g to 1e-3. */

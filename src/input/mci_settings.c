@@ -16,23 +16,23 @@ static const struct cml_mci_field scale_field = {"scale", CML_MCI_TINY, CML_MCI_
                                   height_field = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
 
 static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                      const struct cml_mci_place *place)
+                      const struct cml_mci_number *number)
 {
     double value;
-    if (!cml_mci_parse(place->field, setting->value, &value))
-        return cml_setting_fail(setting, place->field->expected, reader->err);
-    *place->value = value * place->unit;
+    if (!cml_mci_parse(number->field, setting->value, &value))
+        return cml_setting_fail(setting, number->field->expected, reader->err);
+    *number->value = value * number->unit;
     return CML_OK;
 }
 
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
-    const struct cml_mci_place places[] = {{scale, &scale_field, 1}, {height, &height_field, 1}};
+    const struct cml_mci_number numbers[] = {{scale, &scale_field, 1}, {height, &height_field, 1}};
     char name[CML_SETTING_NAME];
     for (int i = 0; reader->options->settings && i < 2; i++) {
-        snprintf(name, sizeof name, "boundary%d.%s", b, places[i].field->name);
+        snprintf(name, sizeof name, "boundary%d.%s", b, numbers[i].field->name);
         const struct cml_setting *setting = cml_settings_find(reader->options->settings, name);
-        if (setting) CML_TRY(set(reader, setting, &places[i]));
+        if (setting) CML_TRY(set(reader, setting, &numbers[i]));
     }
     return CML_OK;
 }
@@ -78,17 +78,18 @@ static int medium_of(const struct cml_scene *scene, const struct name *name)
     return -1;
 }
 
-static cml_status find_place(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
-                             struct cml_mci_place *place)
+static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
+                              struct cml_mci_number *number)
 {
     const int medium = medium_of(scene, name), beam = which(name, scene->num_beams),
               detector = which(name, scene->num_detectors);
-    if (medium >= 0) return cml_mci_medium_place(reader, scene, medium, name->member, place);
+    if (medium >= 0) return cml_mci_medium_number(reader, scene, medium, name->member, number);
     if (strcmp(name->owner, "backing") == 0 && name->number == -1)
-        *place = cml_mci_backing_place(&scene->backing, name->member);
-    if (strcmp(name->owner, "beam") == 0 && beam >= 0) *place = cml_mci_beam_place(scene, beam, name->member);
+        *number = cml_mci_backing_number(&scene->backing, name->member);
+    if (strcmp(name->owner, "beam") == 0 && beam >= 0)
+        *number = cml_mci_beam_number(scene, beam, name->member);
     if (strcmp(name->owner, "detector") == 0 && detector >= 0)
-        *place = cml_mci_detector_place(&scene->detectors[detector], name->member);
+        *number = cml_mci_detector_number(&scene->detectors[detector], name->member);
     return CML_OK;
 }
 
@@ -138,7 +139,7 @@ static void write_beams(FILE *out, const struct cml_scene *scene)
         const struct cml_beam *beam = &scene->beams[k];
         fputs(", beam", out);
         if (scene->num_beams > 1) fprintf(out, "%d", k + 1);
-        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "", of_shape[beam->kind],
+        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "", of_shape[beam->shape],
                 beam->light.kind == CML_LIGHT_OF_NA ? " .na" : "", scene->num_beams > 1 ? " .share" : "");
     }
 }
@@ -159,9 +160,9 @@ static void write_names(FILE *out, const struct cml_scene *scene)
     for (int l = 1; l <= scene->num_layers; l++) write_phase(out, "layer", l, scene->media[l].phase);
     for (int k = 0; k < scene->num_bodies; k++)
         write_phase(out, "body", k + 1, scene->media[cml_body_medium(scene, k)].phase);
-    if (scene->backing.kind == CML_BACKED_BY_METAL)
+    if (scene->backing.kind == CML_BACKING_METAL)
         fputs(", backing.n, backing.k", out);
-    else if (scene->backing.kind != CML_NO_BACKING)
+    else if (scene->backing.kind != CML_BACKING_NONE)
         fputs(", backing.r", out);
     write_shapes(out, scene);
     write_beams(out, scene);
@@ -185,7 +186,7 @@ static cml_status set_photons(const struct cml_mci_reader *reader, const struct 
                               struct cml_scene *scene)
 {
     double photons = 0;
-    CML_TRY(set(reader, setting, &(struct cml_mci_place){&photons, &cml_mci_photons_field, 1}));
+    CML_TRY(set(reader, setting, &(struct cml_mci_number){&photons, &cml_mci_photons_field, 1}));
     scene->photons = (uint64_t)photons;
     return CML_OK;
 }
@@ -195,7 +196,7 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
     const struct cml_settings *settings = reader->options->settings;
     for (int i = 0; settings && i < settings->count; i++) {
         const struct cml_setting *setting = &settings->item[i];
-        struct cml_mci_place place = {0};
+        struct cml_mci_number number = {0};
         struct name name;
         if (strcmp(setting->name, cml_mci_photons_field.name) == 0) {
             CML_TRY(set_photons(reader, setting, scene));
@@ -203,9 +204,9 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
         }
         const bool sound = split(setting->name, &name);
         if (sound && is_of_shape(scene, &name)) continue;
-        if (sound) CML_TRY(find_place(reader, scene, &name, &place));
-        if (!place.value) return fail_unknown(reader, setting, scene);
-        CML_TRY(set(reader, setting, &place));
+        if (sound) CML_TRY(find_number(reader, scene, &name, &number));
+        if (!number.value) return fail_unknown(reader, setting, scene);
+        CML_TRY(set(reader, setting, &number));
     }
     return CML_OK;
 }

@@ -51,7 +51,7 @@ CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, 
                                                  struct cml_error *err);
 
 /* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
-double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid);
+double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid);
 
 /* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);
@@ -101,7 +101,7 @@ void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene 
                        enum cml_report_reader reader);
 
 /* "mirror", "lambertian", "metal". */
-const char *cml_backing_word(enum cml_backing_form kind);
+const char *cml_backing_word(enum cml_backing_kind kind);
 
 /* A line per detector, behind the prefix: "detector NAME: ring of ...". People see the first of many. */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,

@@ -13,64 +13,62 @@
 /* ---- where values come from ---- */
 
 /* A facet among those of all bodies. */
-struct place {
+struct body_facet {
     int body;
     size_t facet;
 };
 
-static struct place place_of(const struct cml_report *report, size_t facet)
+static struct body_facet body_facet_of(const struct cml_report *report, size_t facet)
 {
     const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
-    struct place place = {0, facet};
-    while (place.facet >= bodies->item[place.body].primitives)
-        place.facet -= bodies->item[place.body++].primitives;
-    return place;
+    struct body_facet at = {0, facet};
+    while (at.facet >= bodies->item[at.body].primitives) at.facet -= bodies->item[at.body++].primitives;
+    return at;
 }
 
 /* The next one: to search for each would take long with many bodies. */
-static void move_on(const struct cml_report *report, struct place *place)
+static void move_on(const struct cml_report *report, struct body_facet *at)
 {
-    if (++place->facet < report->surfaces->bodies.item[place->body].primitives) return;
-    place->facet = 0;
-    place->body++;
+    if (++at->facet < report->surfaces->bodies.item[at->body].primitives) return;
+    at->facet = 0;
+    at->body++;
 }
 
-static double area_of(const struct cml_report *report, const struct place *place)
+static double area_of(const struct cml_report *report, const struct body_facet *at)
 {
-    return cml_body_facet_area(&report->surfaces->bodies.item[place->body],
-                               &report->scene->bodies[place->body], place->facet);
+    return cml_body_facet_area(&report->surfaces->bodies.item[at->body], &report->scene->bodies[at->body],
+                               at->facet);
 }
 
 static void numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct place place = place_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &place)) out[i] = place.body + 1;
+    struct body_facet at = body_facet_of(source->report, begin);
+    for (size_t i = 0; i < count; i++, move_on(source->report, &at)) out[i] = at.body + 1;
 }
 
 static void areas(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct place place = place_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &place))
-        out[i] = area_of(source->report, &place);
+    struct body_facet at = body_facet_of(source->report, begin);
+    for (size_t i = 0; i < count; i++, move_on(source->report, &at)) out[i] = area_of(source->report, &at);
 }
 
 /* `cells` begins at the score in question of the first facet. */
 static void densities(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct place place = place_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &place))
-        out[i] = cml_field_sum(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &place);
+    struct body_facet at = body_facet_of(source->report, begin);
+    for (size_t i = 0; i < count; i++, move_on(source->report, &at))
+        out[i] = cml_field_sum(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &at);
 }
 
 static void density_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct place place = place_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &place))
-        out[i] = cml_field_error(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &place);
+    struct body_facet at = body_facet_of(source->report, begin);
+    for (size_t i = 0; i < count; i++, move_on(source->report, &at))
+        out[i] = cml_field_error(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &at);
 }
 
 static void face_numbers(const void *context, size_t begin, size_t count, double *out)

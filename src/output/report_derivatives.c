@@ -23,7 +23,7 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
                               struct cml_outcome *o, struct cml_error *err)
 {
     const enum cml_quantity of = (enum cml_quantity)cml_quantities[quantity].sums;
-    const size_t columns = (size_t)cml_outcome_places(o, CML_AXIS_inside);
+    const size_t columns = (size_t)cml_outcome_bins(o, CML_AXIS_inside);
     if (!sums->value[of] || cml_outcome_size(sums, of) == 0) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
@@ -92,7 +92,7 @@ cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *r
     struct cml_outcome o = {.photons = report->sums->photons,
                             .num_layers = report->scene->num_layers,
                             .num_bodies = report->scene->num_bodies,
-                            .backed = report->scene->backing.kind != CML_NO_BACKING};
+                            .backed = report->scene->backing.kind != CML_BACKING_NONE};
     const int media = report->sums->grid.derivatives ? o.num_layers + o.num_bodies : 0;
     const cml_status status = cml_report_derivatives(report, false, &o, err);
     for (int k = 0; status == CML_OK && k < media && k < MOST; k++) print_medium(stream, &o, k);

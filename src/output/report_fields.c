@@ -282,7 +282,7 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
     size_t first = 0, next = 0;
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
-        if (detector->kind != CML_DETECTOR_MAP) continue;
+        if (detector->shape != CML_DETECTOR_MAP) continue;
         first = next;
         next += (size_t)detector->nx * (size_t)detector->ny;
         if (only >= 0 && only != k) continue;
@@ -303,7 +303,7 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
 void cml_add_outside_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = c->report->sums;
-    const struct cml_grid *grid = &r->grid;
+    const struct cml_tally_grid *grid = &r->grid;
     const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
     const double per = CML_WEIGHT_UNIT / (double)r->photons;
     if (!r->Rd_xya) return;

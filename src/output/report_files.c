@@ -26,7 +26,7 @@ static size_t stem_length(const char *path)
 static bool has_pictures(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_detectors; k++)
-        if (scene->detectors[k].kind == CML_DETECTOR_MAP) return true;
+        if (scene->detectors[k].shape == CML_DETECTOR_MAP) return true;
     return scene->map.nx > 0 || scene->facets;
 }
 
@@ -180,7 +180,7 @@ static cml_status write_pictures(struct cml_report *report, const char *path, st
 {
     char suffix[64];
     for (int k = 0; k < report->scene->num_detectors; k++) {
-        if (report->scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
+        if (report->scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
         snprintf(suffix, sizeof suffix, ".detector_%s.vti", report->scene->detectors[k].name);
         CML_TRY(next_file(report, path, suffix, err));
         CML_TRY(write_picture(report, k, last_file(report), err));
@@ -264,7 +264,7 @@ static cml_status write_tables(struct cml_report *report, const char *path, stru
  * next is begun. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
-    const struct cml_grid *grid = &report->sums->grid;
+    const struct cml_tally_grid *grid = &report->sums->grid;
     struct cml_outcome outcome;
     CML_TRY(cml_report_outcome(report, &outcome, err));
     cml_status status = write_tables(report, path, &outcome, err);
@@ -290,7 +290,7 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
  * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores,
  * errors of all, an area and numbers; a body has its medium and its line of text. What grows may be copied
  * while it is small. */
-static double image_bytes(const struct cml_grid *grid, double cells)
+static double image_bytes(const struct cml_tally_grid *grid, double cells)
 {
     const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
     const double voxels =
@@ -306,13 +306,13 @@ static double image_bytes(const struct cml_grid *grid, double cells)
  * in the .mco and one in the JSON record, of which the longer counts; a stream in memory that grows holds
  * three times its text [glibc, libio/strops.c: doubled, and copied]. Media, and what bodies receive, have
  * room there: the text is held once. */
-double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid)
+double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 250;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
                          2.0 * grid->na + 2.0 * (grid->num_layers + grid->num_bodies);
     const double asked = 6.0 * grid->nt * grid->np + /* three of directions, with errors */
-                         2.0 * grid->detectors * (2.0 + grid->gates + (double)cml_grid_moments(grid)) +
+                         2.0 * grid->detectors * (2.0 + grid->gates + (double)cml_tally_moments(grid)) +
                          (grid->marks > 0 ? 2.0 * (grid->nr + 1.0) * grid->nz : 0);
     const double line_of_detector = 250;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +

@@ -84,10 +84,10 @@ static json_t *beam_json(const struct subject *subject, int k)
     const struct cml_beam *beam = &subject->scene->beams[k];
     char name[CML_MEDIUM_NAME];
     json_t *size = json_array();
-    for (int i = 0; i < sizes[beam->kind]; i++) json_array_append_new(size, json_real(beam->size[i]));
+    for (int i = 0; i < sizes[beam->shape]; i++) json_array_append_new(size, json_real(beam->size[i]));
     json_t *object =
         json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
-                  cml_beam_word(beam->kind), "size", size, "x", beam->x, "y", beam->y, "z",
+                  cml_beam_word(beam->shape), "size", size, "x", beam->x, "y", beam->y, "z",
                   beam->inside ? json_real(beam->z) : json_null(), "angle", in_degrees(beam->angle),
                   "azimuth", in_degrees(beam->azimuth), "light", cml_light_word(beam->light.kind), "na",
                   beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
@@ -111,9 +111,9 @@ static cml_status deal_beams(struct subject *subject, uint64_t photons, struct c
 /* null where the scene has none. */
 static json_t *backing_json(const struct cml_backing_def *backing)
 {
-    if (backing->kind == CML_NO_BACKING) return json_null();
+    if (backing->kind == CML_BACKING_NONE) return json_null();
     const char *kind = cml_backing_word(backing->kind);
-    return backing->kind == CML_BACKED_BY_METAL
+    return backing->kind == CML_BACKING_METAL
                ? json_pack("{s:s, s:f, s:f}", "kind", kind, "n", backing->n, "k", backing->k)
                : json_pack("{s:s, s:f}", "kind", kind, "R", backing->R);
 }
@@ -198,7 +198,7 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     struct cml_outcome o = {.photons = result->photons,
                             .num_layers = report->scene->num_layers,
                             .num_bodies = report->scene->num_bodies,
-                            .backed = report->scene->backing.kind != CML_NO_BACKING};
+                            .backed = report->scene->backing.kind != CML_BACKING_NONE};
     cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
     if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);
     if (status == CML_OK) status = cml_outcome_take_numbers(&o, result, err);
@@ -271,7 +271,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
 /* Totals by adding-doubling, and for each the limit of its error. */
 static void set_exact(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
-    const int last = scene->backing.kind == CML_NO_BACKING ? CML_EXACT_TT : CML_EXACT_BACKING;
+    const int last = scene->backing.kind == CML_BACKING_NONE ? CML_EXACT_TT : CML_EXACT_BACKING;
     json_t *layers = json_array(), *layer_errors = json_array();
     for (int i = 0; i <= last; i++) set_quantity(object, cml_quantity_of_total(i), "", &exact->value[i]);
     for (int i = 0; i <= last; i++)
@@ -288,7 +288,7 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
 
 static int totals_of(const struct cml_scene *scene)
 {
-    return cml_num_totals(scene->backing.kind != CML_NO_BACKING);
+    return cml_num_totals(scene->backing.kind != CML_BACKING_NONE);
 }
 
 /* What a run prints beside its own totals; null where there is none. */

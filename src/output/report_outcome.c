@@ -25,7 +25,7 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     o->np = scene->directions.np;
     o->num_layers = scene->num_layers;
     o->num_bodies = scene->num_bodies;
-    o->backed = scene->backing.kind != CML_NO_BACKING;
+    o->backed = scene->backing.kind != CML_BACKING_NONE;
     o->n_above = scene->media[0].n;
     o->n_below = scene->media[scene->num_layers + 1].n;
     CML_TRY(cml_outcome_allocate(o, err));

@@ -33,7 +33,7 @@ CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report,
                                                 struct cml_outcome *o, struct cml_error *err);
 
 /* "pencil", "parallel" ... */
-const char *cml_beam_word(enum cml_beam_kind kind);
+const char *cml_beam_word(enum cml_beam_shape kind);
 const char *cml_light_word(enum cml_light_kind kind);
 
 /* Where a field gets its values; which members count is the affair of its function. */

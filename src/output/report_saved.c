@@ -84,7 +84,7 @@ static cml_status write(const struct cml_report *report, struct cml_outcome *out
                                    .long_name = "number of the packet, for trace",
                                    .units = "1",
                                    .n = kept->kept,
-                                   .places = indices},
+                                   .values = indices},
                           medium = {.name = "medium",
                                     .long_name = "medium: above, layers, below, bodies",
                                     .units = "1",

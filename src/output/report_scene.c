@@ -29,7 +29,7 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
-const char *cml_backing_word(enum cml_backing_form kind)
+const char *cml_backing_word(enum cml_backing_kind kind)
 {
     static const char *const words[] = {"", "mirror", "lambertian", "metal"};
     return words[kind];
@@ -37,9 +37,9 @@ const char *cml_backing_word(enum cml_backing_form kind)
 
 static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
 {
-    if (backing->kind == CML_NO_BACKING) return;
+    if (backing->kind == CML_BACKING_NONE) return;
     fprintf(stream, "%sbacking: %s, ", prefix, cml_backing_word(backing->kind));
-    if (backing->kind == CML_BACKED_BY_METAL)
+    if (backing->kind == CML_BACKING_METAL)
         fprintf(stream, "index %.15g + %.15g i\n", backing->n, backing->k);
     else
         fprintf(stream, "R = %.15g\n", backing->R);
@@ -83,14 +83,14 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
 /* The depths and the distances from the z axis between which the box around a body lies. */
 static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
 {
-    double near[2], far[2];
+    double closest[2], farthest[2];
     if (reader == CML_READ_BY_PEOPLE) return;
     for (int i = 0; i < 2; i++) {
-        near[i] = fmax(0, fmax(body->lower[i], 0.0 - body->upper[i]));
-        far[i] = fmax(0.0 - body->lower[i], body->upper[i]);
+        closest[i] = fmax(0, fmax(body->lower[i], 0.0 - body->upper[i]));
+        farthest[i] = fmax(0.0 - body->lower[i], body->upper[i]);
     }
     fprintf(stream, " (z = %.9g to %.9g cm, r = %.9g to %.9g cm)", body->depth + body->lower[2],
-            body->depth + body->upper[2], hypot(near[0], near[1]), hypot(far[0], far[1]));
+            body->depth + body->upper[2], hypot(closest[0], closest[1]), hypot(farthest[0], farthest[1]));
 }
 
 /* "layer 2" or "body 3". */
@@ -180,7 +180,7 @@ static void report_light(FILE *stream, const struct cml_light *light)
     if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, ":%g", light->na);
 }
 
-const char *cml_beam_word(enum cml_beam_kind kind)
+const char *cml_beam_word(enum cml_beam_shape kind)
 {
     static const char *const words[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
     return words[kind];
@@ -188,12 +188,12 @@ const char *cml_beam_word(enum cml_beam_kind kind)
 
 static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
 {
-    fprintf(stream, "beam %s", cml_beam_word(beam->kind));
-    if (beam->kind == CML_BEAM_DISK || beam->kind == CML_BEAM_GAUSSIAN)
+    fprintf(stream, "beam %s", cml_beam_word(beam->shape));
+    if (beam->shape == CML_BEAM_DISK || beam->shape == CML_BEAM_GAUSSIAN)
         fprintf(stream, " of radius %g cm", beam->size[0]);
-    else if (beam->kind == CML_BEAM_RING)
+    else if (beam->shape == CML_BEAM_RING)
         fprintf(stream, " of radii %g and %g cm", beam->size[0], beam->size[1]);
-    else if (beam->kind != CML_BEAM_PENCIL)
+    else if (beam->shape != CML_BEAM_PENCIL)
         fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
 }
 
@@ -202,7 +202,7 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double degrees = 180 / acos(-1.0);
-    const bool files = beam->kind == CML_BEAM_IMAGE || beam->light.kind == CML_LIGHT_OF_TABLE;
+    const bool files = beam->shape == CML_BEAM_IMAGE || beam->light.kind == CML_LIGHT_OF_TABLE;
     fputs(prefix, stream);
     report_beam_shape(stream, beam);
     fprintf(stream, " at (%g %g", beam->x, beam->y);
@@ -229,15 +229,16 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
     static const char *const words[] = {"ring", "rectangle", "map"};
-    return detector->kind == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->kind];
+    return detector->shape == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->shape];
 }
 
 static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)
 {
     const double degrees = 180 / acos(-1.0), *size = detector->size;
-    const bool ring = detector->kind == CML_DETECTOR_RING, disk = ring && size[0] == 0;
+    const bool ring = detector->shape == CML_DETECTOR_RING, disk = ring && size[0] == 0;
     fprintf(stream, "%sdetector %s: %s of ", prefix, detector->name, cml_detector_word(detector));
-    if (detector->kind == CML_DETECTOR_MAP) fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
+    if (detector->shape == CML_DETECTOR_MAP)
+        fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
     if (!disk) fprintf(stream, ring ? "radii %.15g and " : "%.15g x ", size[0]);
     fprintf(stream, "%s%.15g cm at (%.15g %.15g %.15g) cm, %s", disk ? "radius " : "", size[1], detector->x,
             detector->y, detector->z, detector->below ? "bottom" : "top");

@@ -128,7 +128,7 @@ static void set_shape(struct cml_compare_quantity *q)
 {
     const int first = cml_quantity_is_of_detector(q->which);
     for (int i = first; i < CML_QUANTITY_AXES && cml_quantities[q->which].axis[i] != CML_AXIS_NONE; i++)
-        q->shape[i - first] = cml_outcome_places(q->outcome[0], cml_quantities[q->which].axis[i]);
+        q->shape[i - first] = cml_outcome_bins(q->outcome[0], cml_quantities[q->which].axis[i]);
 }
 
 /* Both results' own part under one name: detectors may stand in another order, or be in one of them alone,

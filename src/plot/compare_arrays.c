@@ -51,9 +51,9 @@ static bool find_quantity(const char *name, enum cml_quantity *quantity)
 static bool same_axis(const struct cml_axis *one, const struct cml_axis *other)
 {
     if (one->n != other->n) return false;
-    const double width = one->n > 0 ? fabs(one->places[one->n - 1]) + fabs(one->places[0]) : 0;
+    const double width = one->n > 0 ? fabs(one->values[one->n - 1]) + fabs(one->values[0]) : 0;
     for (size_t i = 0; i < one->n; i++)
-        if (!(fabs(one->places[i] - other->places[i]) <= 1e-5 * width)) return false;
+        if (!(fabs(one->values[i] - other->values[i]) <= 1e-5 * width)) return false;
     return true;
 }
 

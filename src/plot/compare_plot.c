@@ -41,8 +41,7 @@ static bool has_panel(const struct cml_comparison *c, int q)
     const enum cml_estimator estimator = cml_quantities[q].estimator;
     const bool profile =
         estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE || estimator == CML_FROM_GROUPS;
-    return c->bins[q] > 0 && profile && cml_quantity_place(quantity) &&
-           !cml_quantity_is_of_detector(quantity);
+    return c->bins[q] > 0 && profile && cml_quantity_axes(quantity) && !cml_quantity_is_of_detector(quantity);
 }
 
 static int count_panels(const struct cml_comparison *c)
@@ -132,11 +131,11 @@ static void write_worst(const struct drawing *d, int q, double top)
 
 /* Bars along the axis show which bins were taken together. Labels of the head are drawn with the first panel
  * and then forgotten, as gnuplot would repeat them in each. */
-static void write_panel(const struct drawing *d, int q, int place)
+static void write_panel(const struct drawing *d, int q, int row)
 {
     static const char colour[] = "lc rgb '#D55E00'";
     const struct cml_comparison *c = d->report->comparison;
-    const double top = d->page.height - HEAD - place * (PANEL + GAP), limit = fmin(d->limit, most);
+    const double top = d->page.height - HEAD - row * (PANEL + GAP), limit = fmin(d->limit, most);
     char name[32];
     double end = 0;
     for (int i = 0; i < c->count; i++)
@@ -149,7 +148,7 @@ static void write_panel(const struct drawing *d, int q, int place)
         &(struct cml_page_text){TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, name});
     cml_page_write(&d->page, LABEL_X,
                    &(struct cml_page_text){(LEFT + RIGHT) / 2.0, top - PANEL - TITLE_BELOW, CML_ALIGN_CENTER,
-                                           CML_PAGE_NORMAL, cml_quantity_place((enum cml_quantity)q)});
+                                           CML_PAGE_NORMAL, cml_quantity_axes((enum cml_quantity)q)});
     if (beyond > 0) write_worst(d, q, top);
     fprintf(d->page.out,
             "set xrange [0:%.7g]\nplot %.4g with lines dt 2 lw 1.2 %s, %.4g with lines dt 2 lw 1.2 %s, ", end,
@@ -177,8 +176,8 @@ cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *e
     d.page.height = HEAD + panels * (PANEL + GAP) + FOOT;
     d.limit = cml_two_sided_limit(cml_sidak_level(d.report->alpha, c->tests));
     write_head(&d);
-    for (int q = 0, place = 0; q < CML_NUM_QUANTITIES; q++)
-        if (has_panel(c, q)) write_panel(&d, q, place++);
+    for (int q = 0, row = 0; q < CML_NUM_QUANTITIES; q++)
+        if (has_panel(c, q)) write_panel(&d, q, row++);
     fputs("unset multiplot\n", out);
     return CML_OK;
 }

@@ -15,12 +15,12 @@ static int find_worst(const struct cml_comparison *c, const struct cml_compare_t
 {
     int count = 0;
     for (int i = 0; i < c->count; i++) {
-        int place = count;
-        while (place > 0 && fabs(worst[place - 1]->z) < fabs(c->test[i].z)) place--;
-        if (place == WORST_LISTED) continue;
+        int rank = count;
+        while (rank > 0 && fabs(worst[rank - 1]->z) < fabs(c->test[i].z)) rank--;
+        if (rank == WORST_LISTED) continue;
         if (count < WORST_LISTED) count++;
-        for (int j = count - 1; j > place; j--) worst[j] = worst[j - 1];
-        worst[place] = &c->test[i];
+        for (int j = count - 1; j > rank; j--) worst[j] = worst[j - 1];
+        worst[rank] = &c->test[i];
     }
     return count;
 }
@@ -100,13 +100,13 @@ static void print_indices(FILE *stream, const struct cml_compare_test *t)
 }
 
 /* "r [cm] 0.12..0.13"; "layer 2" */
-static void print_place(FILE *stream, const struct cml_compare_test *t)
+static void print_bin(FILE *stream, const struct cml_compare_test *t)
 {
     if (t->shape[0]) {
         print_indices(stream, t);
         return;
     }
-    const char *axis = cml_quantity_place(t->quantity);
+    const char *axis = cml_quantity_axes(t->quantity);
     if (cml_quantity_is_of_detector(t->quantity)) fprintf(stream, "%s ", t->key);
     if (axis && t->upper > t->lower)
         fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
@@ -128,7 +128,7 @@ static void print_profiles(FILE *stream, const struct cml_comparison *c)
             continue;
         }
         fprintf(stream, "%d bins in %d tests, worst z %+.2f at ", c->bins[q], c->tests_of[q], worst->z);
-        print_place(stream, worst);
+        print_bin(stream, worst);
         fputc('\n', stream);
     }
 }
@@ -143,7 +143,7 @@ static void print_worst(FILE *stream, const struct cml_comparison *c)
         const struct cml_compare_test *t = worst[i];
         fprintf(stream, "  z %+6.2f  p %-8.2g  %-4s %11.5g +- %-8.2g %11.5g +- %-8.2g %-5s ", t->z, t->p,
                 t->key, t->value[0], t->error[0], t->value[1], t->error[1], cml_quantity_unit(t->quantity));
-        print_place(stream, t);
+        print_bin(stream, t);
         fputc('\n', stream);
     }
 }

@@ -47,7 +47,7 @@ struct panel {
     double bottom, top;       /* points of the page */
     double low, high, first;  /* range of the values; the largest first one if above it, else 0 */
     double lowest, highest;   /* heights, cm; lowest > highest when no file has any */
-    int place;                /* 0: the upper one */
+    int row;                  /* 0: the upper one */
 };
 
 struct drawing {
@@ -112,7 +112,7 @@ static cml_status make_curves(struct drawing *d, struct panel *panel, struct cml
     for (int k = 0; k < plot->num_results; k++)
         CML_TRY(cml_shown_curve(&plot->results[k], plot->paths[k], panel->shown, &panel->curves[k], err));
     for (int k = 0; k < plot->num_curves; k++)
-        CML_TRY(cml_shown_curve_of_others(&plot->curves[k][panel->place], panel->shown,
+        CML_TRY(cml_shown_curve_of_others(&plot->curves[k][panel->row], panel->shown,
                                           &panel->curves[plot->num_results + k], err));
     return CML_OK;
 }
@@ -247,7 +247,7 @@ static void write_curve_data(const struct drawing *d, const struct panel *panel,
 {
     const struct cml_curve *curve = &panel->curves[k];
     bool gap = true;
-    fprintf(d->page.out, "$c%d_%d << EOD\n", panel->place, k);
+    fprintf(d->page.out, "$c%d_%d << EOD\n", panel->row, k);
     for (int i = 0; i < curve->n; i++) {
         const double y = curve->y[i], e = curve->error ? curve->error[i] : 0;
         if (!is_gap(d, y))
@@ -265,7 +265,7 @@ static void write_heights(const struct drawing *d, const struct panel *panel, in
     const struct cml_heights *heights = heights_of(d, panel, k);
     if (!heights) return;
     const double *pair = heights->pair, *last = pair + 2 * (heights->n - 1);
-    fprintf(d->page.out, "$h%d_%d << EOD\n", panel->place, k);
+    fprintf(d->page.out, "$h%d_%d << EOD\n", panel->row, k);
     for (int i = 0; i < heights->n; i++) fprintf(d->page.out, "%.9g %.9g\n", pair[2 * i], pair[2 * i + 1]);
     fprintf(d->page.out, "%.9g %.9g\nEOD\n", fmax(d->to, last[0]), last[1]);
 }
@@ -376,9 +376,9 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
     FILE *out = d->page.out;
     const struct cml_curve *curve = &panel->curves[k];
     const bool others = of_others(d, k);
-    const int place = others ? k - d->plot->num_results : k, at = panel->place;
-    const int dash = others ? 2 : 1 + 3 * (place / NUM_COLOURS % 2);
-    const char *colour = colours[place % NUM_COLOURS];
+    const int number = others ? k - d->plot->num_results : k, at = panel->row;
+    const int dash = others ? 2 : 1 + 3 * (number / NUM_COLOURS % 2);
+    const char *colour = colours[number % NUM_COLOURS];
     if (lit(curve) && !others)
         fprintf(out, "$c%d_%d using 1:3:4 with filledcurves lc rgb '%s' fs transparent solid 0.3 noborder, ",
                 at, k, colour);
@@ -386,12 +386,12 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
         fprintf(out, "$c%d_%d using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s', ", at, k, colour);
     if (lit(curve))
         fprintf(out, "$c%d_%d using 1:2 with linespoints lw %g dt %d pt %d ps 0.6 pi %d lc rgb '%s'", at, k,
-                others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS],
+                others ? 1.3 : 2, dash, marks[others][number % NUM_COLOURS],
                 d->plot->over ? 1 : 1 + curve->n / 14, colour);
     else
         fprintf(out, "NaN with linespoints lw 2 dt %d pt %d ps 0.6 lc rgb '%s'", dash,
-                marks[others][place % NUM_COLOURS], colour);
-    if (panel->place == 0) {
+                marks[others][number % NUM_COLOURS], colour);
+    if (panel->row == 0) {
         char name[CML_PLOT_NAME];
         cml_plot_cut(d->plot->names[k], LONGEST_NAME, name);
         fputs(" title ", out);
@@ -462,7 +462,7 @@ cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
                         .count = plot->num_results + plot->num_curves};
     cml_status status = CML_OK;
     for (int i = 0; i < plot->shown->num_panels; i++) {
-        d.panels[i] = (struct panel){.shown = &plot->shown->panel[i], .place = i};
+        d.panels[i] = (struct panel){.shown = &plot->shown->panel[i], .row = i};
         if (status == CML_OK) status = make_curves(&d, &d.panels[i], err);
     }
     if (status == CML_OK) status = write_panels(&d, plot->shown->num_panels, err);

@@ -189,7 +189,7 @@ static cml_status read_scene(const struct reader *r)
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, o->merged ? "scene" : "input", &o->scene, r->err));
     drop_lines(o->scene, o->merged ? 0 : 2);
-    return cml_outcome_place_shapes(o, r->err);
+    return cml_outcome_make_shapes(o, r->err);
 }
 
 /* ---- all of it ---- */

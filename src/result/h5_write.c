@@ -25,7 +25,7 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
                                         [CML_AXIS_gate] = o->num_gates > 0 ? o->time_end / o->num_gates : 0};
     for (int i = 1; i < CML_NUM_AXES; i++) {
         const enum cml_axis_kind kind = (enum cml_axis_kind)i;
-        const size_t n = (size_t)cml_outcome_places(o, kind);
+        const size_t n = (size_t)cml_outcome_bins(o, kind);
         const double first = kind == CML_AXIS_medium ? 0 : 1;
         f->axis[i] =
             cml_quantity_axis(kind, n, width[i] > 0 ? width[i] / 2 : first, width[i] > 0 ? width[i] : 1);

@@ -103,7 +103,7 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
-    CML_TRY(cml_outcome_place_shapes(o, err));
+    CML_TRY(cml_outcome_make_shapes(o, err));
     return cml_outcome_own_stream(o, err);
 }
 

@@ -19,7 +19,7 @@ extern const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS];
 /* Columns of a grid; 0 for a profile. */
 static inline int cml_mco_columns(const struct cml_outcome *o, const struct cml_mco_section *section)
 {
-    return cml_outcome_places(o, cml_quantities[section->quantity].axis[1]);
+    return cml_outcome_bins(o, cml_quantities[section->quantity].axis[1]);
 }
 
 /* Numbers on a full line of a grid. */

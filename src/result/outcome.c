@@ -12,21 +12,21 @@
 
 /* ---- sizes ---- */
 
-int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
+int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
-    const int places[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
-                                      [CML_AXIS_body] = o->num_bodies,
-                                      [CML_AXIS_r] = o->nr,
-                                      [CML_AXIS_z] = o->nz,
-                                      [CML_AXIS_alpha] = o->na,
-                                      [CML_AXIS_gate] = o->num_gates,
-                                      [CML_AXIS_detector] = o->num_detectors,
-                                      [CML_AXIS_medium] = o->num_layers + 2 + o->num_bodies,
-                                      [CML_AXIS_inside] = o->num_layers + o->num_bodies,
-                                      [CML_AXIS_theta] = o->nt,
-                                      [CML_AXIS_phi] = o->np,
-                                      [CML_AXIS_side] = 4};
-    return places[axis];
+    const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
+                                    [CML_AXIS_body] = o->num_bodies,
+                                    [CML_AXIS_r] = o->nr,
+                                    [CML_AXIS_z] = o->nz,
+                                    [CML_AXIS_alpha] = o->na,
+                                    [CML_AXIS_gate] = o->num_gates,
+                                    [CML_AXIS_detector] = o->num_detectors,
+                                    [CML_AXIS_medium] = o->num_layers + 2 + o->num_bodies,
+                                    [CML_AXIS_inside] = o->num_layers + o->num_bodies,
+                                    [CML_AXIS_theta] = o->nt,
+                                    [CML_AXIS_phi] = o->np,
+                                    [CML_AXIS_side] = 4};
+    return bins[axis];
 }
 
 size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
@@ -34,7 +34,7 @@ size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     size_t size = 1;
     for (int i = 0; i < CML_QUANTITY_AXES && info->axis[i] != CML_AXIS_NONE; i++)
-        size *= (size_t)cml_outcome_places(o, info->axis[i]);
+        size *= (size_t)cml_outcome_bins(o, info->axis[i]);
     return size;
 }
 
@@ -67,7 +67,7 @@ double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quanti
     if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
     if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? cml_outcome_width(o, quantity) : 1;
     if (axis[1] != CML_AXIS_NONE) {
-        const size_t n = (size_t)cml_outcome_places(o, axis[1]);
+        const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
         return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
     }
@@ -294,7 +294,7 @@ static cml_status take_batches(struct cml_outcome *o, const struct cml_result *s
               first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
                                                            : 0,
-              n = first > 0 ? (int)cml_grid_media(&sums->grid) : size;
+              n = first > 0 ? (int)cml_tally_media(&sums->grid) : size;
     const double length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     if (!batches || size == 0) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
@@ -472,7 +472,7 @@ static struct cml_extent extent_of(const char *line)
     return extent;
 }
 
-cml_status cml_outcome_place_shapes(struct cml_outcome *o, struct cml_error *err)
+cml_status cml_outcome_make_shapes(struct cml_outcome *o, struct cml_error *err)
 {
     enum { LINE = 1024 }; /* of a shape, without the end of its file's name */
     char line[LINE];

@@ -66,8 +66,8 @@ struct cml_outcome {
                      nothing */
 };
 
-/* Places along an axis of a quantity. */
-int cml_outcome_places(const struct cml_outcome *outcome, enum cml_axis_kind axis);
+/* Bins along an axis of a quantity. */
+int cml_outcome_bins(const struct cml_outcome *outcome, enum cml_axis_kind axis);
 
 /* Numbers of a quantity. */
 size_t cml_outcome_size(const struct cml_outcome *outcome, enum cml_quantity quantity);
@@ -145,6 +145,6 @@ const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome,
 double cml_outcome_numbers(const struct cml_outcome *outcome);
 
 /* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
-CML_NODISCARD cml_status cml_outcome_place_shapes(struct cml_outcome *outcome, struct cml_error *err);
+CML_NODISCARD cml_status cml_outcome_make_shapes(struct cml_outcome *outcome, struct cml_error *err);
 
 #endif

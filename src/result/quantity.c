@@ -48,7 +48,7 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
 }
 
-const char *cml_quantity_place(enum cml_quantity quantity)
+const char *cml_quantity_axes(enum cml_quantity quantity)
 {
     const enum cml_axis_kind axis = cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity)];
     switch (axis) {

@@ -197,7 +197,7 @@ struct cml_quantity_info {
 };
 extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 
-/* An axis under its name: n places, the first at `first`, `step` apart. */
+/* An axis under its name: n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
 /* One number; a profile over r. */
@@ -244,7 +244,7 @@ static inline int cml_num_totals(bool backed)
 }
 
 /* Its axes and units as they stand beside numbers for people: "r [cm]", NULL for a number; "1/sr", "-". */
-const char *cml_quantity_place(enum cml_quantity quantity);
+const char *cml_quantity_axes(enum cml_quantity quantity);
 const char *cml_quantity_unit(enum cml_quantity quantity);
 
 /* Gives a field name, long name and units. */

@@ -11,7 +11,7 @@
 #include "tally/ranges.h"
 
 struct cml_run_state {
-    struct cml_ranges open; /* places (tally/places.h) of photons that are not flown yet */
+    struct cml_ranges open; /* turns (tally/piece.h) of photons that are not flown yet */
     uint64_t begin, end;    /* the round that they belong to: photons begin to end - 1 */
     double seconds;         /* flown so far */
 };

@@ -133,7 +133,7 @@ static cml_status compare_beams(struct fates *fates, struct cml_error *err)
 static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_check_pair *pairs,
                                 struct cml_error *err)
 {
-    const bool backed = setup->scene->backing.kind != CML_NO_BACKING;
+    const bool backed = setup->scene->backing.kind != CML_BACKING_NONE;
     struct fates fates = {.setup = setup};
     cml_status status = open_sides(&fates, err);
     if (status == CML_OK) status = compare_beams(&fates, err);
@@ -186,7 +186,7 @@ static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 
 static void compare_bins(const struct cml_result *first, const struct cml_result *other,
                          struct cml_check_pair *pair)
 {
-    const struct cml_grid *grid = &first->grid;
+    const struct cml_tally_grid *grid = &first->grid;
     compare_profile("Rd_r", other->Rd_r, first->Rd_r, grid->nr, pair);
     compare_profile("Rd_a", other->Rd_a, first->Rd_a, grid->na, pair);
     compare_profile("Tt_r", other->Tt_r, first->Tt_r, grid->nr, pair);

@@ -59,7 +59,7 @@ struct flight {
 
 /* Packets of one call of the engine, which ends when its tallies are full. Between two calls threads wait for
  * each other, so there are few. */
-static uint64_t room_of_tallies(const struct cml_grid *grid)
+static uint64_t room_of_tallies(const struct cml_tally_grid *grid)
 {
     return grid->facets || grid->marks > 0 ? MOST_AGAIN : CML_TALLY_MAX_PHOTONS;
 }
@@ -177,17 +177,17 @@ static bool next_piece(void *context, uint64_t most, int takers, struct cml_piec
 }
 
 /* For struct cml_work. The sums are long, and the thread's own; only the profiles go into the result. */
-static void note_batch(void *context, int batch, struct cml_tally *tally)
+static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     struct flight *flight = context;
     const double begin = cml_now();
-    cml_tally_note(tally, batch);
+    cml_tally_bring(tally, batch);
     pthread_mutex_lock(&flight->result_lock);
-    cml_result_note(&flight->out->result, batch, tally);
+    cml_result_add_brought(&flight->out->result, batch, tally);
     pthread_mutex_unlock(&flight->result_lock);
     const double seconds = cml_now() - begin;
     pthread_mutex_lock(&flight->hand.lock);
-    cml_work_noted(&flight->work, seconds);
+    cml_work_batch_ended(&flight->work, seconds);
     pthread_mutex_unlock(&flight->hand.lock);
 }
 
@@ -237,7 +237,7 @@ static cml_status fail_given_up(const struct flight *flight, struct cml_error *e
 static cml_status fly(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
-    const struct cml_work work = {flight, next_piece, note_batch, add_tally, note_fewer_threads, stops};
+    const struct cml_work work = {flight, next_piece, end_batch, add_tally, note_fewer_threads, stops};
     const double begin = cml_now(), asking = flight->mine.asking;
     hand->status = CML_OK;
     hand->error = err;
@@ -361,9 +361,9 @@ static uint64_t first_round(const struct cml_run_setup *setup)
 /* Whether rounds of this run end there. */
 static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
 {
-    uint64_t place = first_round(setup);
-    while (setup->target_error > 0 && place < end) place *= 2;
-    return place == end;
+    uint64_t end_of_round = first_round(setup);
+    while (setup->target_error > 0 && end_of_round < end) end_of_round *= 2;
+    return end_of_round == end;
 }
 
 /* A checkpoint says that the run is finished, but somebody took its result away. */
@@ -438,7 +438,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
 }
 
 /* What may fail on one rank alone; run_flight makes all ranks agree on it before the first photon. */
-static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
+static cml_status open_flight(struct flight *flight, const struct cml_tally_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
@@ -494,7 +494,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
 /* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
-    const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
+    const struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
     pthread_mutex_init(&flight.hand.lock, NULL);
@@ -541,8 +541,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
 
 /* The result, the tally that has what threads share, and the tally of each thread; what the engine itself
  * takes is counted where its surfaces are made. */
-double cml_run_bytes(const struct cml_grid *grid, int threads)
+double cml_run_bytes(const struct cml_tally_grid *grid, int threads)
 {
-    const struct cml_grid of_thread = cml_grid_of_thread(grid);
+    const struct cml_tally_grid of_thread = cml_tally_grid_of_thread(grid);
     return cml_result_bytes(grid) + cml_tally_bytes(grid) + threads * cml_tally_bytes(&of_thread);
 }

@@ -68,6 +68,6 @@ CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const st
                                          struct cml_error *err);
 
 /* Bytes that cml_run will hold at its peak for this grid and number of threads. */
-double cml_run_bytes(const struct cml_grid *grid, int threads);
+double cml_run_bytes(const struct cml_tally_grid *grid, int threads);
 
 #endif

@@ -89,7 +89,7 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
 }
 
 /* The least that was seen: the others were held up. */
-void cml_work_noted(struct cml_work_ranges *work, double seconds)
+void cml_work_batch_ended(struct cml_work_ranges *work, double seconds)
 {
     const double overhead = 2 * seconds; /* clearing the tally, or gathering it, costs about as much again */
     if (work->overhead <= 0 || overhead < work->overhead) work->overhead = overhead;

@@ -43,8 +43,8 @@ CML_NODISCARD cml_status cml_work_take(struct cml_work_ranges *work, uint64_t fl
  * few, and more where large tallies make pieces dear. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work);
 
-/* Tells how many seconds it took to note the tally of a piece. */
-void cml_work_noted(struct cml_work_ranges *work, double seconds);
+/* Tells how many seconds it took to bring the tally of a batch into the result. */
+void cml_work_batch_ended(struct cml_work_ranges *work, double seconds);
 
 /* Packets that this rank is sure to get after those in hand. */
 uint64_t cml_work_open_count(const struct cml_work_ranges *work);

@@ -198,7 +198,7 @@ double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {
         0, beam->size[0], 5 * beam->size[0], beam->size[1], beam->size[0] / 2, beam->size[0] / 2};
-    return reach[beam->kind] * fabs(sin(beam->angle));
+    return reach[beam->shape] * fabs(sin(beam->angle));
 }
 
 struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)

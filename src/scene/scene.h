@@ -6,6 +6,7 @@
 #ifndef CML_SCENE_H
 #define CML_SCENE_H
 
+#include "boundary.h"
 #include "scene/heightmap/tile.h"
 #include "geometry/mesh.h"
 #include "scene/phase.h"
@@ -62,10 +63,8 @@ struct cml_boundary {
 enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
 
 /* What lies under the last boundary and sends light back; the medium below is opaque then. */
-enum cml_backing_form { CML_NO_BACKING, CML_BACKED_BY_MIRROR, CML_BACKED_BY_LAMBERTIAN, CML_BACKED_BY_METAL };
-
 struct cml_backing_def {
-    enum cml_backing_form kind;
+    enum cml_backing_kind kind;
     double R;    /* share that comes back, 0..1; mirror, lambertian */
     double n, k; /* index n + i k relative to vacuum; metal */
     int line;    /* of the .mci */
@@ -86,17 +85,7 @@ struct cml_scene_body {
     int line;   /* line of the .mci */
 };
 
-/* The shape lies across the axis, centred on it. */
-enum cml_beam_kind {
-    CML_BEAM_PENCIL,
-    CML_BEAM_DISK,
-    CML_BEAM_GAUSSIAN,
-    CML_BEAM_RING,
-    CML_BEAM_RECTANGLE,
-    CML_BEAM_IMAGE
-};
-
-/* Directions about the axis. */
+/* Directions of a beam's light about its axis. */
 enum cml_light_kind {
     CML_LIGHT_OF_PARALLEL,
     CML_LIGHT_OF_NA,         /* evenly per solid angle within a numerical aperture */
@@ -114,7 +103,7 @@ struct cml_light {
 };
 
 struct cml_beam {
-    enum cml_beam_kind kind;
+    enum cml_beam_shape shape; /* lies across the axis, centred on it */
     double size[2]; /* cm; radius of a disk, 1/e^2 radius of a gaussian; both radii of a ring; widths of a
                      * rectangle or an image along the own x and y */
     double x, y, z; /* cm; where the axis meets z = 0, or the middle of the shape */
@@ -167,13 +156,11 @@ struct cml_saved_def {
     int line;       /* of the .mci */
 };
 
-enum cml_detector_kind { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
-
 /* What sees light that leaves on one side, where the line of its last flight crosses a level plane, at any
  * angle or about an axis. */
 struct cml_detector_def {
     char *name;
-    enum cml_detector_kind kind;
+    enum cml_detector_shape shape;
     double size[2];   /* cm; both radii of a ring, a disk's first one 0; lengths of a rectangle or pixel */
     int nx, ny;       /* pixels of a map; else 1 */
     double x, y, z;   /* cm, of the middle; the scene's */

@@ -27,8 +27,8 @@ static size_t cell_at(int size, int x, int y)
     return (size_t)y * (size_t)size + (size_t)x;
 }
 
-/* The place of a cell along an axis, -1 where there is none. size is a power of two. */
-static int place_of(int x, int size, bool repeats)
+/* The number of a cell along an axis, -1 where there is none. size is a power of two. */
+static int index_along(int x, int size, bool repeats)
 {
     if (repeats) return x & (size - 1);
     return x >= 0 && x < size ? x : -1;
@@ -44,7 +44,8 @@ static void look_from(const struct view *view, int x, int y)
     for (int qy = y0; qy < y0 + 6; qy++)
         for (int qx = x0; qx < x0 + 6; qx++) {
             const int dx = abs(qx - x), dy = abs(qy - y), gap = (dx > dy ? dx : dy) - 1;
-            const int at_x = place_of(qx, size, view->repeats), at_y = place_of(qy, size, view->repeats);
+            const int at_x = index_along(qx, size, view->repeats),
+                      at_y = index_along(qy, size, view->repeats);
             if (gap > 0 && at_x >= 0 && at_y >= 0)
                 far[gap] = fmaxf(far[gap], view->reach[cell_at(size, at_x, at_y)]);
         }
@@ -66,7 +67,8 @@ static float steepest_nearby(const struct view *view, int x, int y)
     float most = 0;
     for (int qy = y - 1; qy <= y + 1; qy++)
         for (int qx = x - 1; qx <= x + 1; qx++) {
-            const int at_x = place_of(qx, size, view->repeats), at_y = place_of(qy, size, view->repeats);
+            const int at_x = index_along(qx, size, view->repeats),
+                      at_y = index_along(qy, size, view->repeats);
             if (at_x >= 0 && at_y >= 0) most = fmaxf(most, view->steepest[cell_at(size, at_x, at_y)]);
         }
     return most;

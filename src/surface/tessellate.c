@@ -134,9 +134,9 @@ static void unit_point(size_t k, size_t segments, double point[2])
     const bool mirror = rest > quarter / 2;
     const double angle = 2.0 * CML_PI * (double)(mirror ? quarter - rest : rest) / (double)segments;
     const bool diagonal = 2 * rest == quarter;
-    const double near = diagonal ? sqrt(0.5) : cos(angle);
-    const double far = diagonal ? sqrt(0.5) : sin(angle);
-    const double x = mirror ? far : near, y = mirror ? near : far;
+    const double cosine = diagonal ? sqrt(0.5) : cos(angle);
+    const double sine = diagonal ? sqrt(0.5) : sin(angle);
+    const double x = mirror ? sine : cosine, y = mirror ? cosine : sine;
     point[0] = turn == 0 ? x : turn == 1 ? -y : turn == 2 ? -x : y;
     point[1] = turn == 0 ? y : turn == 1 ? x : turn == 2 ? -y : -x;
 }

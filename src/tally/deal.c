@@ -111,9 +111,9 @@ uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own)
     return count;
 }
 
-struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place)
+struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
 {
-    const struct cml_piece all = cml_piece_at(deal->begin, deal->end, place);
+    const struct cml_piece all = cml_piece_at(deal->begin, deal->end, turn);
     if (deal->count == 1) return all;
     const uint64_t batch = (uint64_t)all.batch, sheet = (uint64_t)1 << 32;
     uint64_t point =

@@ -1,4 +1,4 @@
-/* How many photons each of several beams has, and which photon of which beam stands at a place (places.h).
+/* How many photons each of several beams has, and whose turn it is, of which beam (piece.h).
  * Of N photons beam k has N share_k / sum, whole numbers by largest remainder; laid side by side in the order
  * of the beams, they are dealt out in turn to the batches. In a batch a beam has points 0, 1, 2 ... of its
  * own lattice. So who flies N photons, and then those that N + M photons have besides, has flown N + M.
@@ -7,7 +7,7 @@
 #define CML_DEAL_H
 
 #include "base/status.h"
-#include "tally/places.h"
+#include "tally/piece.h"
 
 #include <stdbool.h>
 
@@ -29,7 +29,7 @@ CML_NODISCARD cml_status cml_deal_create(const double *share, int count, struct 
                                          struct cml_error *err);
 void cml_deal_clear(struct cml_deal *deal);
 
-/* From here on places are those of the round with the photons begin to end - 1. CML_E_INPUT when memory runs
+/* From here on turns are those of the round with the photons begin to end - 1. CML_E_INPUT when memory runs
  * out, and where a beam has more photons of `begin` than of `end` in a batch: then so few more cannot be
  * flown. */
 CML_NODISCARD cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end,
@@ -42,6 +42,6 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon);
 uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own);
 
 /* cml_piece_at of the round, of one beam. */
-struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place);
+struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn);
 
 #endif

@@ -1,4 +1,4 @@
-/* Places (places.h) of photons that nobody has flown yet: a set of disjoint ranges from which pieces are
+/* Turns (piece.h) of photons that nobody has flown yet: a set of disjoint ranges from which pieces are
  * taken. Results are sums of integers, so the order in which they are taken never shows.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_RANGES_H
@@ -10,13 +10,13 @@
 #include <stdint.h>
 
 struct cml_range {
-    uint64_t first, count; /* places [first, first + count) */
+    uint64_t first, count; /* turns [first, first + count) */
 };
 
 struct cml_ranges {
     size_t count;
     struct cml_range *item; /* [count] disjoint, none empty */
-    uint64_t total;         /* places in all of them */
+    uint64_t total;         /* turns in all of them */
 };
 
 /* Adds a range that is disjoint from all others; an empty one is not kept. A zeroed cml_ranges is an empty
@@ -24,7 +24,7 @@ struct cml_ranges {
 CML_NODISCARD cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range,
                                         struct cml_error *err);
 
-/* At most `most` places off the front of the range added last; count = 0 when none is left. */
+/* At most `most` turns off the front of the range added last; count = 0 when none is left. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most);
 
 /* Frees the items and leaves an empty set. */

@@ -10,51 +10,51 @@
 /* All arrays lie in one block, in the order Rd_ra, Tt_ra, A_rz, rows, maps, then totals and profiles batch by
  * batch: so a checkpoint or a sum over ranks is one loop over cells. */
 
-static size_t cells_A(const struct cml_grid *grid)
+static size_t cells_A(const struct cml_tally_grid *grid)
 {
     return grid->absorption ? (size_t)cml_cell_groups(grid) * (size_t)grid->nr * (size_t)grid->nz : 0;
 }
 
-static size_t cells_ra(const struct cml_grid *grid)
+static size_t cells_ra(const struct cml_tally_grid *grid)
 {
     return (size_t)cml_cell_groups(grid) * (size_t)grid->nr * (size_t)grid->na;
 }
 
 /* Rd_t, Tt_t and, where absorption is tallied, A_t, each with what is later. */
-static size_t cells_t(const struct cml_grid *grid)
+static size_t cells_t(const struct cml_tally_grid *grid)
 {
     return grid->gates ? ((size_t)grid->gates + 1) * (grid->absorption ? 3 : 2) : 0;
 }
 
 /* What each detector has seen, its gates with what is later, and moments. */
-static size_t cells_detected(const struct cml_grid *grid)
+static size_t cells_detected(const struct cml_tally_grid *grid)
 {
     return (size_t)grid->detectors *
-           (1 + (grid->gates ? (size_t)grid->gates + 1 : 0) + cml_grid_moments(grid));
+           (1 + (grid->gates ? (size_t)grid->gates + 1 : 0) + cml_tally_moments(grid));
 }
 
 /* phi_rz and phi_z. */
-static size_t cells_phi(const struct cml_grid *grid)
+static size_t cells_phi(const struct cml_tally_grid *grid)
 {
     return grid->marks > 0 ? ((size_t)grid->nr + 1) * (size_t)grid->nz : 0;
 }
 
 /* What comes behind all else of batches: expected values, then fluence. */
-static size_t cells_last(const struct cml_grid *grid)
+static size_t cells_last(const struct cml_tally_grid *grid)
 {
     return (size_t)grid->scores + cells_phi(grid);
 }
 
-static size_t cells_batched(const struct cml_grid *grid)
+static size_t cells_batched(const struct cml_tally_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
-                        (grid->absorption ? (size_t)grid->nz : 0) + cml_grid_media(grid) + cells_t(grid) +
+                        (grid->absorption ? (size_t)grid->nz : 0) + cml_tally_media(grid) + cells_t(grid) +
                         cells_detected(grid) + cells_last(grid);
     return CML_NUM_BATCHES * bins;
 }
 
 /* Of all arrays that are not kept apart by batch. */
-static size_t cells_unbatched(const struct cml_grid *grid)
+static size_t cells_unbatched(const struct cml_tally_grid *grid)
 {
     return cells_A(grid) + 2 * cells_ra(grid) + grid->row_cells + cml_cells_maps(grid);
 }
@@ -65,7 +65,7 @@ static cml_u128 *result_maps(const struct cml_result *result)
     return result->Rd_ra + cells_unbatched(&result->grid) - cml_cells_maps(&result->grid);
 }
 
-double cml_result_bytes(const struct cml_grid *grid)
+double cml_result_bytes(const struct cml_tally_grid *grid)
 {
     return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128) +
            cml_saved_bytes(&grid->saved);
@@ -74,15 +74,15 @@ double cml_result_bytes(const struct cml_grid *grid)
 /* These come before expected values and fluence, which are last. */
 static void set_detectors(struct cml_result *result)
 {
-    const struct cml_grid *grid = &result->grid;
+    const struct cml_tally_grid *grid = &result->grid;
     const size_t each = CML_NUM_BATCHES * (size_t)grid->detectors;
     if (!each) return;
     result->detector =
         result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_detected(grid) + cells_last(grid));
     result->detector_path =
-        result->detector + CML_NUM_BATCHES * cells_detected(grid) - each * cml_grid_moments(grid);
-    result->detector_interactions = result->detector_path + each * cml_grid_media(grid);
-    result->detector_deepest = result->detector_interactions + each * cml_grid_media(grid);
+        result->detector + CML_NUM_BATCHES * cells_detected(grid) - each * cml_tally_moments(grid);
+    result->detector_interactions = result->detector_path + each * cml_tally_media(grid);
+    result->detector_deepest = result->detector_interactions + each * cml_tally_media(grid);
     if (!grid->gates) return;
     result->detector_t = result->detector + each;
     result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
@@ -91,7 +91,7 @@ static void set_detectors(struct cml_result *result)
 /* These stand before them. */
 static void set_gates(struct cml_result *result)
 {
-    const struct cml_grid *grid = &result->grid;
+    const struct cml_tally_grid *grid = &result->grid;
     const size_t gates = CML_NUM_BATCHES * (size_t)grid->gates, both = gates + CML_NUM_BATCHES;
     if (!gates) return;
     result->Rd_t = result->totals + cells_batched(grid) -
@@ -104,7 +104,7 @@ static void set_gates(struct cml_result *result)
     result->A_t_later = result->A_t + gates;
 }
 
-cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
+cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
     *result = (struct cml_result){.grid = *grid, .photons = photons};
@@ -121,7 +121,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
     result->A_l = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
-    if (grid->absorption) result->A_z = result->A_l + CML_NUM_BATCHES * cml_grid_media(grid);
+    if (grid->absorption) result->A_z = result->A_l + CML_NUM_BATCHES * cml_tally_media(grid);
     set_gates(result);
     set_detectors(result);
     if (grid->scores)
@@ -171,7 +171,7 @@ static cml_u128 moment_of(const uint64_t *parts)
 /* Those of detector k; brought: its parts. */
 static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
 {
-    const size_t media = cml_grid_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
+    const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
     for (size_t m = 0; m < media; m++) {
         result->detector_path[at * media + m] += moment_of(brought + m * CML_MOMENT_CELLS);
         result->detector_interactions[at * media + m] += moment_of(brought + (media + m) * CML_MOMENT_CELLS);
@@ -180,7 +180,7 @@ static void add_moments(struct cml_result *result, size_t batch, size_t k, const
 }
 
 /* What detectors have seen, to that of a batch. */
-static void add_detected(struct cml_result *result, size_t batch, const struct cml_profile_places *at,
+static void add_detected(struct cml_result *result, size_t batch, const struct cml_profile_offsets *at,
                          const uint64_t *brought)
 {
     const size_t n = (size_t)result->grid.detectors, gates = (size_t)result->grid.gates;
@@ -188,7 +188,7 @@ static void add_detected(struct cml_result *result, size_t batch, const struct c
     add_bins(result->detector + batch * n, n, 0, brought + at->detector, n);
     for (size_t k = 0; k < n; k++)
         add_moments(result, batch, k,
-                    brought + at->moments + k * cml_grid_moments(&result->grid) * CML_MOMENT_CELLS);
+                    brought + at->moments + k * cml_tally_moments(&result->grid) * CML_MOMENT_CELLS);
     for (size_t k = 0; result->detector_t && k < n; k++)
         add_gates(result->detector_t, result->detector_t_later, gates, batch * n + k,
                   brought + at->detector_t + k * (gates + 1));
@@ -206,9 +206,9 @@ static void add_expected(struct cml_result *result, size_t batch, const uint64_t
 /* Totals and profiles of a tally with the same profiles, to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const uint64_t *brought)
 {
-    const struct cml_profile_places at = cml_tally_profiles(&result->grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(&result->grid);
     const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
-    const size_t b = (size_t)batch, media = cml_grid_media(&result->grid);
+    const size_t b = (size_t)batch, media = cml_tally_media(&result->grid);
     add_bins(result->totals + b * CML_NUM_TOTALS, CML_NUM_TOTALS, 0, brought, CML_NUM_TOTALS);
     add_bins(result->Rd_r + b * nr, nr, 0, brought + at.Rd_r, nr + 1);
     add_bins(result->Tt_r + b * nr, nr, 0, brought + at.Tt_r, nr + 1);
@@ -224,7 +224,7 @@ static void add_to_batch(struct cml_result *result, int batch, const uint64_t *b
     add_expected(result, b, brought + at.expected);
 }
 
-void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
+void cml_result_add_brought(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
     const size_t bins = cml_tally_profile_bins(&tally->grid);
@@ -386,7 +386,7 @@ static double direction_imbalance(const struct cml_result *result, const cml_u12
 /* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
 double cml_result_imbalance(const struct cml_result *result)
 {
-    const struct cml_grid *grid = &result->grid;
+    const struct cml_tally_grid *grid = &result->grid;
     const cml_u128 *balance = result->summary.balance;
     const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
     cml_u128 out = balance[CML_BALANCE_BACKING];
@@ -394,7 +394,7 @@ double cml_result_imbalance(const struct cml_result *result)
     const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
     const double differences[] = {
         difference(in, out),
-        difference(sum_of(result->A_l, CML_NUM_BATCHES * cml_grid_media(grid)), absorbed),
+        difference(sum_of(result->A_l, CML_NUM_BATCHES * cml_tally_media(grid)), absorbed),
         grid->absorption && !grid->row_depths ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
         difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
         difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
@@ -451,13 +451,13 @@ double cml_result_error(const struct cml_result *result, enum cml_total total)
 
 double cml_result_absorbed(const struct cml_result *result, int medium)
 {
-    const int media = (int)cml_grid_media(&result->grid);
+    const int media = (int)cml_tally_media(&result->grid);
     return cml_result_bin_sum(result->A_l, media, medium) * (CML_WEIGHT_UNIT / (double)result->photons);
 }
 
 double cml_result_absorbed_error(const struct cml_result *result, int medium)
 {
-    return cml_result_bin_error(result, result->A_l, (int)cml_grid_media(&result->grid), medium);
+    return cml_result_bin_error(result, result->A_l, (int)cml_tally_media(&result->grid), medium);
 }
 
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,

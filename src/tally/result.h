@@ -18,7 +18,7 @@ struct cml_summary {
 
 /* Arrays as in struct cml_tally, without cells beyond the grid but for those of maps and volume. */
 struct cml_result {
-    struct cml_grid grid;
+    struct cml_tally_grid grid;
     uint64_t photons;                                               /* asked for */
     cml_u128 *A_rz;                                                 /* [cml_cell_groups][nr][nz] or NULL */
     cml_u128 *rows;                                                 /* as in a tally, or NULL */
@@ -27,7 +27,7 @@ struct cml_result {
     cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
     cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */
     cml_u128 *A_z;                                                  /* [64][nz] or NULL */
-    cml_u128 *A_l;                                                  /* [64][cml_grid_media] by medium */
+    cml_u128 *A_l;                                                  /* [64][cml_tally_media] by medium */
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *phi_rz, *phi_z;                                       /* [64][nr][nz], [64][nz], or NULL */
@@ -52,17 +52,17 @@ struct cml_result {
 #define CML_EXPECTED_SHIFT 54 /* of a score whose exponent is 0: 48, and 6 of its unit */
 
 /* Bytes that a result of this grid takes. */
-double cml_result_bytes(const struct cml_grid *grid);
+double cml_result_bytes(const struct cml_tally_grid *grid);
 
 /* A zero result for this number of photons, 1..2^48. CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
+CML_NODISCARD cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons,
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds what the last cml_tally_note found to the totals and profiles of a batch, 0..63, which it belongs to,
+/* Adds what the last cml_tally_bring found to the totals and profiles of a batch, 0..63, which it belongs to,
  * and what late packets have brought to those of theirs. The tally has the grid of the result, or that of a
  * thread. */
-void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
+void cml_result_add_brought(struct cml_result *result, int batch, const struct cml_tally *tally);
 
 /* Adds all but the totals and profiles of a tally; what it borrowed is for its owner to add. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally);

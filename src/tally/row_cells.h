@@ -18,7 +18,7 @@
 #define CML_ROW_SAMPLING 8
 
 /* Places of a bin: those of the other rows follow. */
-static inline size_t cml_row_stride(const struct cml_grid *grid)
+static inline size_t cml_row_stride(const struct cml_tally_grid *grid)
 {
     return ((size_t)grid->rows + CML_ROW_GROUP - 1) / CML_ROW_GROUP * CML_ROW_GROUP;
 }
@@ -42,7 +42,7 @@ static inline double cml_score_unit(double mut)
 struct cml_row_bins {
     size_t Rd_r, Tt_r; /* [nr + 1] */
     size_t Rd_a, Tt_a; /* [na] */
-    size_t A_l;        /* [cml_grid_media] */
+    size_t A_l;        /* [cml_tally_media] */
     size_t Rd_t, Tt_t; /* [gates + 1], the last for all that is later; or none */
     size_t detector;   /* [detectors] */
     size_t detector_t; /* [detectors][gates + 1]; or none */
@@ -50,7 +50,7 @@ struct cml_row_bins {
     size_t all;        /* of a batch */
 };
 
-static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
+static inline struct cml_row_bins cml_row_bins(const struct cml_tally_grid *grid)
 {
     const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na,
                  gates = grid->gates ? (size_t)grid->gates + 1 : 0;
@@ -59,7 +59,7 @@ static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
     at.Rd_a = at.Tt_r + r;
     at.Tt_a = at.Rd_a + a;
     at.A_l = at.Tt_a + a;
-    at.Rd_t = at.A_l + cml_grid_media(grid);
+    at.Rd_t = at.A_l + cml_tally_media(grid);
     at.Tt_t = at.Rd_t + gates;
     at.detector = at.Tt_t + gates;
     at.detector_t = at.detector + (size_t)grid->detectors;
@@ -69,30 +69,30 @@ static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
 }
 
 /* Where the bins of a batch begin, 0..63, and behind the last of them Rd_ra: cells. */
-static inline size_t cml_row_batch(const struct cml_grid *grid, int batch)
+static inline size_t cml_row_batch(const struct cml_tally_grid *grid, int batch)
 {
     return (size_t)batch * cml_row_bins(grid).all * cml_row_stride(grid);
 }
 
-static inline size_t cml_row_cells_ra(const struct cml_grid *grid)
+static inline size_t cml_row_cells_ra(const struct cml_tally_grid *grid)
 {
     return grid->derivatives ? 0 : ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
 }
 
 /* Of Rd_dir, as many as of Tt_dir and of the squares of each. */
-static inline size_t cml_row_cells_dir(const struct cml_grid *grid)
+static inline size_t cml_row_cells_dir(const struct cml_tally_grid *grid)
 {
     return grid->derivatives ? 0 : (size_t)grid->nt * (size_t)grid->np * cml_row_stride(grid);
 }
 
 /* Of A_rz, behind Rd_ra and Tt_ra. */
-static inline size_t cml_row_cells_rz(const struct cml_grid *grid)
+static inline size_t cml_row_cells_rz(const struct cml_tally_grid *grid)
 {
     return grid->row_depths ? cml_rz_cells(grid) * cml_row_stride(grid) : 0;
 }
 
 /* All cells; 0 where there are no rows. */
-static inline size_t cml_row_cells(const struct cml_grid *grid)
+static inline size_t cml_row_cells(const struct cml_tally_grid *grid)
 {
     return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) +
                             cml_row_cells_rz(grid) + 4 * cml_row_cells_dir(grid)

@@ -14,7 +14,7 @@ struct row {
 
 static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
 {
-    const struct cml_grid *grid = &flight->grid;
+    const struct cml_tally_grid *grid = &flight->grid;
     return (struct row){.flight = flight,
                         .at = cml_row_bins(grid),
                         .stride = cml_row_stride(grid),
@@ -75,7 +75,7 @@ static void take_depths(const struct row *row, size_t batch)
 
 static void take_totals(const struct row *row, size_t batch)
 {
-    const size_t media = cml_grid_media(&row->to->grid);
+    const size_t media = cml_tally_media(&row->to->grid);
     cml_u128 *balance = row->to->summary.balance, *totals = row->to->totals + batch * CML_NUM_TOTALS;
     for (int t = 0; t < CML_NUM_TOTALS; t++)
         totals[t] = cell(row, batch * row->at.all + (size_t)cml_balance_term_of_total((enum cml_total)t));
@@ -89,7 +89,7 @@ static void take_totals(const struct row *row, size_t batch)
 static void take_batch(const struct row *row, size_t batch)
 {
     struct cml_result *to = row->to;
-    const size_t nr = (size_t)to->grid.nr, na = (size_t)to->grid.na, media = cml_grid_media(&to->grid);
+    const size_t nr = (size_t)to->grid.nr, na = (size_t)to->grid.na, media = cml_tally_media(&to->grid);
     take_bins(row, batch, row->at.Rd_r, nr + 1, to->Rd_r, nr);
     take_bins(row, batch, row->at.Tt_r, nr + 1, to->Tt_r, nr);
     take_bins(row, batch, row->at.Rd_a, na, to->Rd_a, na);
@@ -165,18 +165,18 @@ static void take_directions(const struct row *row, size_t first)
 /* What of a row is summed by batch. Of detectors there are no means, and no pixels, and of times no A_t. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
-    const struct cml_grid *flown = &row->flight->grid;
-    const struct cml_grid grid = {.nr = flown->nr,
-                                  .nz = flown->nz,
-                                  .na = flown->na,
-                                  .num_layers = flown->num_layers,
-                                  .num_bodies = flown->num_bodies,
-                                  .absorption = flown->row_depths,
-                                  .row_depths = flown->row_depths,
-                                  .gates = flown->gates,
-                                  .nt = flown->derivatives ? 0 : flown->nt,
-                                  .np = flown->np,
-                                  .detectors = flown->detectors};
+    const struct cml_tally_grid *flown = &row->flight->grid;
+    const struct cml_tally_grid grid = {.nr = flown->nr,
+                                        .nz = flown->nz,
+                                        .na = flown->na,
+                                        .num_layers = flown->num_layers,
+                                        .num_bodies = flown->num_bodies,
+                                        .absorption = flown->row_depths,
+                                        .row_depths = flown->row_depths,
+                                        .gates = flown->gates,
+                                        .nt = flown->derivatives ? 0 : flown->nt,
+                                        .np = flown->np,
+                                        .detectors = flown->detectors};
     struct cml_result *to = row->to;
     CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
     to->detector_path = to->detector_interactions = to->detector_deepest = NULL;

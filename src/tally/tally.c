@@ -19,20 +19,20 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
 
 /* A tally has cells of its own for what lies beyond the grid (P7), so that scoring needs no branch for it:
  * one more row of r, one more depth above and one below. */
-static size_t tally_cells_A(const struct cml_grid *grid)
+static size_t tally_cells_A(const struct cml_tally_grid *grid)
 {
     return grid->absorption ? (size_t)cml_cell_groups(grid) * cml_rz_cells(grid) : 0;
 }
 
-static size_t tally_cells_phi(const struct cml_grid *grid)
+static size_t tally_cells_phi(const struct cml_tally_grid *grid)
 {
     return grid->marks > 0 ? CML_NUM_BATCHES * ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
 }
 
 /* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
-struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
+struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
-    struct cml_grid small = *grid;
+    struct cml_tally_grid small = *grid;
     small.nx = small.ny = small.map_na = 0;
     small.volume = small.phi_volume = false;
     small.facets = 0;
@@ -44,51 +44,51 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     return small;
 }
 
-bool cml_grid_is_shared(const struct cml_grid *grid)
+bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
 {
-    const struct cml_grid small = cml_grid_of_thread(grid);
+    const struct cml_tally_grid small = cml_tally_grid_of_thread(grid);
     return small.depths || small.marks != grid->marks;
 }
 
 /* Angles have no cells beyond the grid: all directions are within it. */
-static size_t tally_cells_ra(const struct cml_grid *grid)
+static size_t tally_cells_ra(const struct cml_tally_grid *grid)
 {
     return (size_t)cml_cell_groups(grid) * cml_ra_cells(grid);
 }
 
 /* Cells of each of Rd_t, Tt_t and A_t. */
-static size_t tally_cells_t(const struct cml_grid *grid)
+static size_t tally_cells_t(const struct cml_tally_grid *grid)
 {
     return grid->gates ? (size_t)grid->gates + 1 : 0;
 }
 
 /* How many of Rd_t, Tt_t and A_t there are. */
-static size_t num_t(const struct cml_grid *grid)
+static size_t num_t(const struct cml_tally_grid *grid)
 {
     return grid->absorption || grid->depths ? 3 : 2;
 }
 
 /* Of what detectors have seen: sums, gates, and moments. */
-static size_t tally_cells_detected(const struct cml_grid *grid)
+static size_t tally_cells_detected(const struct cml_tally_grid *grid)
 {
-    return (size_t)grid->detectors * (1 + tally_cells_t(grid) + CML_MOMENT_CELLS * cml_grid_moments(grid));
+    return (size_t)grid->detectors * (1 + tally_cells_t(grid) + CML_MOMENT_CELLS * cml_tally_moments(grid));
 }
 
 /* Media of all packets that a thread has in flight. */
-static size_t trail_cells(const struct cml_grid *grid)
+static size_t trail_cells(const struct cml_tally_grid *grid)
 {
     const bool timed = grid->rows && grid->gates;
-    return grid->detectors || grid->saved.limit || timed ? CML_TRAILS * cml_grid_media(grid) : 0;
+    return grid->detectors || grid->saved.limit || timed ? CML_TRAILS * cml_tally_media(grid) : 0;
 }
 
 /* Of the arrays that every tally has, whose cells are in the same order in all. */
-static size_t cells_in_common(const struct cml_grid *grid)
+static size_t cells_in_common(const struct cml_tally_grid *grid)
 {
-    return 2 * tally_cells_ra(grid) + cml_grid_media(grid) + num_t(grid) * tally_cells_t(grid) +
+    return 2 * tally_cells_ra(grid) + cml_tally_media(grid) + num_t(grid) * tally_cells_t(grid) +
            tally_cells_detected(grid) + (size_t)grid->scores + grid->row_cells;
 }
 
-size_t cml_tally_cells(const struct cml_grid *grid)
+size_t cml_tally_cells(const struct cml_tally_grid *grid)
 {
     return cells_in_common(grid) + tally_cells_A(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) +
            tally_cells_phi(grid) + cml_cells_maps(grid);
@@ -99,7 +99,7 @@ uint64_t *cml_tally_maps(const struct cml_tally *tally)
     return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_maps(&tally->grid);
 }
 
-double cml_tally_bytes(const struct cml_grid *grid)
+double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
     const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */
     return ((double)cml_tally_cells(grid) + profiles * (double)tally_cells_detected(grid)) *
@@ -108,19 +108,19 @@ double cml_tally_bytes(const struct cml_grid *grid)
 }
 
 /* What of profiles comes of cells: Rd_r to A_z, which are neighbours (cml_tally_profiles). */
-static size_t bins_of_cells(const struct cml_grid *grid)
+static size_t bins_of_cells(const struct cml_tally_grid *grid)
 {
-    const struct cml_profile_places at = cml_tally_profiles(grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(grid);
     return at.A_l - at.Rd_r;
 }
 
-static size_t grouped_bins(const struct cml_grid *grid)
+static size_t grouped_bins(const struct cml_tally_grid *grid)
 {
     return (size_t)cml_cell_groups(grid) * bins_of_cells(grid);
 }
 
 /* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
-cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally, struct cml_error *err)
+cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid};
     const size_t bins = cml_tally_profile_bins(grid);
@@ -139,10 +139,10 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
     const size_t gates = tally_cells_t(grid);
-    if (gates) tally->Rd_t = tally->A_l + cml_grid_media(grid);
+    if (gates) tally->Rd_t = tally->A_l + cml_tally_media(grid);
     if (gates) tally->Tt_t = tally->Rd_t + gates;
     if (gates && num_t(grid) > 2) tally->A_t = tally->Tt_t + gates;
-    uint64_t *const detected = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates,
+    uint64_t *const detected = tally->A_l + cml_tally_media(grid) + num_t(grid) * gates,
                     *const expected = detected + tally_cells_detected(grid);
     if (grid->detectors) tally->detected = detected;
     if (grid->scores) tally->expected = expected;
@@ -187,7 +187,7 @@ void cml_tally_zero(struct cml_tally *tally)
     tally->lost.count = 0;
     memset(tally->grouped, 0, grouped_bins(&tally->grid) * sizeof *tally->grouped);
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
-    cml_tally_clear_late(tally);
+    cml_tally_drop_late(tally);
 }
 
 void cml_tally_free(struct cml_tally *tally)
@@ -207,12 +207,12 @@ void cml_tally_free(struct cml_tally *tally)
  * and ranks report them, so it is the smallest. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index)
 {
-    int place = list->count;
-    while (place > 0 && list->index[place - 1] > index) place--;
-    if (place == CML_LOST_LISTED) return;
+    int k = list->count;
+    while (k > 0 && list->index[k - 1] > index) k--;
+    if (k == CML_LOST_LISTED) return;
     if (list->count < CML_LOST_LISTED) list->count++;
-    for (int i = list->count - 1; i > place; i--) list->index[i] = list->index[i - 1];
-    list->index[place] = index;
+    for (int i = list->count - 1; i > k; i--) list->index[i] = list->index[i - 1];
+    list->index[k] = index;
 }
 
 void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *from)
@@ -227,7 +227,7 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
 
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
-    const struct cml_grid *grid = &from->grid;
+    const struct cml_tally_grid *grid = &from->grid;
     add_cells(to->A_l, from->A_l, cells_in_common(grid));
     add_cells(to->A_rz, from->A_rz, tally_cells_A(grid));
     add_cells(to->phi, from->phi, tally_cells_phi(grid));
@@ -238,17 +238,17 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     cml_tally_zero(from);
 }
 
-struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
+struct cml_profile_offsets cml_tally_profiles(const struct cml_tally_grid *grid)
 {
     const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na;
     const size_t z = grid->absorption || grid->depths ? (size_t)grid->nz + 2 : 0;
-    struct cml_profile_places at = {.Rd_r = CML_NUM_TOTALS};
+    struct cml_profile_offsets at = {.Rd_r = CML_NUM_TOTALS};
     at.Tt_r = at.Rd_r + r;
     at.Rd_a = at.Tt_r + r;
     at.Tt_a = at.Rd_a + a;
     at.A_z = at.Tt_a + a;
     at.A_l = at.A_z + z;
-    at.Rd_t = at.A_l + cml_grid_media(grid);
+    at.Rd_t = at.A_l + cml_tally_media(grid);
     at.Tt_t = at.Rd_t + tally_cells_t(grid);
     at.A_t = at.Tt_t + tally_cells_t(grid);
     at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
@@ -259,7 +259,7 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     return at;
 }
 
-size_t cml_tally_profile_bins(const struct cml_grid *grid)
+size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
 {
     return cml_tally_profiles(grid).bins;
 }
@@ -276,7 +276,7 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
 }
 
 /* Rows are taken from the first one on, so that memory of those that are never needed is never touched. */
-void cml_tally_clear_late(struct cml_tally *tally)
+void cml_tally_drop_late(struct cml_tally *tally)
 {
     const size_t cells = (size_t)tally->late.count * cml_tally_profile_bins(&tally->grid);
     memset(tally->late.rows, 0, cells * sizeof *tally->late.rows);
@@ -311,7 +311,7 @@ static void add_exits(const uint64_t *cells, size_t rows, size_t na, uint64_t *b
 /* Profiles of the cells of a group, where each has its own, into their places behind those of totals. */
 static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bins)
 {
-    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
     const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
     const size_t first = group * rows * na;
     memset(bins, 0, bins_of_cells(&tally->grid) * sizeof *bins);
@@ -336,7 +336,7 @@ static void sum_groups(const struct cml_tally *tally, int batch)
 /* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
-    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
     memset(sums, 0, at.bins * sizeof *sums);
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
@@ -349,7 +349,7 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
  * than its grids: the difference to the last sums is what came since. */
-void cml_tally_note(struct cml_tally *tally, int batch)
+void cml_tally_bring(struct cml_tally *tally, int batch)
 {
     const size_t bins = cml_tally_profile_bins(&tally->grid);
     sum_groups(tally, batch);

@@ -21,7 +21,7 @@ __extension__ typedef __int128 cml_i128;
 #define CML_TALLY_MAX_PHOTONS ((uint64_t)1 << 30)
 #define CML_WEIGHT_UNIT 4.656612873077393e-10 /* one unit of weight as a share of a packet: 2^-31 */
 
-struct cml_grid {
+struct cml_tally_grid {
     int nr, nz, na;
     int num_layers, num_bodies;
     bool absorption;               /* A_rz is tallied; false: its cells do not exist */
@@ -54,7 +54,7 @@ struct cml_grid {
 };
 
 /* Media of a grid: layers, the two outer ones, bodies. */
-static inline size_t cml_grid_media(const struct cml_grid *grid)
+static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
 {
     return (size_t)grid->num_layers + 2 + (size_t)grid->num_bodies;
 }
@@ -86,9 +86,9 @@ struct cml_late {
 #define CML_MOMENT_MOST 281474976710656.0 /* 2^48 */
 
 /* Moments of a detector. */
-static inline size_t cml_grid_moments(const struct cml_grid *grid)
+static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 {
-    return 2 * cml_grid_media(grid) + 1;
+    return 2 * cml_tally_media(grid) + 1;
 }
 
 #define CML_TRAILS 64 /* packets that a thread has in flight */
@@ -96,13 +96,13 @@ static inline size_t cml_grid_moments(const struct cml_grid *grid)
 /* Its grids have cells of their own for what lies beyond them (P7), which a result adds to the last and first
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
-    struct cml_grid grid;
+    struct cml_tally_grid grid;
     uint64_t *A_rz;              /* [cml_cell_groups][nr + 1][nz + 2] or NULL */
     uint64_t *rows;              /* row_cells.h; or NULL */
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
                                   * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [cml_cell_groups][nr + 1][na] */
-    uint64_t *A_l;               /* [cml_grid_media] by medium */
+    uint64_t *A_l;               /* [cml_tally_media] by medium */
     uint64_t *expected;          /* [scores] or NULL */
     uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
     uint64_t *phi; /* [64][nr + 1][nz + 2] by batch, weight of the marks in a cell (P14); or NULL */
@@ -113,7 +113,7 @@ struct cml_tally {
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
     uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */
-    double *trail_length;  /* [CML_TRAILS][cml_grid_media] scratch of walks (kernels/types.h); or NULL */
+    double *trail_length;  /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h); or NULL */
     uint32_t *trail_count; /* the same */
     struct cml_saved_part *saved;           /* packets one by one; or NULL */
     uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
@@ -122,8 +122,8 @@ struct cml_tally {
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
-    /* Totals and profiles (struct cml_profile_places) */
-    uint64_t *grouped; /* [cml_cell_groups] profiles, of cells, at the last cml_tally_note; private */
+    /* Totals and profiles (struct cml_profile_offsets) */
+    uint64_t *grouped; /* [cml_cell_groups] profiles, of cells, at the last cml_tally_bring; private */
     uint64_t *summed;  /* of all that was there then; private */
     uint64_t *brought; /* of what had come since the one before, but for late packets */
     struct cml_late late;
@@ -134,13 +134,13 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
 /* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, expected, Rd_ra, Tt_ra, rows, A_rz or A_z, phi,
  * and the maps in this order, which lie in one block from A_l on. */
-size_t cml_tally_cells(const struct cml_grid *grid);
+size_t cml_tally_cells(const struct cml_tally_grid *grid);
 
 /* Bytes that a tally of this grid takes; of profiles those of detectors count, which may be many. */
-double cml_tally_bytes(const struct cml_grid *grid);
+double cml_tally_bytes(const struct cml_tally_grid *grid);
 
 /* All cells zero, owned by the tally. CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
+CML_NODISCARD cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
 /* How many A_rz there are, one behind the other, and how many cells each has; so it is with Rd_ra and Tt_ra.
@@ -151,15 +151,15 @@ static inline size_t cml_groups_of(size_t step)
 {
     return step ? CML_NUM_GROUPS : 1;
 }
-static inline int cml_cell_groups(const struct cml_grid *grid)
+static inline int cml_cell_groups(const struct cml_tally_grid *grid)
 {
     return grid->cell_errors ? CML_NUM_GROUPS : 1;
 }
-static inline size_t cml_rz_cells(const struct cml_grid *grid)
+static inline size_t cml_rz_cells(const struct cml_tally_grid *grid)
 {
     return ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2);
 }
-static inline size_t cml_ra_cells(const struct cml_grid *grid)
+static inline size_t cml_ra_cells(const struct cml_tally_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
 }
@@ -176,17 +176,17 @@ static inline size_t cml_depth_of_cell(size_t cell, size_t nz)
  * so threads share one. */
 #define CML_THREAD_CELLS ((size_t)1 << 20)   /* 8 MiB: more than a core's own cache */
 #define CML_THREAD_FLUENCE ((size_t)1 << 21) /* of which those of one batch are in use at a time */
-struct cml_grid cml_grid_of_thread(const struct cml_grid *grid);
+struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid);
 
 /* Whether threads score into an A_rz or a phi of none of them. */
-bool cml_grid_is_shared(const struct cml_grid *grid);
+bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid);
 
 /* A tally of a grid of one thread scores into what else `owner` has from now on. Several may do so at a time:
  * all their additions to what they share must be atomic. What they add to a shared A_rz they add to their own
  * A_z as well: so a batch of one thread can be told from those of others without waiting for them. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner);
 
-/* Clears what the tally has itself; what it borrowed stays. */
+/* Makes all that the tally has itself zero; what it borrowed stays. */
 void cml_tally_zero(struct cml_tally *tally);
 void cml_tally_free(struct cml_tally *tally);
 
@@ -201,29 +201,29 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
  * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, A_l
- * [cml_grid_media], and where there are gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every
+ * [cml_tally_media], and where there are gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every
  * detector its sum, its gates [gates + 1], and moments: sums of weight times length by medium, weight times
  * interactions by medium, and weight times largest depth, each in CML_MOMENT_CELLS cells;
  * expected [scores]. */
-struct cml_profile_places {
+struct cml_profile_offsets {
     size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, A_l, Rd_t, Tt_t, A_t; /* totals begin at 0 */
     size_t detector, detector_t, moments, expected, bins;     /* bins: of all */
 };
-struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
+struct cml_profile_offsets cml_tally_profiles(const struct cml_tally_grid *grid);
 
 /* Totals and bins of all profiles together. */
-size_t cml_tally_profile_bins(const struct cml_grid *grid);
+size_t cml_tally_profile_bins(const struct cml_tally_grid *grid);
 
 /* The row for the totals and profiles of late packets of a batch, 0..63: what is added to it must be in the
- * tally's arrays, too. Good until cml_tally_clear_late. */
+ * tally's arrays, too. Good until cml_tally_drop_late. */
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch);
 
-/* No packet is late any more, or all rows have been noted. */
-void cml_tally_clear_late(struct cml_tally *tally);
+/* No packet is late any more, or all rows have been brought (cml_tally_bring). */
+void cml_tally_drop_late(struct cml_tally *tally);
 
 /* Sets `brought` to the totals and profiles of all that the tally itself has got since the last call, or
  * since it was zero, without what is in rows of late packets. All of it is of this batch, 0..63, or of any
  * where batch is -1. */
-void cml_tally_note(struct cml_tally *tally, int batch);
+void cml_tally_bring(struct cml_tally *tally, int batch);
 
 #endif

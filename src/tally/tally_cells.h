@@ -8,38 +8,38 @@
 #include "tally/tally.h"
 
 /* Cells of one of the four maps, with the pixel for what lies outside; 0 without a map. */
-static inline size_t cml_cells_map(const struct cml_grid *grid)
+static inline size_t cml_cells_map(const struct cml_tally_grid *grid)
 {
     return grid->nx > 0 ? ((size_t)grid->nx * (size_t)grid->ny + 1) * (size_t)grid->map_na : 0;
 }
 
 /* Cells of A_xyz of all groups, with the one for what lies outside; 0 when it is not tallied. */
-static inline size_t cml_cells_volume(const struct cml_grid *grid)
+static inline size_t cml_cells_volume(const struct cml_tally_grid *grid)
 {
     const size_t voxels = (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz + 1;
     return grid->volume ? (grid->voxel_step ? CML_NUM_GROUPS : 1) * voxels : 0;
 }
 
 /* Scores of the facets of all groups. */
-static inline size_t cml_cells_facets(const struct cml_grid *grid)
+static inline size_t cml_cells_facets(const struct cml_tally_grid *grid)
 {
     return (grid->facet_step ? CML_NUM_GROUPS : 1) * grid->facets * CML_FACET_SCORES;
 }
 
 /* Cells of phi_xyz; 0 when it is not tallied. */
-static inline size_t cml_cells_phi_volume(const struct cml_grid *grid)
+static inline size_t cml_cells_phi_volume(const struct cml_tally_grid *grid)
 {
     return grid->phi_volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz * CML_NUM_GROUPS : 0;
 }
 
 /* Cells of one of Rd_dir, Tt_dir and Rsp_dir. */
-static inline size_t cml_cells_directions(const struct cml_grid *grid)
+static inline size_t cml_cells_directions(const struct cml_tally_grid *grid)
 {
     return (size_t)grid->nt * (size_t)grid->np;
 }
 
 /* Cells of all arrays that this header is about. */
-static inline size_t cml_cells_maps(const struct cml_grid *grid)
+static inline size_t cml_cells_maps(const struct cml_tally_grid *grid)
 {
     return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + cml_cells_phi_volume(grid) +
            cml_cells_facets(grid) + 2 * grid->detector_pixels + 6 * cml_cells_directions(grid);

@@ -40,7 +40,7 @@ static inline void invent_windows(const struct cml_scene *scene, struct cml_wind
     for (int i = 0; i < windows->cells * windows->rings; i++)
         target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));
     for (int k = 0; k < scene->num_detectors; k++)
-        if (scene->detectors[k].kind == CML_DETECTOR_RING) windows->detector = k + 1;
+        if (scene->detectors[k].shape == CML_DETECTOR_RING) windows->detector = k + 1;
     if (windows->detector) windows->share = 0.5; /* of circles, whatever the scene */
 }
 

@@ -21,7 +21,7 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
 static void expect_balanced_scores(const struct cml_tally *t)
 {
     const struct cml_row_bins at = cml_row_bins(&t->grid);
-    const size_t stride = cml_row_stride(&t->grid), media = cml_grid_media(&t->grid);
+    const size_t stride = cml_row_stride(&t->grid), media = cml_tally_media(&t->grid);
     for (int b = 0; b < CML_NUM_BATCHES; b++)
         for (int i = 0; i < t->grid.rows; i++) {
             const uint64_t *of = t->rows + cml_row_batch(&t->grid, b) + i;

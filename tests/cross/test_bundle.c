@@ -64,7 +64,7 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     if (tail.layer > 0) options.tail = &tail;
     invent_windows(scene, &windows);
     if (aims & WINDOWS) options.windows = &windows;
-    const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
     float *factor = calloc(cml_row_stride(&grid) + 1, sizeof *factor); /* scratch */
@@ -135,8 +135,8 @@ static void compare_scores(const struct cml_scene *scene, enum cml_surface_kind 
 
 /* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
 static struct cml_detector_def detectors[] = {
-    {.kind = CML_DETECTOR_RING, .size = {0, 0.1}, .nx = 1, .ny = 1},
-    {.kind = CML_DETECTOR_RING,
+    {.shape = CML_DETECTOR_RING, .size = {0, 0.1}, .nx = 1, .ny = 1},
+    {.shape = CML_DETECTOR_RING,
      .size = {0.05, 0.5},
      .nx = 1,
      .ny = 1,
@@ -145,9 +145,9 @@ static struct cml_detector_def detectors[] = {
      .na = 0.8,
      .angle = 0.7,
      .azimuth = 2},
-    {.kind = CML_DETECTOR_RECTANGLE, .size = {0.4, 3}, .nx = 1, .ny = 1, .x = 0.1, .diffuse = true},
-    {.kind = CML_DETECTOR_MAP, .size = {0.05, 0.1}, .nx = 40, .ny = 30, .y = -0.3, .z = 0.3, .below = true},
-    {.kind = CML_DETECTOR_MAP, .size = {0.1, 0.1}, .nx = 30, .ny = 30, .aimed = true, .na = 9},
+    {.shape = CML_DETECTOR_RECTANGLE, .size = {0.4, 3}, .nx = 1, .ny = 1, .x = 0.1, .diffuse = true},
+    {.shape = CML_DETECTOR_MAP, .size = {0.05, 0.1}, .nx = 40, .ny = 30, .y = -0.3, .z = 0.3, .below = true},
+    {.shape = CML_DETECTOR_MAP, .size = {0.1, 0.1}, .nx = 30, .ny = 30, .aimed = true, .na = 9},
 };
 
 static void set_detectors(struct cml_scene *scene, bool on)
@@ -360,7 +360,7 @@ static int take_all(void *context, uint64_t *first, uint64_t *count)
     return *count > 0;
 }
 
-static void note_nothing(void *context, int batch, struct cml_tally *tally)
+static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
     (void)batch;
@@ -392,10 +392,10 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
     const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
     const struct flight_options with = {.engine = "cpu", .kind = kind};
     *b = (struct bundle_flight){.photons = photons,
-                                .source = {take_all, note_nothing, give_nothing_up, &b->photons}};
+                                .source = {take_all, ignore_batch, give_nothing_up, &b->photons}};
     flight_open(text, &with, &b->flight);
     const struct cml_scene *scene = &b->flight.list.scenes[0];
-    const struct cml_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);
     require_ok(cml_tally_create(&grid, &b->tally, &err), &err);
     require_ok(cml_owned_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
     for (int m = 0; m < 3; m++) b->media[m] = cml_lane_medium_of(&b->scalar.world, m);

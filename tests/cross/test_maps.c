@@ -30,7 +30,7 @@ static void shoot(const char *text, const char *engine, enum cml_surface_kind ki
         .engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC, .absorption = true};
     const struct cml_engine_options options = {.absorption = true};
     flight_open(text, &with, &shot->flight);
-    const struct cml_grid grid =
+    const struct cml_tally_grid grid =
         cml_engine_grid(&shot->flight.list.scenes[0], &shot->flight.surfaces, &options);
     require_ok(cml_tally_create(&grid, &shot->tally, &err), &err);
     require_ok(cml_engine_run_range(shot->flight.engine, shot->flight.self, 0, photons, &shot->tally, &err),

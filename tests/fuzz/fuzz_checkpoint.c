@@ -19,12 +19,12 @@ enum {
 }; /* where in the head these numbers are */
 
 /* That of the checkpoints which tests/fuzz/corpus.sh makes. */
-static const struct cml_grid grid = {.nr = 1,
-                                     .nz = 1,
-                                     .na = 1,
-                                     .num_layers = 1,
-                                     .absorption = true,
-                                     .saved = {.limit = 3, .media = 3, .beams = 1}};
+static const struct cml_tally_grid grid = {.nr = 1,
+                                           .nz = 1,
+                                           .na = 1,
+                                           .num_layers = 1,
+                                           .absorption = true,
+                                           .saved = {.limit = 3, .media = 3, .beams = 1}};
 
 /* A checkpoint under repair. */
 struct file {

@@ -79,8 +79,8 @@ static void check_tally(struct cml_tally *tally)
     FUZZ_CHECK(cml_result_create(&tally->grid, PHOTONS, &result, &err) == CML_OK);
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
     tally->late.count = 0;
-    cml_tally_note(tally, 0);
-    cml_result_note(&result, 0, tally);
+    cml_tally_bring(tally, 0);
+    cml_result_add_brought(&result, 0, tally);
     cml_result_add(&result, tally);
     FUZZ_CHECK(result.summary.count[CML_COUNT_PHOTONS] == PHOTONS);
     FUZZ_CHECK(cml_result_imbalance(&result) == 0);
@@ -98,7 +98,7 @@ static void fly(const char *name, const struct cml_scene *scene, const struct cm
                                                .roulette = {0.01, 0.03},
                                                .reentry = true,
                                                .absorption = true};
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &options);
     struct cml_tally tally;
     struct cml_error err = {CML_OK, ""};
     void *self = NULL;

@@ -46,7 +46,7 @@ static inline void *open_engine(const struct bench *bench, const struct cml_engi
 
 static inline struct cml_tally empty_tally(const struct bench *bench)
 {
-    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
+    const struct cml_tally_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
     struct cml_error err;
     struct cml_tally tally;
     require_ok(cml_tally_create(&grid, &tally, &err), &err);
@@ -68,8 +68,8 @@ static inline void assert_weight_balances(struct cml_tally *tally, uint64_t phot
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
-    cml_tally_note(tally, 0);
-    cml_result_note(&result, 0, tally);
+    cml_tally_bring(tally, 0);
+    cml_result_add_brought(&result, 0, tally);
     cml_result_add(&result, tally);
     assert_true(cml_result_imbalance(&result) == 0);
     assert_true(result.summary.count[CML_COUNT_PHOTONS] == photons);

@@ -320,11 +320,11 @@ cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight,
                                               struct cml_error *err)
 {
     const struct cml_engine_options options = {.seed = flight->seed, .reentry = true};
-    const struct cml_grid grid = {.nr = 1,
-                                  .nz = 1,
-                                  .na = 1,
-                                  .num_layers = flight->scene->num_layers,
-                                  .num_bodies = flight->scene->num_bodies};
+    const struct cml_tally_grid grid = {.nr = 1,
+                                        .nz = 1,
+                                        .na = 1,
+                                        .num_layers = flight->scene->num_layers,
+                                        .num_bodies = flight->scene->num_bodies};
     struct cml_owned_world world;
     struct cml_tally tally;
     *count = (struct atlas_count){0};

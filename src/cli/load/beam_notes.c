@@ -69,7 +69,7 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
     const struct cml_beam *beam = &scene->beams[0];
     const int b = first_shape(scene);
     if (scene->num_beams > 1 || beam->inside || beam->light.kind != CML_LIGHT_OF_PARALLEL) return;
-    if (beam->kind != CML_BEAM_PENCIL || b < 0 || scene->boundaries[b].form == CML_FORM_RADIAL) return;
+    if (beam->shape != CML_BEAM_PENCIL || b < 0 || scene->boundaries[b].form == CML_FORM_RADIAL) return;
     const struct cml_surface_def *def = &surfaces->item[b];
     if (def->kind != CML_SURFACE_MESH) return;
     const double room = 1 + def->highest - def->lowest, z = def->lowest - room;
@@ -99,7 +99,7 @@ static bool is_flat(const struct cml_beam *beam, double n, double t)
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
 {
     const struct cml_beam *beam = &scene->beams[k];
-    if (medium == scene->num_layers && scene->backing.kind != CML_NO_BACKING) return;
+    if (medium == scene->num_layers && scene->backing.kind != CML_BACKING_NONE) return;
     if (medium < 1 || medium > scene->num_layers || cml_layer_has_bodies(scene, medium)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);

@@ -255,7 +255,7 @@ static void find_held(double *now, double *most)
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
 {
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
     const int asked = options->engine_options.threads;
     const int threads = asked > 0 ? asked : options->engine->threads(NULL);
     const double ranks = cml_cluster_local_size(),

@@ -45,7 +45,7 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct floor floor = find_floor(scene, surfaces);
-    if (scene->backing.kind != CML_NO_BACKING)
+    if (scene->backing.kind != CML_BACKING_NONE)
         return (struct cml_aim_level){.why = "a backing lies below all layers"};
     for (int l = floor.layer; l <= scene->num_layers; l++) {
         const double top = surfaces->item[l - 1].depth, from = fmax(top, floor.depth),
@@ -150,7 +150,7 @@ static cml_status add_name(const char *name, const struct cml_scene *scene, int 
 static bool wants_packets(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_detectors; k++)
-        if (scene->detectors[k].kind == CML_DETECTOR_MAP) return true;
+        if (scene->detectors[k].shape == CML_DETECTOR_MAP) return true;
     return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
 }
 
@@ -246,7 +246,7 @@ static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface
     const struct cml_beam *beam = scene->beams;
     const bool central = beam->x == 0 && beam->y == 0;
     if (scene->num_beams > 1 || scene->num_bodies > 0 || beam->angle > 0 ||
-        beam->kind == CML_BEAM_RECTANGLE || beam->kind == CML_BEAM_IMAGE)
+        beam->shape == CML_BEAM_RECTANGLE || beam->shape == CML_BEAM_IMAGE)
         return false;
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE &&
@@ -264,7 +264,7 @@ static double way_between(const struct cml_beam *beam, const struct cml_detector
 static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                       const struct cml_detector_def *detector)
 {
-    return detector->kind == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
+    return detector->shape == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
            way_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
 }
 
@@ -272,7 +272,7 @@ static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_se
 static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
-    const bool ring = detector->kind == CML_DETECTOR_RING;
+    const bool ring = detector->shape == CML_DETECTOR_RING;
     const double inner = ring ? size[0] : 0, outer = ring ? size[1] : sqrt(size[0] * size[1] / M_PI);
     if (away == 0) return (struct cml_seen_ring){detector->below, inner, outer};
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};
@@ -297,7 +297,7 @@ static double area_of(double inner, double outer)
 static double spread_of(const struct cml_detector_def *detector)
 {
     const double *size = detector->size, narrow = fmin(size[0], size[1]) / fmax(size[0], size[1]);
-    return detector->kind == CML_DETECTOR_RING ? 1 : fmin(1, 4.5 * sqrt(narrow));
+    return detector->shape == CML_DETECTOR_RING ? 1 : fmin(1, 4.5 * sqrt(narrow));
 }
 
 /* Cells, but for what packets shall weigh in them. */
@@ -361,7 +361,8 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
 {
     const struct cml_aim_level level = cml_aim_level_of(scene, surfaces);
     struct wanted wanted = {0};
-    if (scene->backing.kind != CML_NO_BACKING) return refuse(scene, aim, (int)strlen(aim), "no backing", err);
+    if (scene->backing.kind != CML_BACKING_NONE)
+        return refuse(scene, aim, (int)strlen(aim), "no backing", err);
     for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
         CML_TRY(add_name(name, scene, level.layer, &wanted, err));
     if (wanted.layers > 0 || wanted.detectors > 0)

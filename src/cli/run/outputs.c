@@ -91,7 +91,7 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
     if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, CML_OUTPUT_BESIDE, err));
     if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, CML_OUTPUT_BESIDE, err));
     for (int k = 0; k < scene->num_detectors; k++) {
-        if (scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
+        if (scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
         snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
         CML_TRY(add_beside(outputs, path, suffix, run, CML_OUTPUT_BESIDE, err));
     }

@@ -32,7 +32,7 @@ cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_
                       : scene->facets         ? "facets"
                                               : NULL;
     for (int k = 0; !has && k < scene->num_detectors; k++)
-        if (scene->detectors[k].kind == CML_DETECTOR_MAP) has = "a detector map";
+        if (scene->detectors[k].shape == CML_DETECTOR_MAP) has = "a detector map";
     if (!has) return CML_OK;
     return cml_fail(
         err, CML_E_INPUT,

@@ -50,11 +50,12 @@ __attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_
         const int away = (above & (uz > 0)) | (below & (uz < 0)),
                   ahead_of = (above & !(uz > 0)) | (below & !(uz < 0));
         const int finite = s < CML_INFINITY;
-        const int curved = ahead_of | (away & !steep & (plane | !finite)), near = away & !steep & !curved;
+        const int curved = ahead_of | (away & !steep & (plane | !finite)),
+                  may_return = away & !steep & !curved;
         const int free = (!plane) & finite ? CML_LANE_INTERACT : CML_LANE_MAY_HIT;
-        const int next = curved ? CML_LANE_MAY_HIT_CURVED : (near ? CML_LANE_MAY_RETURN : free);
+        const int next = curved ? CML_LANE_MAY_HIT_CURVED : (may_return ? CML_LANE_MAY_RETURN : free);
         b->task[i] = task == CML_LANE_MAY_HIT ? next : task;
-        any |= (task == CML_LANE_MAY_HIT) & (curved | near);
+        any |= (task == CML_LANE_MAY_HIT) & (curved | may_return);
     }
     return any;
 }
@@ -138,7 +139,7 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
                     const int form)
 {
     const struct cml_surface surface = *shared;
-    const struct cml_clearance *grid = &surface.clearance;
+    const struct cml_clearance *map = &surface.clearance;
     const real *restrict const bounds = side > 0 ? world->deepest : world->highest;
     const real *restrict const horizons = side > 0 ? world->horizon_below : world->horizon_above;
     const real nearest = side > 0 ? surface.highest : surface.lowest;
@@ -149,13 +150,13 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
         const real horizon = form == CML_CLEARANCE_RADII
                                  ? surface.steepest
-                                 : cml_cell_horizon(grid, horizons, cml_from_scene_axis(world, p), form);
+                                 : cml_cell_horizon(map, horizons, cml_from_scene_axis(world, p), form);
         const int passes = inside < away * s, leads_away = cml_heads_away(horizon, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
         const struct cml_interval within = {!misses, inside < 0 ? there : (real)0,
                                             (away >= 0) & passes ? there : s};
         const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, within.from, u));
-        const struct cml_interval left = cml_clip_interval(grid, bounds, start, u, side, within, form);
+        const struct cml_interval left = cml_clip_interval(map, bounds, start, u, side, within, form);
         ahead->meets[k] = left.meets;
         ahead->from[k] = left.from;
         ahead->to[k] = left.to;

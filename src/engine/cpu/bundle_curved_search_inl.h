@@ -135,7 +135,7 @@ static struct cml_grid_view cml_view_grid(const struct cml_world *world, int bou
     if (boundary < 0 || boundary > world->setup.num_layers) return view;
     const struct cml_surface *surface = &world->surfaces[boundary];
     if (surface->kind != CML_SURFACE_MESH) return view;
-    view.grid = cml_mesh_surface_grid(world->meshes[boundary], &view.body);
+    view.grid = cml_mesh_surface_grid(world->meshes[boundary], &view.centred);
     view.clearance = &surface->clearance;
     view.horizons = side > 0 ? world->horizon_below : world->horizon_above;
     view.depth = side < 0 ? world->media[boundary].span : (real)0;

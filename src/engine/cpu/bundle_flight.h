@@ -9,12 +9,12 @@
 #include "engine/terminated_packets_inl.h"
 
 /* next hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of one
- * batch (tally/places.h); 0 when there are no more. note is told when the tally has all that came since it
- * was last called: of this batch, and of late packets. gives_up: whether the packets under way are not to be
- * flown to their ends (cml_engine_gives_up); the tally is worth nothing then. */
+ * batch (tally/piece.h); 0 when there are no more. end_batch is told when the tally has all that came since
+ * it was last called: of this batch, and of late packets. gives_up: whether the packets under way are not to
+ * be flown to their ends (cml_engine_gives_up); the tally is worth nothing then. */
 struct cml_range_source {
     int (*next)(void *context, uint64_t *first, uint64_t *count);
-    void (*note)(void *context, int batch, struct cml_tally *tally);
+    void (*end_batch)(void *context, int batch, struct cml_tally *tally);
     int (*gives_up)(void *context);
     void *context;
 };
@@ -71,11 +71,11 @@ struct cml_flight {
     cml_u32 rounds;               /* passes, and rounds over boundaries within them */
     int given_up;
     /* batches */
-    struct cml_profile_places profiles; /* of the tally */
-    int batch;                          /* under way: packets of it are launched; -1 before the first */
-    cml_u32 first_cell;                 /* of A_rz of that batch's group */
-    uint64_t late;                      /* mask: lanes whose packets are of batches before it */
-    uint64_t *late_profiles[CML_LANES]; /* of such a lane: its batch's row (cml_tally_late) */
+    struct cml_profile_offsets profiles; /* of the tally */
+    int batch;                           /* under way: packets of it are launched; -1 before the first */
+    cml_u32 first_cell;                  /* of A_rz of that batch's group */
+    uint64_t late;                       /* mask: lanes whose packets are of batches before it */
+    uint64_t *late_profiles[CML_LANES];  /* of such a lane: its batch's row (cml_tally_late) */
     /* photons on their way in and out */
     uint64_t next, left; /* photons in hand, beyond the queue: first index, and number */
     struct cml_launch_queue queue;

@@ -87,15 +87,15 @@ CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const s
 {
     const int lanes = b->lanes;
     const real *restrict const g = CML_OF_MEDIUM(b, g);
-    _Alignas(64) cml_u32 place[CML_LANES];
+    _Alignas(64) cml_u32 number[CML_LANES];
 #pragma omp simd
-    for (int i = 0; i < lanes; i++) place[i] = cml_phase_place(g[i], b->draw1[i]);
+    for (int i = 0; i < lanes; i++) number[i] = cml_phase_cell_number(g[i], b->draw1[i]);
 #pragma GCC unroll 8
     for (int i = 0; i < lanes; i++) {
         int64_t both;
-        memcpy(&both, &cells[place[i]], sizeof both);
+        memcpy(&both, &cells[number[i]], sizeof both);
         memcpy(&cell[i], &both, sizeof both);
-        if (__builtin_expect(both < 0, 0)) cell[i] = cml_phase_cell_at(cells, place[i], b->draw1[i]);
+        if (__builtin_expect(both < 0, 0)) cell[i] = cml_phase_cell_at(cells, number[i], b->draw1[i]);
     }
 }
 

@@ -23,7 +23,7 @@ static inline int cml_whole_vectors(int count)
     return (count + CML_VECTOR - 1) / CML_VECTOR * CML_VECTOR;
 }
 
-/* Calls handle for every lane of the mask, in order: find the lowest bit, then clear it. */
+/* Calls handle for every lane of the mask, in order: find the lowest bit, then take it away. */
 static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(struct cml_flight *, int))
 {
     for (; mask; mask &= mask - 1) handle(f, __builtin_ctzll(mask));
@@ -272,7 +272,7 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
 {
     const struct cml_setup *setup = &f->world->setup;
     const struct cml_terminated *terminated = &f->terminated;
-    const struct cml_profile_places places = f->profiles;
+    const struct cml_profile_offsets begin = f->profiles;
     const int fate = terminated->fate[at], up = fate == CML_FATE_REFLECTED;
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
@@ -280,18 +280,18 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     row[CML_TOTAL_SPECULAR] +=
         (cml_is_branch(index) ? 0u : setup->specular) + (fate == CML_FATE_SPECULAR ? w : 0u);
     if (f->tally->detected) {
-        cml_score_split_off(f->world, index, 1, row + places.detector, NULL);
-        cml_tally_detectors(f->world, terminated, at, trail, row + places.detector, NULL);
+        cml_score_split_off(f->world, index, 1, row + begin.detector, NULL);
+        cml_tally_detectors(f->world, terminated, at, trail, row + begin.detector, NULL);
     }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
-    row[places.A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
+    row[begin.A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
     if (!up && fate != CML_FATE_TRANSMITTED) return;
     row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
-    row[(up ? places.Rd_r : places.Tt_r) +
+    row[(up ? begin.Rd_r : begin.Tt_r) +
         (size_t)cml_radial_bin(setup, terminated->exit_x[at], terminated->exit_y[at])] += w;
-    row[(up ? places.Rd_a : places.Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
+    row[(up ? begin.Rd_a : begin.Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
     if (setup->gates.count)
-        row[(up ? places.Rd_t : places.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
+        row[(up ? begin.Rd_t : begin.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
 }
 
 /* P16: the rows of a lane's packet, whose deposits have been booked, end with it. */

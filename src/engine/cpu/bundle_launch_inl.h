@@ -38,7 +38,7 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
 }
 
 /* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
- * one end times their number is booked with their batch (cml_note_batch). The others close up;
+ * one end times their number is booked with their batch (cml_end_batch). The others close up;
  * returns how many they are. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
@@ -63,9 +63,10 @@ static int cml_count_ballistic(struct cml_flight *f, int count)
     return at;
 }
 
-/* Into the tally, and noted: all that packets of the batch under way have brought so far, and those that were
- * late. Ballistic packets have been counted only: their one end goes into the tally as often as they were. */
-static void cml_note_batch(struct cml_flight *f)
+/* Into the tally, of which the source is told: all that packets of the batch under way have brought so far,
+ * and those that were late. Ballistic packets have been counted only: their one end goes into the tally as
+ * often as they were. */
+static void cml_end_batch(struct cml_flight *f)
 {
     cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
@@ -74,8 +75,8 @@ static void cml_note_batch(struct cml_flight *f)
         cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
     }
-    if (f->batch >= 0) f->source->note(f->source->context, f->batch, f->tally);
-    cml_tally_clear_late(f->tally);
+    if (f->batch >= 0) f->source->end_batch(f->source->context, f->batch, f->tally);
+    cml_tally_drop_late(f->tally);
 }
 
 /* The photons that come next are of another batch. Those in flight are late from here on: the bundle stays
@@ -84,7 +85,7 @@ static void cml_note_batch(struct cml_flight *f)
 static void cml_begin_batch(struct cml_flight *f, int batch)
 {
     const struct cml_bundle *b = f->b;
-    cml_note_batch(f);
+    cml_end_batch(f);
     f->late = f->batch >= 0 ? f->live : 0;
     for (uint64_t rest = f->late; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);

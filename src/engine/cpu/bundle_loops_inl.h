@@ -221,9 +221,9 @@ CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)
     for (int i = 0; i < lanes; i++) {
         real s;
         const int task = b->task[i], active = (task == CML_LANE_TO_FLY) | (task == CML_LANE_REFLECTED);
-        const int near = cml_lane_may_hit(b, i, b->tau[i], &s);
+        const int may_hit = cml_lane_may_hit(b, i, b->tau[i], &s);
         b->s[i] = cml_pick(active, s, b->s[i]);
-        b->task[i] = active ? (near ? CML_LANE_MAY_HIT : CML_LANE_INTERACT) : task;
+        b->task[i] = active ? (may_hit ? CML_LANE_MAY_HIT : CML_LANE_INTERACT) : task;
     }
 }
 
@@ -274,10 +274,10 @@ CML_LOOP int cml_bundle_fly(struct cml_bundle *b)
 #pragma omp simd reduction(| : any)
     for (int i = 0; i < lanes; i++) {
         real s;
-        const int near = cml_lane_may_hit(b, i, b->tau[i], &s);
+        const int may_hit = cml_lane_may_hit(b, i, b->tau[i], &s);
         b->s[i] = s;
-        b->task[i] = near ? CML_LANE_MAY_HIT : CML_LANE_INTERACT;
-        any |= near * CML_ANY_MAY_HIT | !(b->tau[i] < CML_INFINITY) * CML_ANY_TAIL;
+        b->task[i] = may_hit ? CML_LANE_MAY_HIT : CML_LANE_INTERACT;
+        any |= may_hit * CML_ANY_MAY_HIT | !(b->tau[i] < CML_INFINITY) * CML_ANY_TAIL;
     }
     return any;
 }

@@ -11,8 +11,8 @@
  * at another weight, in another medium, or all alike. */
 static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_source *source)
 {
-    const int alike = source->shape == CML_SHAPE_POINT && source->light == CML_LIGHT_PARALLEL;
-    return setup->num_sources == 1 && !alike && !source->inside && source->shape != CML_SHAPE_IMAGE &&
+    const int alike = source->shape == CML_BEAM_PENCIL && source->light == CML_LIGHT_PARALLEL;
+    return setup->num_sources == 1 && !alike && !source->inside && source->shape != CML_BEAM_IMAGE &&
            source->light != CML_LIGHT_TABLE;
 }
 
@@ -62,21 +62,21 @@ static inline void cml_queue_offsets(const struct cml_world *world, struct cml_l
 CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].shape) {
-    case CML_SHAPE_POINT:
+    case CML_BEAM_PENCIL:
         memset(queue->x, 0, sizeof queue->x);
         memset(queue->y, 0, sizeof queue->y);
         break;
-    case CML_SHAPE_DISK:
-        cml_queue_offsets(world, queue, CML_SHAPE_DISK);
+    case CML_BEAM_DISK:
+        cml_queue_offsets(world, queue, CML_BEAM_DISK);
         break;
-    case CML_SHAPE_GAUSSIAN:
-        cml_queue_offsets(world, queue, CML_SHAPE_GAUSSIAN);
+    case CML_BEAM_GAUSSIAN:
+        cml_queue_offsets(world, queue, CML_BEAM_GAUSSIAN);
         break;
-    case CML_SHAPE_RING:
-        cml_queue_offsets(world, queue, CML_SHAPE_RING);
+    case CML_BEAM_RING:
+        cml_queue_offsets(world, queue, CML_BEAM_RING);
         break;
     default:
-        cml_queue_offsets(world, queue, CML_SHAPE_RECTANGLE);
+        cml_queue_offsets(world, queue, CML_BEAM_RECTANGLE);
     }
 }
 

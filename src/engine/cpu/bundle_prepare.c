@@ -107,7 +107,7 @@ void cml_find_known_path(struct cml_flight *f)
     if (!f->enters || in->medium != 1 || world->surfaces[0].kind != CML_SURFACE_MESH ||
         !cml_mesh_surface_stretch(world->meshes[0], dp, du, 1, on, undeflected, err, &s))
         return;
-    f->known = (struct cml_known_path){p, u, on, s.least, s.clear, s.from, {.boundary = 0}};
+    f->known = (struct cml_known_path){p, u, on, s.least, s.most, s.from, {.boundary = 0}};
     cml_intersect_mesh(world, 0, p, u, 1, CML_INFINITY, on, undeflected, &f->known.hit, &near_facet);
     f->aware = *world;
     f->aware.known_path = &f->known;

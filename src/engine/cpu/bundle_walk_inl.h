@@ -522,7 +522,7 @@ static void cml_flight_begin(struct cml_flight *f)
         f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;
         f->safe_cells |= f->world->safe_cells[i].nx > 0;
     }
-    f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_SHAPE_POINT &&
+    f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_BEAM_PENCIL &&
                 f->world->sources->light == CML_LIGHT_PARALLEL;
     f->elsewhere = setup->num_sources > 1 || f->world->sources->inside;
     f->queue_places = !f->to.facets && !f->to.phi && cml_queue_can_place(setup, f->world->sources);
@@ -552,7 +552,7 @@ static void cml_flight_begin(struct cml_flight *f)
 static void cml_flight_run(struct cml_flight *f)
 {
     while (f->live && !cml_is_given_up(f)) cml_flight_pass(f);
-    if (!f->given_up) cml_note_batch(f);
+    if (!f->given_up) cml_end_batch(f);
 }
 
 /* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but

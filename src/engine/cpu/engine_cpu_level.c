@@ -41,14 +41,14 @@ static void cpu_close(void *self)
 
 /* A tally for each thread, so that no addition needs a lock. Maps, volume and facets are the first tally's,
  * and all threads add to them, with atomic additions. So they do to an A_rz or a phi that is too large for a
- * copy each (cml_grid_of_thread); then the first tally belongs to no thread, and is one more. */
+ * copy each (cml_tally_grid_of_thread); then the first tally belongs to no thread, and is one more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
 {
-    const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
-    const struct cml_grid grid = cml_grid_of_thread(&full);
-    const int count = cpu->threads + (cpu->threads > 1 && cml_grid_is_shared(&full) ? 1 : 0);
+    const struct cml_tally_grid full = cml_engine_grid(scene, surfaces, options);
+    const struct cml_tally_grid grid = cml_tally_grid_of_thread(&full);
+    const int count = cpu->threads + (cpu->threads > 1 && cml_tally_grid_is_shared(&full) ? 1 : 0);
     cpu->tallies = calloc((size_t)count, sizeof *cpu->tallies);
     if (!cpu->tallies) return cml_fail_memory(err, count * cml_tally_bytes(&grid), "tallies");
     CML_TRY(cml_tally_create(&full, &cpu->tallies[cpu->num_tallies++], err));
@@ -147,10 +147,10 @@ static int next_photons(void *context, uint64_t *first, uint64_t *count)
     return 1;
 }
 
-static void note_batch(void *context, int batch, struct cml_tally *tally)
+static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     const struct cml_work *work = ((const struct supply *)context)->work;
-    work->note(work->context, batch, tally);
+    work->end_batch(work->context, batch, tally);
 }
 
 static int gives_up(void *context)
@@ -166,7 +166,7 @@ static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work
 {
     real *const factors = cpu->factors ? cpu->factors + (size_t)number * num_factors(cpu) : NULL;
     struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
-    const struct cml_range_source source = {next_photons, note_batch, gives_up, &supply};
+    const struct cml_range_source source = {next_photons, end_batch, gives_up, &supply};
     cml_bundle_walk(&cpu->owned.world, cpu->media, &source, factors, &cpu->branches[number], tally);
     return !supply.given_up;
 }

@@ -1,6 +1,6 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
- * The host gives a device photon indices, launches the kernel again and again until it has flown them all,
- * and adds its cells to the tally. A launch flies a bounded number of steps, and packets stay on the device
+ * The host gives a device photon indices, calls the kernel again and again until it has flown them all,
+ * and adds its cells to the tally. A call flies a bounded number of steps, and packets stay on the device
  * from one to the next. SPDX-License-Identifier: MIT */
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
@@ -95,9 +95,10 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
  * need, and packets have more registers. */
 static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
-                                        const struct cml_engine_options *options, const struct cml_grid *grid)
+                                        const struct cml_engine_options *options,
+                                        const struct cml_tally_grid *grid)
 {
-    struct cml_grid one_group = *grid; /* a piece is of one batch */
+    struct cml_tally_grid one_group = *grid; /* a piece is of one batch */
     one_group.cell_errors = false;
     struct cml_opencl_scene scene = {
         .setup = engine->owned.world.setup,
@@ -153,7 +154,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
                               const struct cml_engine_options *options, struct opencl_engine *engine,
                               struct cml_error *err)
 {
-    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
     struct cml_opencl_device *devices = NULL;
     int count = 0;
     CML_TRY(refuse_meshes(scene, surfaces, err));
@@ -208,11 +209,11 @@ static void give(const struct opencl_engine *engine, struct cml_opencl_flight *f
     pool->count -= part;
 }
 
-/* One launch on every device that has work. All are started before any is waited for, so that they run at the
- * same time. active: out, how many were started; 0: the pool is empty and no packet is under way. tally: gets
- * the indices of lost packets; NULL: nobody wants them. */
-static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, int *active,
-                             struct cml_tally *tally, struct cml_error *err)
+/* One call of the kernel on every device that has work. All are started before any is waited for, so that
+ * they run at the same time. active: out, how many were started; 0: the pool is empty and no packet is under
+ * way. tally: gets the indices of lost packets; NULL: nobody wants them. */
+static cml_status call_all(struct opencl_engine *engine, struct pool *pool, int *active,
+                           struct cml_tally *tally, struct cml_error *err)
 {
     bool started[64] = {false};
     *active = 0;
@@ -228,8 +229,8 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
         struct cml_opencl_flight *flight = &engine->flights[i];
         if (!started[i]) continue;
         CML_TRY(cml_opencl_flight_finish(flight, err));
-        for (cml_u32 k = 0; tally && k < flight->control.num_lost && k < CML_LOST_KEPT; k++)
-            cml_lost_list_add(&tally->lost, flight->control.lost[k]);
+        for (cml_u32 k = 0; tally && k < flight->counters.num_lost && k < CML_LOST_KEPT; k++)
+            cml_lost_list_add(&tally->lost, flight->counters.lost[k]);
     }
     return CML_OK;
 }
@@ -261,12 +262,12 @@ static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct c
     if (tally->grid.absorption) add_absorption(transmitted + exits, lanes, group, tally);
 }
 
-/* What devices fly for longer, once the run is to stop, is given up. The launches are those of a busy
+/* What devices fly for longer, once the run is to stop, is given up. The calls are those of a busy
  * machine, the seconds those of a fast one. */
-#define MOST_LATE_LAUNCHES 6
+#define MOST_LATE_CALLS 6
 #define MOST_LATE_SECONDS 0.3
 
-/* Launches until all packets of the piece have ended, then collects each device's cells: its tally is
+/* Calls the kernel until all packets of the piece have ended, then collects each device's cells: its tally is
  * complete when this returns, so a checkpoint needs to know nothing of devices. */
 static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work *work,
                             const struct cml_piece *piece, struct cml_error *err)
@@ -277,11 +278,10 @@ static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work 
     for (int i = 0; i < engine->count; i++)
         CML_TRY(cml_opencl_flight_begin(&engine->flights[i], piece->count, 0, err));
     while (active > 0) {
-        CML_TRY(launch_all(engine, &pool, &active, &engine->tally, err));
+        CML_TRY(call_all(engine, &pool, &active, &engine->tally, err));
         if (!work->stops || !work->stops(work->context)) continue;
         if (late++ == 0) since = cml_now();
-        if (late > MOST_LATE_LAUNCHES && cml_now() - since > MOST_LATE_SECONDS)
-            return cml_engine_given_up(err);
+        if (late > MOST_LATE_CALLS && cml_now() - since > MOST_LATE_SECONDS) return cml_engine_given_up(err);
     }
     for (int i = 0; i < engine->count; i++) {
         CML_TRY(cml_opencl_flight_collect(&engine->flights[i], engine->cells, err));
@@ -297,7 +297,7 @@ static cml_status opencl_run(void *self, const struct cml_work *work, struct cml
     struct cml_piece piece;
     while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
         CML_TRY(fly_piece(engine, work, &piece, err));
-        work->note(work->context, piece.batch, &engine->tally);
+        work->end_batch(work->context, piece.batch, &engine->tally);
     }
     work->add(work->context, &engine->tally);
     return CML_OK;
@@ -368,7 +368,7 @@ static void tell(const struct cml_owned_world *owned, const char *what, const st
     if (on_event) forward_event(&tracing, what, packet);
 }
 
-/* Follows one packet: launches of one step, after each of which the packet is read back and compared with
+/* Follows one packet: calls of one step, after each of which the packet is read back and compared with
  * what it was. The launch itself happens on the device within the first step, so the host repeats it for its
  * event. */
 static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight *flight, uint64_t index,
@@ -379,7 +379,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
     tell(&engine->owned, "launch", &before, on_event, context);
     cml_opencl_flight_give(flight, index, 1, 1);
     do {
-        flight->launch.steps = 1;
+        flight->call.steps = 1;
         CML_TRY(cml_opencl_flight_start(flight, err));
         CML_TRY(cml_opencl_flight_finish(flight, err));
         CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_PACKETS, &after, sizeof after, err));
@@ -397,11 +397,11 @@ static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *o
 {
     struct opencl_engine *engine = self;
     struct cml_opencl_flight *flight = engine->flights;
-    const cml_u32 steps = flight->launch.steps;
+    const cml_u32 steps = flight->call.steps;
     if (!on_event) return opencl_fates(self, index, 1, record, err);
     CML_TRY(cml_opencl_flight_begin(flight, 1, 1, err));
     const cml_status status = follow(engine, flight, index, on_event, context, err);
-    flight->launch.steps = steps;
+    flight->call.steps = steps;
     CML_TRY(status);
     CML_TRY(cml_opencl_flight_collect(flight, engine->cells, err));
     return read_records(engine, index, 1, record, err);

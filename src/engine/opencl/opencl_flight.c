@@ -1,4 +1,4 @@
-/* One device with all that it holds for a scene: buffers, arguments, launches, what comes back.
+/* One device with all that it holds for a scene: buffers, arguments, calls of the kernel, what comes back.
  * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LAUNCH_SECONDS 0.05     /* watchdogs of displays wait seconds; the host looks in between */
-#define GPU_GROUP 128           /* work-items */
-#define GPU_ITEMS_PER_UNIT 2048 /* what a compute unit can keep in flight at most */
-#define CPU_ITEMS_PER_UNIT 32   /* PoCL hands groups to its threads by the 32 */
-#define LANES_ALONE 16          /* packets of a single work-item: as many as a vector has floats */
-#define NEAR_BYTES_SHARED 16384 /* local memory of a group: several groups share a unit's */
-#define NEAR_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
+#define CALL_SECONDS 0.05        /* watchdogs of displays wait seconds; the host looks in between */
+#define GPU_GROUP 128            /* work-items */
+#define GPU_ITEMS_PER_UNIT 2048  /* what a compute unit can keep in flight at most */
+#define CPU_ITEMS_PER_UNIT 32    /* PoCL hands groups to its threads by the 32 */
+#define LANES_ALONE 16           /* packets of a single work-item: as many as a vector has floats */
+#define LOCAL_BYTES_SHARED 16384 /* local memory of a group: several groups share a unit's */
+#define LOCAL_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
 #define MOST_STEPS (1u << 20)
 
 /* The smaller one; callers know that it has at most 32 bits. */
@@ -37,42 +37,42 @@ static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl
     const uint32_t groups = items / flight->group;
     flight->lanes = flight->group == 1 ? LANES_ALONE : 1;
     flight->most_items = flight->group * (groups > info->units ? groups : info->units);
-    flight->launch.steps = 256;
+    flight->call.steps = 256;
 }
 
-/* Places an array behind those before it in the block of cells, and as many of its first cells as `near` in
- * local memory. first, near_used: in the two memories, moved on. */
-static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, uint32_t *near_used)
+/* Lays an array behind those before it in the block of cells, and at most `room` of its first cells into
+ * local memory. first, local_used: in the two memories, moved on. */
+static struct cml_local_part lay_out(uint64_t *first, uint64_t cells, uint64_t room, uint32_t *local_used)
 {
-    const struct cml_window window = {*first, *near_used, smaller(cells, near)};
+    const struct cml_local_part part = {*first, *local_used, smaller(cells, room)};
     *first += cells;
-    *near_used += window.count;
-    return window;
+    *local_used += part.count;
+    return part;
 }
 
 /* Lays out the block of cells, and which of them a group keeps in local memory (privatised tallies): sums,
  * which every packet adds to, then the exits near the axis, then of A_rz what lies beyond its last radial
  * bin, and from the axis outwards as much as there is room for. At most half of the local memory is used, so
  * that two groups fit. */
-static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
-                                        struct cml_opencl_flight *flight)
+static struct cml_local_parts lay_out_parts(const struct cml_opencl_scene *scene,
+                                            struct cml_opencl_flight *flight)
 {
     const struct cml_setup *setup = &scene->setup;
-    const uint64_t most = (flight->group == 1 ? NEAR_BYTES_ALONE : NEAR_BYTES_SHARED);
+    const uint64_t most = (flight->group == 1 ? LOCAL_BYTES_ALONE : LOCAL_BYTES_SHARED);
     const uint64_t local = flight->device.info.local_memory / 2;
-    const uint64_t near = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
+    const uint64_t room = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
     const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
     const uint64_t layers = (uint64_t)setup->num_layers + 2 + (uint64_t)setup->num_bodies;
     uint64_t first = 0;
     uint32_t used = 0;
-    struct cml_windows windows;
-    windows.sums = place(&first, CML_CELL_LAYER + layers, CML_CELL_LAYER + near / 2, &used);
-    windows.reflected = place(&first, exits, (near - used) / 8, &used);
-    windows.transmitted = place(&first, exits, (near - used) / 8, &used);
-    windows.absorbed = place(&first, scene->cells - layers - 2 * exits, near - used, &used);
+    struct cml_local_parts parts;
+    parts.sums = lay_out(&first, CML_CELL_LAYER + layers, CML_CELL_LAYER + room / 2, &used);
+    parts.reflected = lay_out(&first, exits, (room - used) / 8, &used);
+    parts.transmitted = lay_out(&first, exits, (room - used) / 8, &used);
+    parts.absorbed = lay_out(&first, scene->cells - layers - 2 * exits, room - used, &used);
     flight->num_cells = first;
-    flight->launch.near_cells = used;
-    return windows;
+    flight->call.num_local = used;
+    return parts;
 }
 
 /* Fails with a message of its own where the device cannot hold tallies and packets: drivers may notice only
@@ -178,8 +178,8 @@ static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_erro
     return CML_OK;
 }
 
-/* Marks all packets on the device as ended: lanes then take new ones in the first launch. */
-static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_error *err)
+/* Marks all packets on the device as ended: lanes then take new ones in the first call. */
+static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
     const int fate = CML_FATE_ABSORBED;
@@ -193,7 +193,7 @@ static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_err
 }
 
 /* All tallies of the device to 0. */
-static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error *err)
+static cml_status zero_cells(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const cl_ulong zero = 0;
     CML_CL(&flight->device, "memory for tallies",
@@ -203,14 +203,14 @@ static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error
     return CML_OK;
 }
 
-/* Copies the scene to the device. The scene's arrays are only read there; control and packets go on from
- * launch to launch. */
+/* Copies the scene to the device. The scene's arrays are only read there; counters and packets go on from
+ * call to call. */
 static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                  struct cml_error *err)
 {
     const size_t bodies = (size_t)scene->setup.num_bodies,
                  surfaces = (size_t)scene->setup.num_layers + 1 + bodies;
-    CML_TRY(create_buffer(flight, CML_BUFFER_CONTROL, sizeof flight->control, &flight->control, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_COUNTERS, sizeof flight->counters, &flight->counters, err));
     CML_TRY(
         create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
     CML_TRY(
@@ -239,24 +239,24 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
     CML_TRY(create_buffer(flight, CML_BUFFER_IMAGE_WORDS, scene->num_image_words * sizeof *scene->image_words,
                           scene->image_words, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
-    CML_TRY(clear_cells(flight, err));
-    return clear_packets(flight, err);
+    CML_TRY(zero_cells(flight, err));
+    return end_packets(flight, err);
 }
 
 /* Arguments 0, 1 and 2 are structs, then come the buffers in the order of their names, then local memory. */
-static cml_status set_arguments(const struct cml_opencl_scene *scene, const struct cml_windows *windows,
+static cml_status set_arguments(const struct cml_opencl_scene *scene, const struct cml_local_parts *parts,
                                 struct cml_opencl_flight *flight, struct cml_error *err)
 {
     cl_int code = CL_SUCCESS;
     flight->kernel = clCreateKernel(flight->program, "cml_transport", &code);
     CML_CL(&flight->device, "the kernel cml_transport", code, err);
     code = clSetKernelArg(flight->kernel, 0, sizeof scene->setup, &scene->setup);
-    if (code == CL_SUCCESS) code = clSetKernelArg(flight->kernel, 1, sizeof *windows, windows);
+    if (code == CL_SUCCESS) code = clSetKernelArg(flight->kernel, 1, sizeof *parts, parts);
     for (cl_uint i = 0; code == CL_SUCCESS && i < CML_NUM_BUFFERS; i++)
         code = clSetKernelArg(flight->kernel, 3 + i, sizeof(cl_mem), &flight->buffer[i]);
     if (code == CL_SUCCESS)
-        code = clSetKernelArg(flight->kernel, 3 + CML_NUM_BUFFERS,
-                              flight->launch.near_cells * sizeof(uint64_t), NULL);
+        code = clSetKernelArg(flight->kernel, 3 + CML_NUM_BUFFERS, flight->call.num_local * sizeof(uint64_t),
+                              NULL);
     CML_CL(&flight->device, "the kernel's arguments", code, err);
     return CML_OK;
 }
@@ -268,7 +268,7 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     const struct cml_opencl_device *device = &flight->device;
     cl_int code = CL_SUCCESS;
     choose_sizes(scene, flight);
-    const struct cml_windows windows = place_windows(scene, flight);
+    const struct cml_local_parts parts = lay_out_parts(scene, flight);
     CML_TRY(check_memory(flight, err));
     flight->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &code);
     CML_CL(device, "a context", code, err);
@@ -277,7 +277,7 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     CML_TRY(build(scene, flight, err));
     CML_TRY(check_layout(flight, err));
     CML_TRY(create_buffers(scene, flight, err));
-    return set_arguments(scene, &windows, flight, err);
+    return set_arguments(scene, &parts, flight, err);
 }
 
 cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
@@ -306,9 +306,9 @@ void cml_opencl_flight_close(struct cml_opencl_flight *flight)
 cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
                                    struct cml_error *err)
 {
-    flight->launch.items = smaller((photons + flight->lanes - 1) / flight->lanes, flight->most_items);
-    flight->launch.record = records > 0;
-    flight->control = (struct cml_control){0};
+    flight->call.items = smaller((photons + flight->lanes - 1) / flight->lanes, flight->most_items);
+    flight->call.record = records > 0;
+    flight->counters = (struct cml_counters){0};
     if (records <= flight->fates) return CML_OK;
     CML_TRY(create_buffer(flight, CML_BUFFER_FATES, records * sizeof(struct cml_device_fate), NULL, err));
     flight->fates = records;
@@ -319,39 +319,39 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
     return CML_OK;
 }
 
-/* Written to the device with the other counters when the next launch starts. */
+/* Written to the device with the other counters when the next call starts. */
 void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride, uint64_t count)
 {
-    flight->control.first = first;
-    flight->control.stride = stride;
-    flight->control.count = (uint32_t)count;
-    flight->control.taken = 0;
+    flight->counters.first = first;
+    flight->counters.stride = stride;
+    flight->counters.count = (uint32_t)count;
+    flight->counters.taken = 0;
 }
 
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight)
 {
-    return flight->control.taken >= flight->control.count;
+    return flight->counters.taken >= flight->counters.count;
 }
 
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
 {
-    return cml_opencl_flight_dry(flight) && flight->control.alive == 0;
+    return cml_opencl_flight_dry(flight) && flight->counters.alive == 0;
 }
 
-/* Only whole groups can be launched; items beyond launch.items rest. Counters go with every launch: the
+/* Only whole groups can be started; items beyond call.items rest. Counters go with every call: the
  * device counts what is alive and lost during it. Flushed, so that the device begins while the host starts
  * others. */
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
-    const size_t local = flight->group, global = (flight->launch.items + local - 1) / local * local;
+    const size_t local = flight->group, global = (flight->call.items + local - 1) / local * local;
     flight->begin = cml_now();
-    flight->control.alive = 0;
-    flight->control.num_lost = 0;
+    flight->counters.alive = 0;
+    flight->counters.num_lost = 0;
     CML_CL(&flight->device, "the kernel's arguments",
-           clSetKernelArg(flight->kernel, 2, sizeof flight->launch, &flight->launch), err);
+           clSetKernelArg(flight->kernel, 2, sizeof flight->call, &flight->call), err);
     CML_CL(&flight->device, "writing counters",
-           clEnqueueWriteBuffer(flight->queue, flight->buffer[CML_BUFFER_CONTROL], CL_TRUE, 0,
-                                sizeof flight->control, &flight->control, 0, NULL, NULL),
+           clEnqueueWriteBuffer(flight->queue, flight->buffer[CML_BUFFER_COUNTERS], CL_TRUE, 0,
+                                sizeof flight->counters, &flight->counters, 0, NULL, NULL),
            err);
     CML_CL(&flight->device, "launching the kernel",
            clEnqueueNDRangeKernel(flight->queue, flight->kernel, 1, NULL, &global, &local, 0, NULL, NULL),
@@ -360,24 +360,24 @@ cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_
     return CML_OK;
 }
 
-/* Adapts the number of steps of the next launch to LAUNCH_SECONDS: long enough that the host's part does not
- * count, short enough for watchdogs. Near its end a launch has few packets left and is fast; what it would
+/* Adapts the number of steps of the next call to CALL_SECONDS: long enough that the host's part does not
+ * count, short enough for watchdogs. Near its end a call has few packets left and is fast; what it would
  * have taken with all items busy to its end is at most `full`. */
 static void adapt(struct cml_opencl_flight *flight, double seconds)
 {
-    const uint32_t alive = flight->control.alive, items = flight->launch.items * flight->lanes;
-    uint32_t *steps = &flight->launch.steps;
+    const uint32_t alive = flight->counters.alive, items = flight->call.items * flight->lanes;
+    uint32_t *steps = &flight->call.steps;
     if (alive == 0) return;
     const double full = seconds * items / alive;
-    if (full < LAUNCH_SECONDS / 2 && *steps < MOST_STEPS) *steps *= 2;
-    if (full > LAUNCH_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
+    if (full < CALL_SECONDS / 2 && *steps < MOST_STEPS) *steps *= 2;
+    if (full > CALL_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
 }
 
 /* The blocking read waits for the kernel, too, since the queue keeps its order. */
 cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     CML_TRY(
-        cml_opencl_flight_read(flight, CML_BUFFER_CONTROL, &flight->control, sizeof flight->control, err));
+        cml_opencl_flight_read(flight, CML_BUFFER_COUNTERS, &flight->counters, sizeof flight->counters, err));
     adapt(flight, cml_now() - flight->begin);
     return CML_OK;
 }
@@ -385,5 +385,5 @@ cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml
 cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells, struct cml_error *err)
 {
     CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_CELLS, cells, flight->num_cells * sizeof *cells, err));
-    return clear_cells(flight, err);
+    return zero_cells(flight, err);
 }

@@ -85,7 +85,7 @@ struct cml_opencl_scene {
     bool loose_division; /* even where the device can round correctly */
 };
 
-/* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; control,
+/* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; counters,
  * packets and cells live as long as the device is open. */
 enum {
     CML_BUFFER_MEDIA,
@@ -101,10 +101,10 @@ enum {
     CML_BUFFER_SOURCES,
     CML_BUFFER_LIGHT_CELLS,
     CML_BUFFER_IMAGE_WORDS,
-    CML_BUFFER_CONTROL, /* counters that host and device pass to and fro, struct cml_control */
-    CML_BUFFER_PACKETS, /* packets under way, from launch to launch */
-    CML_BUFFER_FATES,   /* records, where they are wanted */
-    CML_BUFFER_CELLS,   /* all tallies */
+    CML_BUFFER_COUNTERS, /* counters that host and device pass to and fro, struct cml_counters */
+    CML_BUFFER_PACKETS,  /* packets under way, from call to call */
+    CML_BUFFER_FATES,    /* records, where they are wanted */
+    CML_BUFFER_CELLS,    /* all tallies */
     CML_NUM_BUFFERS
 };
 
@@ -119,9 +119,9 @@ struct cml_opencl_flight {
     uint64_t num_cells;                /* of the block */
     uint32_t group, most_items, lanes; /* lanes: packets of a work-item */
     size_t fates;                      /* records that its buffer has room for */
-    struct cml_launch launch;
-    struct cml_control control;
-    double begin; /* of the launch under way, s */
+    struct cml_kernel_call call;
+    struct cml_counters counters;
+    double begin; /* of the call under way, s */
 };
 
 /* On failure everything is released. */
@@ -140,7 +140,8 @@ void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, ui
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight);  /* has taken all its indices */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight); /* and no packet is under way */
 
-/* One launch: start returns at once, finish waits, reads the counters and adapts the next launch's length. */
+/* One call of the kernel: start returns at once, finish waits, reads the counters and adapts the next call's
+ * length. */
 CML_NODISCARD cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err);
 CML_NODISCARD cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err);
 
@@ -148,7 +149,7 @@ CML_NODISCARD cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flig
 CML_NODISCARD cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to,
                                                 size_t bytes, struct cml_error *err);
 
-/* Reads the block of cells (num_cells) and clears it on the device. */
+/* Reads the block of cells (num_cells) and zeroes it on the device. */
 CML_NODISCARD cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells,
                                                    struct cml_error *err);
 

@@ -10,12 +10,12 @@
 
 #define CML_FIELD_AXES 8
 
-/* Bins of equal width; bin i has its middle at first + i * step. Or places one by one. */
+/* Bins of equal width; bin i has its middle at first + i * step. Or values one by one. */
 struct cml_axis {
     const char *name, *long_name, *units;
     size_t n;
     double first, step;
-    const double *places; /* [n] in place of these; NULL: none */
+    const double *values; /* [n] in place of these; NULL: none */
 };
 
 /* Fills out[count] with the values from number `begin` on, the last axis fastest. */

@@ -11,13 +11,13 @@ static cml_status read_scale(const struct cml_hdf5_dataset *dataset, struct cml_
 {
     const struct cml_hdf5 *file = dataset->file;
     struct cml_axis *axis = &scale->axis;
-    double *places = calloc(dataset->size, sizeof *places);
+    double *values = calloc(dataset->size, sizeof *values);
     strcpy(scale->name, dataset->name);
     axis->name = scale->name;
     axis->n = dataset->size;
-    axis->places = places;
-    if (!places) return cml_fail_memory(err, 8.0 * (double)dataset->size, dataset->name);
-    CML_TRY(cml_hdf5_values(dataset, 0, dataset->size, places, err));
+    axis->values = values;
+    if (!values) return cml_fail_memory(err, 8.0 * (double)dataset->size, dataset->name);
+    CML_TRY(cml_hdf5_values(dataset, 0, dataset->size, values, err));
     CML_TRY(cml_hdf5_text(file, dataset, "long_name", (char **)&axis->long_name, err));
     CML_TRY(cml_hdf5_text(file, dataset, "units", (char **)&axis->units, err));
     return cml_hdf5_uses(dataset, &scale->uses, &scale->num_uses, err);
@@ -114,7 +114,7 @@ void cml_hdf5_arrays_close(struct cml_hdf5_arrays *arrays)
         const struct cml_axis *axis = &arrays->scale[i].axis;
         free((char *)axis->long_name);
         free((char *)axis->units);
-        free((double *)axis->places);
+        free((double *)axis->values);
         free(arrays->scale[i].uses);
     }
     free(arrays->item);

@@ -157,7 +157,7 @@ static void axis_values(const void *context, size_t begin, size_t count, double 
 {
     const struct cml_axis *axis = context;
     for (size_t i = begin; i < begin + count; i++)
-        *out++ = axis->places ? axis->places[i] : axis->first + (double)i * axis->step;
+        *out++ = axis->values ? axis->values[i] : axis->first + (double)i * axis->step;
 }
 
 /* Names of attributes as in the CF conventions, which xarray shows and plots with. */

@@ -108,11 +108,11 @@ static cml_status join_indices(struct joined *all, struct cml_error *err)
     for (int k = 0; k < all->num_parts; k++) {
         const struct part *part = &all->part[k];
         const struct cml_axis *axis = cml_hdf5_arrays_find(&part->arrays, "weight")->field.axis[0];
-        memcpy(all->index + part->begin, axis->places, part->count * sizeof *all->index);
+        memcpy(all->index + part->begin, axis->values, part->count * sizeof *all->index);
         all->axis = *axis;
     }
     all->axis.n = all->rows;
-    all->axis.places = all->index;
+    all->axis.values = all->index;
     return CML_OK;
 }
 

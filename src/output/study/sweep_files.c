@@ -175,8 +175,8 @@ struct grid {
     double *value;                        /* [num_rows][num_columns] of the cells */
     int num_axes, column[CML_SWEEP_AXES]; /* of an axis; -1: the row's number */
     struct cml_axis axis[CML_SWEEP_AXES];
-    double *places; /* [num_columns][num_rows] of axes */
-    int *row;       /* [num_rows] the row at each place of the array */
+    double *axis_values; /* [num_columns][num_rows] of axes */
+    int *row;            /* [num_rows] the row at each place of the array */
 };
 
 static int compare_numbers(const void *a, const void *b)
@@ -186,14 +186,14 @@ static int compare_numbers(const void *a, const void *b)
 }
 
 /* The different values of a column, rising. Returns how many. */
-static size_t find_places(const struct grid *grid, int column, double *places)
+static size_t find_values(const struct grid *grid, int column, double *values)
 {
     const size_t rows = (size_t)grid->results->num_rows, columns = (size_t)grid->results->num_columns;
     size_t n = 0;
-    for (size_t i = 0; i < rows; i++) places[i] = grid->value[i * columns + (size_t)column];
-    qsort(places, rows, sizeof *places, compare_numbers);
+    for (size_t i = 0; i < rows; i++) values[i] = grid->value[i * columns + (size_t)column];
+    qsort(values, rows, sizeof *values, compare_numbers);
     for (size_t i = 0; i < rows; i++)
-        if (n == 0 || places[i] != places[n - 1]) places[n++] = places[i];
+        if (n == 0 || values[i] != values[n - 1]) values[n++] = values[i];
     return n;
 }
 
@@ -203,13 +203,13 @@ static bool find_axes(struct grid *grid)
     const struct cml_sweep_results *r = grid->results;
     for (int c = 0; c < r->num_columns; c++) {
         if (r->label[c]) continue;
-        double *places = grid->places + (size_t)c * (size_t)r->num_rows;
-        const size_t n = find_places(grid, c, places);
+        double *values = grid->axis_values + (size_t)c * (size_t)r->num_rows;
+        const size_t n = find_values(grid, c, values);
         if (n == 1) continue;
         if (grid->num_axes == CML_SWEEP_AXES) return false;
         grid->column[grid->num_axes] = c;
         grid->axis[grid->num_axes++] =
-            (struct cml_axis){r->name[c], "what was swept", cml_setting_unit(r->name[c]), n, 0, 0, places};
+            (struct cml_axis){r->name[c], "what was swept", cml_setting_unit(r->name[c]), n, 0, 0, values};
     }
     return grid->num_axes > 0;
 }
@@ -223,15 +223,15 @@ static bool place_rows(struct grid *grid)
     if (size != (size_t)r->num_rows) return false;
     for (size_t i = 0; i < size; i++) grid->row[i] = -1;
     for (int row = 0; row < r->num_rows; row++) {
-        size_t place = 0;
+        size_t cell_at = 0;
         for (int a = 0; a < grid->num_axes; a++) {
             const struct cml_axis *axis = &grid->axis[a];
             const double *cell = &grid->value[(size_t)row * (size_t)r->num_columns + (size_t)grid->column[a]];
-            const double *at = bsearch(cell, axis->places, axis->n, sizeof *cell, compare_numbers);
-            place = place * axis->n + (size_t)(at - axis->places);
+            const double *at = bsearch(cell, axis->values, axis->n, sizeof *cell, compare_numbers);
+            cell_at = cell_at * axis->n + (size_t)(at - axis->values);
         }
-        if (grid->row[place] >= 0) return false;
-        grid->row[place] = row;
+        if (grid->row[cell_at] >= 0) return false;
+        grid->row[cell_at] = row;
     }
     return true;
 }
@@ -439,10 +439,10 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                           .side = cml_quantity_axis(CML_AXIS_side, CML_BODY_SIDES, 1, 1)};
     list.free = list.value;
     grid.value = calloc(rows * columns, sizeof *grid.value);
-    grid.places = calloc(rows * columns, sizeof *grid.places);
+    grid.axis_values = calloc(rows * columns, sizeof *grid.axis_values);
     grid.row = calloc(rows, sizeof *grid.row);
     cml_status status = CML_OK;
-    if (list.field && list.value && grid.value && grid.places && grid.row) {
+    if (list.field && list.value && grid.value && grid.axis_values && grid.row) {
         for (size_t i = 0; i < rows * columns; i++) grid.value[i] = strtod(results->cell[i], NULL);
         arrange(&grid);
         status = write_h5(path, &grid, &list, err);
@@ -451,7 +451,7 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     free(list.field);
     free(list.value);
     free(grid.value);
-    free(grid.places);
+    free(grid.axis_values);
     free(grid.row);
     return status;
 }

@@ -174,8 +174,8 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
 }
 
 /* Closed form for a sphere, else as above. */
-static bool is_clear_of(const struct cml_convex *sphere, const struct cml_convex *other, double err_distance,
-                        double at[3])
+static bool sphere_is_apart(const struct cml_convex *sphere, const struct cml_convex *other,
+                            double err_distance, double at[3])
 {
     double d[3];
     cml_convex_project(other, sphere->centre, at);
@@ -219,8 +219,8 @@ enum cml_convex_order cml_convex_compare(const struct cml_convex *a, const struc
     if (b->form != CML_CONVEX_TRIANGLE && reach_beyond(b, a) < -err_distance) return CML_CONVEX_FIRST_INSIDE;
     if (a->form != CML_CONVEX_TRIANGLE && reach_beyond(a, b) < -err_distance) return CML_CONVEX_SECOND_INSIDE;
     double place[3];
-    const bool apart = a->form == CML_CONVEX_SPHERE   ? is_clear_of(a, b, err_distance, place)
-                       : b->form == CML_CONVEX_SPHERE ? is_clear_of(b, a, err_distance, place)
+    const bool apart = a->form == CML_CONVEX_SPHERE   ? sphere_is_apart(a, b, err_distance, place)
+                       : b->form == CML_CONVEX_SPHERE ? sphere_is_apart(b, a, err_distance, place)
                                                       : are_apart(a, b, err_distance, place);
     if (apart) return CML_CONVEX_APART;
     cml_vec3_copy(place, at);

@@ -27,8 +27,8 @@ struct filling {
     const struct cml_scene *scene;
     double depth; /* of its frame, cm */
     const struct cml_body_cells *cells;
-    float *near; /* distance of the middle from the closest surface whose band it is in */
-    float *far;  /* a lower bound of it from all: between cells that surfaces pass; squared at first */
+    float *closest; /* distance of the middle from the closest surface whose band it is in */
+    float *far;     /* a lower bound of it from all: between cells that surfaces pass; squared at first */
     struct cml_body_patch *patch;
     int *open;                /* of every row along x: its cells that another body may change */
     struct cell_facet *facet; /* [num_facets], with room for more */
@@ -84,7 +84,7 @@ static void cell_middle(const struct filling *f, double x, double y, double z, d
 
 /* Kept for later: a patch of several facets needs their mean normal before it can measure heights along it.
  */
-static void note_facet(struct filling *f, size_t cell, int body, size_t triangle)
+static void add_facet(struct filling *f, size_t cell, int body, size_t triangle)
 {
     if (f->num_facets == f->room) {
         const size_t room = 2 * f->room + 1024;
@@ -118,7 +118,7 @@ static double distance_to(const struct part *part, const double p[3])
 /* Surfaces of several bodies that pass its very middle: no further body can change what is known of it. */
 static bool is_closed(const struct filling *f, size_t cell)
 {
-    return f->patch[cell].body == CML_PATCH_MIXED && f->near[cell] <= (float)CML_CELL_MARGIN;
+    return f->patch[cell].body == CML_PATCH_MIXED && f->closest[cell] <= (float)CML_CELL_MARGIN;
 }
 
 /* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there.
@@ -130,10 +130,10 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
     if (is_closed(f, cell)) return;
     cell_middle(f, x, y, z, middle);
     const double distance = distance_to(part, middle) / f->cells->cell;
-    f->near[cell] = fminf(f->near[cell], (float)distance);
+    f->closest[cell] = fminf(f->closest[cell], (float)distance);
     if (distance > CML_CELL_REACH) return;
     if (part->convex.form == CML_CONVEX_TRIANGLE)
-        note_facet(f, cell, part->body, part->triangle);
+        add_facet(f, cell, part->body, part->triangle);
     else
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
     f->open[block_at(f, x / BLOCK, y / BLOCK, z / BLOCK)] -= is_closed(f, cell);
@@ -268,24 +268,25 @@ static void find_clearance(struct filling *f)
 {
     const size_t count = cells_of(f->cells);
     for (size_t i = 0; i < count; i++)
-        f->far[i] = f->near[i] < (float)(CML_CELL_REACH + CML_CELL_MARGIN) ? 0 : INFINITY;
+        f->far[i] = f->closest[i] < (float)(CML_CELL_REACH + CML_CELL_MARGIN) ? 0 : INFINITY;
     spread(f, f->far + count);
     for (size_t i = 0; i < count; i++)
-        f->near[i] = fmaxf(0, fmaxf(fminf(f->near[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
+        f->closest[i] =
+            fmaxf(0, fmaxf(fminf(f->closest[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
 }
 
 /* The last step, as a ball takes in the patches of many cells. */
-static void make_near(const struct filling *f, struct cml_body_near *near)
+static void make_balls(const struct filling *f, struct cml_body_ball *ball)
 {
     const int *n = f->cells->n;
     int *next = f->open; /* of no more use otherwise */
-    cml_patch_rows(n, f->patch, f->near, next);
+    cml_patch_rows(n, f->patch, f->closest, next);
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++)
             for (int x = 0; x < n[0]; x++) {
                 const size_t cell = cell_at(f, x, y, z);
                 const int at[3] = {x, y, z};
-                near[cell] = cml_body_near_of(f->cells->n, f->patch, f->near, next, at);
+                ball[cell] = cml_body_ball_of(f->cells->n, f->patch, f->closest, next, at);
             }
 }
 
@@ -317,7 +318,7 @@ static void prepare_cells(struct filling *f)
 {
     const int *n = f->cells->n;
     for (size_t i = 0; i < cells_of(f->cells); i++) {
-        f->near[i] = INFINITY;
+        f->closest[i] = INFINITY;
         f->patch[i].body = CML_PATCH_NONE;
     }
     for (int z = 0; z < n[2]; z++)
@@ -326,15 +327,15 @@ static void prepare_cells(struct filling *f)
 }
 
 /* All cells of a layer: distances and patches of every body in it, then what follows from them. */
-static cml_status fill(struct filling *f, int layer, struct cml_body_near *near, struct cml_error *err)
+static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball, struct cml_error *err)
 {
     const int *n = f->cells->n;
     const size_t longest = (size_t)n[0] + (size_t)n[1] + (size_t)n[2], count = cells_of(f->cells);
-    f->near = malloc(count * sizeof *f->near);
+    f->closest = malloc(count * sizeof *f->closest);
     f->far = malloc((count + longest) * sizeof *f->far);
     f->patch = malloc(count * sizeof *f->patch);
     f->open = calloc(count, sizeof *f->open); /* more than there are blocks */
-    f->out_of_memory = !f->near || !f->far || !f->patch || !f->open;
+    f->out_of_memory = !f->closest || !f->far || !f->patch || !f->open;
     if (!f->out_of_memory) {
         prepare_cells(f);
         add_bodies(f, cml_layer_bodies(f->scene, layer));
@@ -342,9 +343,9 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_near *near,
     if (!f->out_of_memory) {
         make_mesh_patches(f);
         find_clearance(f);
-        make_near(f, near);
+        make_balls(f, ball);
     }
-    free(f->near);
+    free(f->closest);
     free(f->far);
     free(f->patch);
     free(f->open);
@@ -437,15 +438,15 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double *de
         cells->first = grids->num_cells;
         grids->num_cells += cells_of(cells);
     }
-    grids->near = malloc((grids->num_cells + 1) * sizeof *grids->near);
-    if (!grids->near)
-        return cml_fail_memory(err, (double)(grids->num_cells * sizeof *grids->near),
+    grids->ball = malloc((grids->num_cells + 1) * sizeof *grids->ball);
+    if (!grids->ball)
+        return cml_fail_memory(err, (double)(grids->num_cells * sizeof *grids->ball),
                                "the clearance of bodies");
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         const struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];
         struct filling f = {.scene = scene, .depth = depths[l], .cells = cells};
-        CML_TRY(fill(&f, l, grids->near + cells->first, err));
+        CML_TRY(fill(&f, l, grids->ball + cells->first, err));
     }
     return CML_OK;
 }
@@ -454,6 +455,6 @@ void cml_body_grids_clear(struct cml_body_grids *grids)
 {
     free(grids->item);
     free(grids->of_medium);
-    free(grids->near);
+    free(grids->ball);
     *grids = (struct cml_body_grids){0};
 }

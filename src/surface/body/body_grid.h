@@ -22,7 +22,7 @@ struct cml_body_grids {
     struct cml_body_cells *item; /* [count] */
     int *of_medium;              /* [num_media]: that of the layer, for bodies too; -1 none */
     size_t num_cells;
-    struct cml_body_near *near; /* [num_cells] */
+    struct cml_body_ball *ball; /* [num_cells] */
 };
 
 /* Of all layers with bodies. depths: [num_media] of the frames. Cells are an eighth of the shortest mean free

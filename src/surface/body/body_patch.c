@@ -147,12 +147,12 @@ struct neighbour {
     double way[3], square;
 };
 
-void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *clear, int *next)
+void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next)
 {
     for (size_t row = 0; row < (size_t)n[2] * (size_t)n[1]; row++)
         for (int x = n[0] - 1, ahead = n[0]; x >= 0; x--) {
             const size_t i = row * (size_t)n[0] + (size_t)x;
-            if (!(clear[i] > CML_CELL_REACH || patch[i].body == CML_PATCH_NONE)) ahead = x;
+            if (!(distance[i] > CML_CELL_REACH || patch[i].body == CML_PATCH_NONE)) ahead = x;
             next[i] = ahead;
         }
 }
@@ -188,7 +188,7 @@ struct view {
 };
 
 /* Whether a surface within the neighbour's cell can come into the ball. */
-static bool is_near(const struct neighbour *neighbour, double radius)
+static bool reaches_into(const struct neighbour *neighbour, double radius)
 {
     return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
 }
@@ -223,7 +223,7 @@ static bool look(const struct neighbour *neighbour, int count, double radius, do
     *view = (struct view){.body = CML_PATCH_NONE, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
     for (int i = 0; i < count; i++) {
         const struct cml_body_patch *patch = neighbour[i].patch;
-        if (!is_near(&neighbour[i], radius)) continue;
+        if (!reaches_into(&neighbour[i], radius)) continue;
         const bool same = view->body == CML_PATCH_NONE || view->body == patch->body;
         view->body = same ? patch->body : CML_PATCH_MIXED;
         if (view->body == CML_PATCH_MIXED) return false;
@@ -232,7 +232,7 @@ static bool look(const struct neighbour *neighbour, int count, double radius, do
     if (!(cml_vec3_length(view->normal) > 0)) return false;
     cml_vec3_normalise(view->normal);
     for (int i = 0; i < count; i++) {
-        if (!is_near(&neighbour[i], radius)) continue;
+        if (!reaches_into(&neighbour[i], radius)) continue;
         see_heights(&neighbour[i], radius, view);
         if (worth_of(view, radius) < most) return false;
     }
@@ -240,10 +240,10 @@ static bool look(const struct neighbour *neighbour, int count, double radius, do
 }
 
 /* The planes moved apart by the margin, the ball made smaller by it. 2: no direction is steep enough. */
-static struct cml_body_near near_of_view(const struct view *view, double radius)
+static struct cml_body_ball ball_of_view(const struct view *view, double radius)
 {
     const double sine = leg(1, view->cosine) + 1e-3;
-    const struct cml_body_near near = {
+    const struct cml_body_ball ball = {
         .radius = (float)(radius - CML_CELL_MARGIN),
         .body = view->body,
         .normal = {(float)view->normal[0], (float)view->normal[1], (float)view->normal[2]},
@@ -251,25 +251,25 @@ static struct cml_body_near near_of_view(const struct view *view, double radius)
         .upper = (float)(view->upper + CML_CELL_MARGIN),
         .steepest = (float)(view->cosine > 0 ? sine : 2),
     };
-    return near;
+    return ball;
 }
 
 /* Of balls with a surface the one that is large and leaves it little room; none if the largest without one is
  * as good. Large ones first: few are then worth a look. */
-struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
-                                      const int *next, const int at[3])
+struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
+                                      const float *distance, const int *next, const int at[3])
 {
     const size_t i = ((size_t)at[2] * (size_t)n[1] + (size_t)at[1]) * (size_t)n[0] + (size_t)at[0];
-    struct cml_body_near best = {
-        .radius = clear[i], .lower = -1, .upper = -1, .steepest = 2, .body = CML_PATCH_NONE};
+    struct cml_body_ball best = {
+        .radius = distance[i], .lower = -1, .upper = -1, .steepest = 2, .body = CML_PATCH_NONE};
     struct neighbour neighbour[CUBE * CUBE * CUBE];
-    const int count = clear[i] < radii[NUM_RADII - 1] ? find_neighbours(n, patch, next, at, neighbour) : 0;
-    double most = nextafter(clear[i], INFINITY);
+    const int count = distance[i] < radii[NUM_RADII - 1] ? find_neighbours(n, patch, next, at, neighbour) : 0;
+    double most = nextafter(distance[i], INFINITY);
     for (size_t r = NUM_RADII; r-- > 0 && count > 0;) {
         struct view view;
         if (radii[r] < most || !look(neighbour, count, radii[r], most, &view)) continue;
         most = worth_of(&view, radii[r]);
-        best = near_of_view(&view, radii[r]);
+        best = ball_of_view(&view, radii[r]);
     }
     return best;
 }

@@ -30,19 +30,19 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
 
 /* As struct cml_body_cell of kernels/types.h. body: whose surface alone is in the ball, -1: none is. */
-struct cml_body_near {
+struct cml_body_ball {
     float radius, normal[3], lower, upper, steepest;
     int body;
 };
 
 /* For every cell of the grid the x of the first cell in its row, from itself on, that a surface may pass;
- * n[0] where there is none. patch, clear: as below. */
-void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *clear, int *next);
+ * n[0] where there is none. patch, distance: as below. */
+void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next);
 
-/* What is known of the ball around the middle of cell `at` (x, y, z). clear: of all middles, from all
+/* What is known of the ball around the middle of cell `at` (x, y, z). distance: of all middles, from all
  * surfaces, cells: a surface may be in those cells only where it is less than CML_CELL_REACH. patch: of all
  * n[0] n[1] n[2] cells of the grid, x fastest. next: as from cml_patch_rows. */
-struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
-                                      const int *next, const int at[3]);
+struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
+                                      const float *distance, const int *next, const int at[3]);
 
 #endif

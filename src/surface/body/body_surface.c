@@ -152,7 +152,7 @@ static cml_status create(const struct cml_scene *scene, const double *depths, en
     CML_TRY(make_tree(scene, surfaces, err));
     CML_TRY(make_grids(scene, depths, surfaces, err));
     surfaces->bytes += (double)surfaces->tree.count * sizeof *surfaces->tree.node +
-                       (double)surfaces->grids.num_cells * sizeof *surfaces->grids.near;
+                       (double)surfaces->grids.num_cells * sizeof *surfaces->grids.ball;
     surfaces->build_seconds = cml_now() - begin;
     return CML_OK;
 }

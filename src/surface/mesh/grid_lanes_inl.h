@@ -38,17 +38,17 @@ struct cml_grid_lanes {
     real t[CML_GRID_LANES];                                                /* of the crossing */
     real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* there, or where the path ends */
     real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
-    /* on the way; in double, body frame */
+    /* on the way; in double, centred frame */
     double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];
     double end[CML_GRID_LANES], err[CML_GRID_LANES]; /* length of the path; err_query */
-    double clear[CML_GRID_LANES];                    /* how far behind the place the packet is */
+    double way[CML_GRID_LANES];                      /* from the packet to the place that was found */
     int cell[2][CML_GRID_LANES], index[CML_GRID_LANES];
 };
 
 /* What all rays have in common. */
 struct cml_grid_view {
     const struct cml_grid_mesh *grid;
-    const struct cml_mesh_body *body;
+    const struct cml_centred_mesh *centred;
     const struct cml_clearance *clearance; /* of the surface */
     const real *horizons;                  /* of its cells, seen from the side of the packets */
     real depth;  /* of the mesh in the frame that the depths of packets were rounded in, cm */
@@ -78,15 +78,16 @@ static inline int cml_grid_lane_cell(double position, double last)
     return (int)(inner < last ? inner : last);
 }
 
-/* Rays into the body frame. Those beside the mesh's box can meet only the outer plane: they are answered. */
+/* Rays into the centred frame. Those beside the mesh's box can meet only the outer plane: they are answered.
+ */
 CML_GRID_LOOP void cml_grid_lanes_begin(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
-    const struct cml_mesh_body *body = view->body;
-    const double cx = body->centre[0], cy = body->centre[1], cz = body->centre[2];
-    const double x_least = body->lower[0], x_most = body->upper[0], y_least = body->lower[1],
-                 y_most = body->upper[1];
-    const double span = view->depth, side = view->side, border = body->mesh.z_border,
-                 err_mesh = body->err_mesh;
+    const struct cml_centred_mesh *centred = view->centred;
+    const double cx = centred->centre[0], cy = centred->centre[1], cz = centred->centre[2];
+    const double x_least = centred->lower[0], x_most = centred->upper[0], y_least = centred->lower[1],
+                 y_most = centred->upper[1];
+    const double span = view->depth, side = view->side, border = centred->mesh.z_border,
+                 err_mesh = centred->err_mesh;
 #pragma omp simd
     for (int k = first; k < first + CML_GRID_GROUP; k++) {
         const double px = l->x[k], py = l->y[k], pz = l->z[k], ux = l->ux[k], uy = l->uy[k], uz = l->uz[k];
@@ -250,7 +251,7 @@ CML_GRID_LOOP int cml_grid_lanes_intersect(const struct cml_grid_view *view, int
         l->normal_x[k] = answered ? l->normal_x[k] : (real)(nearer ? s.a : n.a);
         l->normal_y[k] = answered ? l->normal_y[k] : (real)(nearer ? s.b : n.b);
         l->normal_z[k] = answered ? l->normal_z[k] : (real)(nearer ? s.c : n.c);
-        l->clear[k] = last;
+        l->way[k] = last;
         l->cell[0][k] = beside ? i : l->cell[0][k];
         l->cell[1][k] = beside ? j : l->cell[1][k];
         l->index[k] = beside ? cml_grid_lane_index(i, j, scale.tiles) : index;
@@ -288,7 +289,7 @@ static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view
     l->normal_x[k] = (real)f->plane[0];
     l->normal_y[k] = (real)f->plane[1];
     l->normal_z[k] = (real)f->plane[2];
-    l->clear[k] = to;
+    l->way[k] = to;
     return 1;
 }
 
@@ -328,21 +329,21 @@ static void cml_grid_lanes_intersect_lists(const struct cml_grid_view *view, int
 }
 
 /* Leaves undecided again what may have met the mesh before the place that was found. A ray that comes to a
- * place of horizon h more steeply than h, by `excess`, is clear of all facets where it began: by the path to
+ * place of horizon h more steeply than h, by `excess`, has passed no facet where it began: by the path to
  * that place times the excess, and times the share by which horizons were raised. That must be more than
  * twice err_query, which across a facet as steep as the horizon is at most 1 + h times as much in depth. */
 CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
-    const struct cml_clearance grid = *view->clearance;
+    const struct cml_clearance map = *view->clearance;
     const real *restrict const horizons = view->horizons;
     const real x0 = view->x0, y0 = view->y0;
 #pragma omp simd
     for (int k = first; k < first + CML_GRID_GROUP; k++) {
         const struct cml_vec p = {l->at_x[k] + x0, l->at_y[k] + y0, 0};
-        const real h = cml_cell_horizon(&grid, horizons, p, CML_CLEARANCE_SQUARE);
+        const real h = cml_cell_horizon(&map, horizons, p, CML_CLEARANCE_SQUARE);
         const real uxy = CML_SQRT(l->ux[k] * l->ux[k] + l->uy[k] * l->uy[k]), uz = CML_FABS(l->uz[k]);
         const real excess = uz - h * uxy;
-        const int steep = (excess > 0) & ((real)l->clear[k] * (excess + (real)CML_HORIZON_RAISED * uxy) >
+        const int steep = (excess > 0) & ((real)l->way[k] * (excess + (real)CML_HORIZON_RAISED * uxy) >
                                           2 * (real)l->err[k] * (1 + h));
         const int outside = l->primitive[k] == CML_OUTER_PLANE;
         l->answer[k] = (outside | steep) ? l->answer[k] : CML_GRID_UNDECIDED;

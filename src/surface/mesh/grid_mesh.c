@@ -136,13 +136,14 @@ void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, 
 
 /* Widens the cell's depths by those of the facet's plane at the corners that belong to its part of the cell.
  */
-static void widen_cell(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet,
+static void widen_cell(const struct cml_centred_mesh *centred, const struct cml_grid_mesh *grid, size_t facet,
                        int part, int i, int j, struct cml_grid_mesh_depths *depths)
 {
     static const int at[4] = {SOUTH | WEST, SOUTH | EAST, NORTH | WEST, NORTH | EAST};
-    const double *plane = body->plane[facet], dx = 1 / grid->cells_per_cm[0], dy = 1 / grid->cells_per_cm[1];
+    const double *plane = centred->plane[facet], dx = 1 / grid->cells_per_cm[0],
+                 dy = 1 / grid->cells_per_cm[1];
     const double slope = (fabs(plane[0]) * dx + fabs(plane[1]) * dy) / fabs(plane[2]);
-    const double pad = body->err_float + grid->err_cell * slope;
+    const double pad = centred->err_float + grid->err_cell * slope;
     for (int k = 0; k < 4; k++) {
         const double x = grid->corner[0] + (i + k % 2) * dx, y = grid->corner[1] + (j + k / 2) * dy;
         const double z = (plane[3] - plane[0] * x - plane[1] * y) / plane[2];
@@ -165,7 +166,7 @@ static bool set_cell(struct cml_grid_mesh_cell *cell, size_t facet, int part)
 }
 
 /* Enters a facet into all cells that it covers; false when one of them has no place for it. */
-static bool put_facet(const struct cml_mesh_body *body, struct cml_grid_mesh *grid, size_t facet,
+static bool put_facet(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid, size_t facet,
                       const struct facet *f)
 {
     int64_t low[2], high[2];
@@ -183,9 +184,11 @@ static bool put_facet(const struct cml_mesh_body *body, struct cml_grid_mesh *gr
             const size_t at = cml_grid_mesh_index(&grid->level[0], (int)i, (int)j);
             if (part == 0) continue;
             if (!set_cell(&grid->cell[at], facet, part)) return false;
-            widen_cell(body, grid, facet, part, (int)i, (int)j, &grid->level[0].depths[at]);
-            if (part & SOUTH) memcpy(grid->planes[at].south, body->plane[facet], sizeof body->plane[facet]);
-            if (part & NORTH) memcpy(grid->planes[at].north, body->plane[facet], sizeof body->plane[facet]);
+            widen_cell(centred, grid, facet, part, (int)i, (int)j, &grid->level[0].depths[at]);
+            if (part & SOUTH)
+                memcpy(grid->planes[at].south, centred->plane[facet], sizeof centred->plane[facet]);
+            if (part & NORTH)
+                memcpy(grid->planes[at].north, centred->plane[facet], sizeof centred->plane[facet]);
         }
     return true;
 }
@@ -203,10 +206,10 @@ static bool is_outside(const struct cml_grid_mesh *grid, const struct cml_mesh *
 }
 
 /* Puts all facets into the cells that they cover; false when one does not fit. */
-static bool put_facets(const struct cml_mesh_body *body, const struct rectangle *r,
+static bool put_facets(const struct cml_centred_mesh *centred, const struct rectangle *r,
                        struct cml_grid_mesh *grid)
 {
-    const struct cml_mesh *mesh = &body->mesh;
+    const struct cml_mesh *mesh = &centred->mesh;
     grid->is_whole = true;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         const uint32_t *v = mesh->triangle[t];
@@ -217,48 +220,48 @@ static bool put_facets(const struct cml_mesh_body *body, const struct rectangle 
             for (int k = 0; k < 2; k++)
                 f.corner[c][k] = inside ? 4 * llrint(to_cells(grid, mesh->vertex[v[c]], k)) : 0;
         }
-        if (inside ? !follows_grid(&f) || !put_facet(body, grid, t, &f) : !is_outside(grid, mesh, v))
+        if (inside ? !follows_grid(&f) || !put_facet(centred, grid, t, &f) : !is_outside(grid, mesh, v))
             return false;
         grid->is_whole = grid->is_whole && inside;
     }
     return true;
 }
 
-size_t cml_grid_mesh_all_places(const struct cml_grid_mesh *grid)
+size_t cml_grid_mesh_all_slots(const struct cml_grid_mesh *grid)
 {
-    size_t places = 0;
-    for (int l = 0; l < grid->levels; l++) places += cml_grid_mesh_places(&grid->level[l]);
-    return places;
+    size_t slots = 0;
+    for (int l = 0; l < grid->levels; l++) slots += cml_grid_mesh_slots(&grid->level[l]);
+    return slots;
 }
 
-cml_status cml_grid_mesh_lay_out(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                  struct cml_error *err)
 {
     int n[2] = {grid->n[0], grid->n[1]};
-    grid->z = body->lower[2];
-    grid->steps_per_cm = UINT16_MAX / (body->upper[2] - body->lower[2]);
+    grid->z = centred->lower[2];
+    grid->steps_per_cm = UINT16_MAX / (centred->upper[2] - centred->lower[2]);
     for (bool is_last = false; !is_last; grid->levels++) {
         grid->level[grid->levels] = (struct cml_grid_mesh_level){.n = {n[0], n[1]}, .tiles = (n[0] + 3) / 4};
         is_last = n[0] <= 4 && n[1] <= 4;
         for (int k = 0; k < 2; k++) n[k] = (n[k] + 3) / 4;
     }
-    const size_t places = cml_grid_mesh_all_places(grid), bytes = places * sizeof *grid->level[0].depths;
+    const size_t slots = cml_grid_mesh_all_slots(grid), bytes = slots * sizeof *grid->level[0].depths;
     grid->level[0].depths = aligned_alloc(64, bytes);
     if (!grid->level[0].depths) {
         cml_grid_mesh_clear(grid);
         return cml_fail_memory(err, (double)bytes, "the depths of a grid");
     }
-    for (size_t i = 0; i < places; i++)
+    for (size_t i = 0; i < slots; i++)
         grid->level[0].depths[i] = (struct cml_grid_mesh_depths){UINT16_MAX, 0};
     for (int l = 1; l < grid->levels; l++)
-        grid->level[l].depths = grid->level[l - 1].depths + cml_grid_mesh_places(&grid->level[l - 1]);
+        grid->level[l].depths = grid->level[l - 1].depths + cml_grid_mesh_slots(&grid->level[l - 1]);
     return CML_OK;
 }
 
 /* Cells without facets. */
 static cml_status allocate(struct cml_grid_mesh *grid, struct cml_error *err)
 {
-    const size_t cells = cml_grid_mesh_places(&grid->level[0]);
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]);
     grid->cell = aligned_alloc(64, cells * sizeof *grid->cell);
     grid->planes = aligned_alloc(64, cells * sizeof *grid->planes);
     if (!grid->cell || !grid->planes) {
@@ -286,7 +289,7 @@ static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid
 static void find_mean(struct cml_grid_mesh *grid)
 {
     double sum = 0, cells = 0;
-    for (size_t i = 0; i < cml_grid_mesh_places(&grid->level[0]); i++) {
+    for (size_t i = 0; i < cml_grid_mesh_slots(&grid->level[0]); i++) {
         const struct cml_grid_mesh_depths depths = grid->level[0].depths[i];
         if (depths.least > depths.most) continue;
         sum += 0.5 * (depths.least + depths.most);
@@ -317,17 +320,17 @@ static void find_inner(struct cml_grid_mesh *grid)
     }
 }
 
-static cml_status try_rectangle(const struct cml_mesh_body *body, const struct rectangle *r,
+static cml_status try_rectangle(const struct cml_centred_mesh *centred, const struct rectangle *r,
                                 struct cml_grid_mesh *grid, struct cml_error *err)
 {
     *grid = (struct cml_grid_mesh){.cell = NULL};
-    if (!guess_grid(&body->mesh, r, grid)) return CML_OK;
-    const double deviation = find_deviation(&body->mesh, r, grid);
+    if (!guess_grid(&centred->mesh, r, grid)) return CML_OK;
+    const double deviation = find_deviation(&centred->mesh, r, grid);
     if (deviation > most_deviation) return CML_OK;
     grid->err_cell = 2 * deviation + err_cell_least;
-    CML_TRY(cml_grid_mesh_lay_out(body, grid, err));
+    CML_TRY(cml_grid_mesh_lay_out(centred, grid, err));
     CML_TRY(allocate(grid, err));
-    if (!put_facets(body, r, grid)) {
+    if (!put_facets(centred, r, grid)) {
         cml_grid_mesh_clear(grid);
         return CML_OK;
     }
@@ -338,19 +341,19 @@ static cml_status try_rectangle(const struct cml_mesh_body *body, const struct r
 
 /* A skirt around the grid ends at the border, so its outer vertices are those of the border: if all vertices
  * are on no grid, those inside may be. */
-cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+cml_status cml_grid_mesh_find(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                               struct cml_error *err)
 {
-    const struct cml_mesh *mesh = &body->mesh;
+    const struct cml_mesh *mesh = &centred->mesh;
     struct rectangle r = rectangle_of(mesh, NULL);
-    CML_TRY(try_rectangle(body, &r, grid, err));
+    CML_TRY(try_rectangle(centred, &r, grid, err));
     if (grid->cell) return CML_OK;
     bool *border = calloc(mesh->num_vertices, sizeof *border); /* of a skirt, perhaps */
     if (!border) return cml_fail_memory(err, (double)mesh->num_vertices, "the border of a grid");
     for (size_t i = 0; i < mesh->num_border; i++) border[mesh->border[i]] = true;
     r = rectangle_of(mesh, border);
     free(border);
-    return try_rectangle(body, &r, grid, err);
+    return try_rectangle(centred, &r, grid, err);
 }
 
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
@@ -368,10 +371,10 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
     if (grid->levels == 0) return 0;
-    const size_t cells = cml_grid_mesh_places(&grid->level[0]), places = cml_grid_mesh_all_places(grid);
-    const double depths = (double)places * sizeof(struct cml_grid_mesh_depths);
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), slots = cml_grid_mesh_all_slots(grid);
+    const double depths = (double)slots * sizeof(struct cml_grid_mesh_depths);
     if (grid->cell) return depths + (double)cells * (sizeof *grid->cell + sizeof *grid->planes);
-    return depths + (double)(places - cells) * sizeof *grid->level[1].slope +
+    return depths + (double)(slots - cells) * sizeof *grid->level[1].slope +
            (double)(cells + 1) * sizeof *grid->first + (double)grid->first[cells] * sizeof *grid->listed +
            (double)grid->facets * sizeof *grid->facet;
 }

@@ -26,7 +26,7 @@ struct cml_grid_mesh_cell {
     uint32_t south, north;
 };
 
-/* Copies of the planes of the cell's facets (struct cml_mesh_body), together in a cache line. */
+/* Copies of the planes of the cell's facets (struct cml_centred_mesh), together in a cache line. */
 struct cml_grid_mesh_planes {
     double south[4], north[4];
 };
@@ -34,7 +34,7 @@ struct cml_grid_mesh_planes {
 /* A facet of a sheet, all that a walk asks of it in one cache line. */
 struct cml_sheet_facet {
     _Alignas(64) double plane[4]; /* a copy, as above */
-    double corner[2];             /* x and y of corner 0, body frame, cm */
+    double corner[2];             /* x and y of corner 0, centred frame, cm */
     float weight[2][2]; /* how the barycentric weights of corners 1 and 2 rise along x and y, 1/cm; NaN where
                          * the facet is too thin for float */
 };
@@ -54,11 +54,11 @@ struct cml_grid_mesh_level {
 };
 
 struct cml_grid_mesh {
-    double corner[2];       /* least x and y, body frame, cm */
+    double corner[2];       /* least x and y, centred frame, cm */
     double cells_per_cm[2]; /* along x and y */
-    double z, steps_per_cm; /* depth of step 0, body frame, cm; depth steps */
+    double z, steps_per_cm; /* depth of step 0, centred frame, cm; depth steps */
     double err_cell;        /* see rounding.h */
-    double inner[2][2]; /* body frame, cm: [0] lower, [1] upper corner of the grid less err_cell; NaN where
+    double inner[2][2]; /* centred frame, cm: [0] lower, [1] upper corner of the grid less err_cell; NaN where
                          * a cell lacks a facet */
     int n[2];           /* cells along x and y */
     bool is_whole;      /* the mesh has no facets outside the grid */
@@ -74,27 +74,27 @@ struct cml_grid_mesh {
     struct cml_grid_mesh_level level[CML_GRID_MESH_LEVELS];
 };
 
-/* Place in memory of a cell or block: tile by tile, row by row in each. */
+/* Slot in memory of a cell or block: tile by tile, row by row in each. */
 static inline size_t cml_grid_mesh_index(const struct cml_grid_mesh_level *level, int i, int j)
 {
     const size_t tile = (size_t)(j >> 2) * (size_t)level->tiles + (size_t)(i >> 2);
     return 16 * tile + (size_t)(4 * (j & 3) + (i & 3));
 }
 
-/* Places of a level in memory: whole tiles, those at the end are padded. */
-static inline size_t cml_grid_mesh_places(const struct cml_grid_mesh_level *level)
+/* Slots of a level in memory: whole tiles, those at the end are padded. */
+static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level)
 {
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
 }
 
 /* Of all levels together. */
-size_t cml_grid_mesh_all_places(const struct cml_grid_mesh *grid);
+size_t cml_grid_mesh_all_slots(const struct cml_grid_mesh *grid);
 
 /* Lays out all levels above n[0] x n[1] cells, none of which has a depth yet. CML_E_INPUT for memory. */
-CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
-                                               struct cml_error *err);
+CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred,
+                                               struct cml_grid_mesh *grid, struct cml_error *err);
 
-/* Widens a cell's depths by those from least to most, cm in the body frame, rounded outwards. */
+/* Widens a cell's depths by those from least to most, cm in the centred frame, rounded outwards. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths);
 
@@ -102,8 +102,8 @@ void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, 
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid);
 
 /* *grid owns its cells; none (levels 0) when the mesh is no regular grid. CML_E_INPUT for memory. */
-CML_NODISCARD cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
-                                            struct cml_error *err);
+CML_NODISCARD cml_status cml_grid_mesh_find(const struct cml_centred_mesh *centred,
+                                            struct cml_grid_mesh *grid, struct cml_error *err);
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
 /* Of all that *grid owns; 0 without cells. */

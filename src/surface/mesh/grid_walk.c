@@ -122,7 +122,7 @@ static enum verdict intersect_facet(const struct traversal *w, const int node[2]
     if (leading_away < err_sine_grid) return UNDECIDED;
     *t = height / along;
     if (!(*t >= part.t_min && *t <= part.t_max)) return MISS;
-    const bool may_lie_behind = *t < q->t_min + err_start * q->body->upper[0];
+    const bool may_lie_behind = *t < q->t_min + err_start * q->centred->upper[0];
     const double u = position_at(&w->axis[0], *t) - node[0], v = position_at(&w->axis[1], *t) - node[1];
     const double inside = depth_in_facet(u, v, cell, south);
     if (inside < -err_cell) return MISS;
@@ -136,8 +136,8 @@ static void find_weights(const struct cml_mesh_query *q, int facet, double t, do
     const double place[2] = {q->origin[0] + t * q->direction[0], q->origin[1] + t * q->direction[1]};
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        weight[k] = cml_vec2_area(place, cml_body_corner(q->body, facet, (k + 1) % 3),
-                                  cml_body_corner(q->body, facet, (k + 2) % 3));
+        weight[k] = cml_vec2_area(place, cml_centred_corner(q->centred, facet, (k + 1) % 3),
+                                  cml_centred_corner(q->centred, facet, (k + 2) % 3));
         sum += weight[k];
     }
     for (int k = 0; k < 3; k++) weight[k] /= sum;
@@ -149,7 +149,7 @@ static void add_hit(struct cml_mesh_query *q, uint32_t mark, const double plane[
 {
     const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
     double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    if (q->body->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, facet, t, weight);
+    if (q->centred->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, facet, t, weight);
     cml_query_add_inner_hit(q, facet, plane, t, weight);
 }
 
@@ -192,7 +192,7 @@ static enum verdict intersect_list(const struct traversal *w, size_t index, stru
     struct cml_mesh_query *q = w->q;
     const struct cml_grid_mesh *grid = w->grid;
     const double sign = q->below ? 1 : -1, err = err_weight_sheet;
-    const double surely_ahead = q->t_min + err_start * q->body->upper[0];
+    const double surely_ahead = q->t_min + err_start * q->centred->upper[0];
     const struct cml_sheet_facet *hit = NULL;
     double t_hit = INFINITY;
     int undecided = 0, touches = 0;
@@ -425,7 +425,7 @@ static enum verdict cross_once(const struct traversal *w, struct interval ray)
 {
     struct cml_mesh_query *q = w->q;
     const struct cml_grid_mesh *grid = w->grid;
-    const double *u = q->direction, surely_ahead = q->t_min + err_start * q->body->upper[0];
+    const double *u = q->direction, surely_ahead = q->t_min + err_start * q->centred->upper[0];
     int start[2], cell[2];
     cell_at(w, ray.t_min, start);
     guess_cell(w, ray, cell);
@@ -449,7 +449,7 @@ static enum verdict cross_once(const struct traversal *w, struct interval ray)
 
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
-    const double size = q->body->upper[0];
+    const double size = q->centred->upper[0];
     struct traversal w = {.grid = grid, .q = q};
     for (int k = 0; k < 2; k++)
         w.axis[k] = make_axis((q->origin[k] - grid->corner[k]) * grid->cells_per_cm[k],

@@ -21,7 +21,7 @@
 /* True: decided; the first crossing of the mesh, if there is one before q->t, has been added to *q. False:
  * undecided and q's hit unchanged; another search must decide. Either way q->in_doubt is set where the origin
  * is within q->contact_distance of a facet that was tested. q: as cml_query_begin leaves it, of the grid's
- * body. */
+ * mesh. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q);
 
 /* True: up to its best crossing, or its end, the ray stays well over a grid without gaps, so that it does not

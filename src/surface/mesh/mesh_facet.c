@@ -13,13 +13,13 @@ struct chord {
 
 /* What is between the corners, seen along the line: a bound that holds however flat the line is to the facet.
  */
-static struct chord between_corners(const struct cml_mesh_body *body, int primitive, const double from[3],
-                                    const double direction[3])
+static struct chord between_corners(const struct cml_centred_mesh *centred, int primitive,
+                                    const double from[3], const double direction[3])
 {
     struct chord chord = {INFINITY, -INFINITY};
     for (int k = 0; k < 3; k++) {
         double to_corner[3];
-        cml_vec3_subtract(cml_body_corner(body, primitive, k), from, to_corner);
+        cml_vec3_subtract(cml_centred_corner(centred, primitive, k), from, to_corner);
         const double t = cml_vec3_dot(to_corner, direction);
         chord.first = fmin(chord.first, t);
         chord.last = fmax(chord.last, t);
@@ -30,15 +30,15 @@ static struct chord between_corners(const struct cml_mesh_body *body, int primit
 /* What is inside the edges, seen along the normal: the line clipped against them [Cyrus and Beck, Computers
  * and Graphics 3 (1), 1978]. Only edges that the line passes more steeply than the facet itself know more
  * than the facet's plane; along: the sine of the angle to that. */
-static struct chord between_edges(const struct cml_mesh_body *body, int primitive, const double from[3],
+static struct chord between_edges(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                                   const double direction[3], double along)
 {
-    struct chord chord = between_corners(body, primitive, from, direction);
+    struct chord chord = between_corners(centred, primitive, from, direction);
     for (int k = 0; k < 3; k++) {
-        const double *a = cml_body_corner(body, primitive, k);
+        const double *a = cml_centred_corner(centred, primitive, k);
         double edge[3], inwards[3], to_edge[3];
-        cml_vec3_subtract(cml_body_corner(body, primitive, (k + 1) % 3), a, edge);
-        cml_vec3_cross(body->plane[primitive], edge, inwards);
+        cml_vec3_subtract(cml_centred_corner(centred, primitive, (k + 1) % 3), a, edge);
+        cml_vec3_cross(centred->plane[primitive], edge, inwards);
         cml_vec3_subtract(a, from, to_edge);
         const double speed = cml_vec3_dot(direction, inwards), t = cml_vec3_dot(to_edge, inwards) / speed;
         const double least = fmax(err_sine_edge, fabs(along)) * cml_vec3_length(edge);
@@ -51,13 +51,13 @@ static struct chord between_edges(const struct cml_mesh_body *body, int primitiv
 /* Where the line passes a corner, rounding may leave its chord with less than no length. A crossing that
  * rounding has put before `least` is taken as late as rounding, and the facet, allow: one that is met at once
  * would be met again and again. */
-double cml_facet_crossing(const struct cml_mesh_body *body, int primitive, const double from[3],
+double cml_facet_crossing(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                           const double direction[3], double least)
 {
-    const double *normal = body->plane[primitive], along = cml_vec3_dot(direction, normal);
+    const double *normal = centred->plane[primitive], along = cml_vec3_dot(direction, normal);
     double to_corner[3];
-    cml_vec3_subtract(cml_body_corner(body, primitive, 0), from, to_corner);
-    const struct chord chord = between_edges(body, primitive, from, direction, along);
+    cml_vec3_subtract(cml_centred_corner(centred, primitive, 0), from, to_corner);
+    const struct chord chord = between_edges(centred, primitive, from, direction, along);
     const double low = fmin(chord.first, chord.last), high = fmax(chord.first, chord.last);
     const double t = fmax(low, fmin(cml_vec3_dot(to_corner, normal) / along, high));
     if (t >= least) return t;
@@ -78,14 +78,14 @@ static double distance_to_segment(const double a[3], const double b[3], const do
 }
 
 /* That of the plane where p projects into the triangle, else of the nearest edge. */
-double cml_facet_distance(const struct cml_mesh_body *body, int primitive, const double p[3])
+double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive, const double p[3])
 {
-    const double *normal = body->plane[primitive];
+    const double *normal = centred->plane[primitive];
     double nearest = INFINITY;
     bool above = true;
     for (int k = 0; k < 3; k++) {
-        const double *a = cml_body_corner(body, primitive, k),
-                     *b = cml_body_corner(body, primitive, (k + 1) % 3);
+        const double *a = cml_centred_corner(centred, primitive, k),
+                     *b = cml_centred_corner(centred, primitive, (k + 1) % 3);
         double edge[3], inwards[3], off[3];
         cml_vec3_subtract(b, a, edge);
         cml_vec3_subtract(p, a, off);

@@ -21,7 +21,7 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, 
                                    .exit_distance = INFINITY,
                                    .exit_primitive = -1,
                                    .length = t_max,
-                                   .parts = q->body->mesh.unite ? parts : NULL};
+                                   .parts = q->centred->mesh.unite ? parts : NULL};
     if (line->parts) {
         parts->pass = CML_LINE_COLLECTS;
         parts->count = parts->lot = parts->around = 0;
@@ -34,7 +34,7 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, 
  * edge get opposite signs. */
 static int side_of_edge(const struct cml_mesh_line *line, uint32_t i, uint32_t j)
 {
-    const double(*vertex)[3] = (const double(*)[3])line->q->body->mesh.vertex;
+    const double(*vertex)[3] = (const double(*)[3])line->q->centred->mesh.vertex;
     return i < j ? cml_line_side(vertex[i], vertex[j], line->from, line->q->direction)
                  : -cml_line_side(vertex[j], vertex[i], line->from, line->q->direction);
 }
@@ -55,18 +55,18 @@ static bool is_exiting(const struct cml_mesh_query *q, double along)
 static double distance_from(const struct cml_mesh_line *line, int primitive, const double p[3])
 {
     const struct cml_mesh_query *q = line->q;
-    if (primitive != CML_OUTER_PLANE) return cml_facet_distance(q->body, primitive, p);
+    if (primitive != CML_OUTER_PLANE) return cml_facet_distance(q->centred, primitive, p);
     const bool is_hole = cml_query_border_side(q, p[0], p[1], line->err_line) == CML_INSIDE_BORDER;
-    return is_hole ? INFINITY : fabs(q->body->mesh.z_border - p[2]);
+    return is_hole ? INFINITY : fabs(q->centred->mesh.z_border - p[2]);
 }
 
 static double crossing_of(const struct cml_mesh_query *q, int primitive, double least)
 {
-    return cml_facet_crossing(q->body, primitive, q->origin, q->direction, least);
+    return cml_facet_crossing(q->centred, primitive, q->origin, q->direction, least);
 }
 
 /* A crossing ahead, at distance t. way: as of signed_crossing. */
-static void note_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
+static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     if (!is_exiting(line->q, way)) {
         line->entering_distance =
@@ -80,7 +80,7 @@ static void note_crossing(struct cml_mesh_line *line, int primitive, int way, do
 static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     line->winding_ahead += way;
-    note_crossing(line, primitive, way, t);
+    keep_crossing(line, primitive, way, t);
 }
 
 /* ---- unions ---- */
@@ -126,7 +126,7 @@ static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_c
     double place[3];
     cml_vec3_add_scaled(line->q->origin, out->t, line->q->direction, place);
     return leaves_parts(in) < 0 &&
-           cml_facet_distance(line->q->body, in->primitive, place) <= line->q->body->err_mesh;
+           cml_facet_distance(line->q->centred, in->primitive, place) <= line->q->centred->err_mesh;
 }
 
 /* Where the number of parts falls to 0 or rises from there, up to the first exit. The last of a lot that has
@@ -146,7 +146,7 @@ static void follow_lot(struct cml_mesh_line *line)
             closes_gap(line, here, &parts->item[next]))
             parts->around_end -= leaves_parts(&parts->item[i = next]);
         else if (inside != (parts->around_end > 0))
-            note_crossing(line, here->primitive, here->way, here->t);
+            keep_crossing(line, here->primitive, here->way, here->t);
         parts->last = parts->item[i];
     }
 }
@@ -209,7 +209,7 @@ static double first_corner(const struct cml_mesh_query *q, int primitive)
     double first = INFINITY;
     for (int k = 0; k < 3; k++) {
         double to_corner[3];
-        cml_vec3_subtract(cml_body_corner(q->body, primitive, k), q->origin, to_corner);
+        cml_vec3_subtract(cml_centred_corner(q->centred, primitive, k), q->origin, to_corner);
         first = fmin(first, cml_vec3_dot(to_corner, q->direction));
     }
     return first;
@@ -225,8 +225,8 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double t)
     add_exit_candidate(line, primitive, 0);
     add_exit_candidate(line, primitive, fmax(0, t));
     for (int k = 0; k < 3; k++) {
-        const double *a = cml_body_corner(q->body, primitive, k),
-                     *b = cml_body_corner(q->body, primitive, (k + 1) % 3);
+        const double *a = cml_centred_corner(q->centred, primitive, k),
+                     *b = cml_centred_corner(q->centred, primitive, (k + 1) % 3);
         add_exit_candidate(line, primitive, cml_facet_edge_approach(q->origin, q->direction, a, b));
     }
 }
@@ -236,21 +236,21 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double t)
 static void add_end(struct cml_mesh_line *line, int primitive, double height)
 {
     const struct cml_mesh_query *q = line->q;
-    const double left = height - line->length * cml_vec3_dot(q->direction, q->body->plane[primitive]);
+    const double left = height - line->length * cml_vec3_dot(q->direction, q->centred->plane[primitive]);
     double end[3];
     if (line->ends_near_facet || !(fabs(left) <= line->err_line)) return;
     cml_vec3_add_scaled(q->origin, line->length, q->direction, end);
-    line->ends_near_facet = cml_facet_distance(q->body, primitive, end) <= line->err_line;
+    line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
 /* ahead: the plane's side of from tells, exactly, where rounding of a distance could not. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
     const struct cml_mesh_query *q = line->q;
-    const struct cml_mesh *mesh = &q->body->mesh;
+    const struct cml_mesh *mesh = &q->centred->mesh;
     const uint32_t *v = mesh->triangle[primitive];
     const double *a = mesh->vertex[v[0]], *b = mesh->vertex[v[1]], *c = mesh->vertex[v[2]];
-    const double *normal = q->body->plane[primitive];
+    const double *normal = q->centred->plane[primitive];
     double to_corner[3];
     cml_vec3_subtract(a, q->origin, to_corner);
     const double height = cml_vec3_dot(to_corner, normal);
@@ -273,7 +273,7 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
 /* Whether the line still has the outer plane ahead, when it has been moved as cml_plane_side moves it. */
 static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
 {
-    const double height = line->q->body->mesh.z_border - line->from[2], uz = line->q->direction[2];
+    const double height = line->q->centred->mesh.z_border - line->from[2], uz = line->q->direction[2];
     return height != 0 ? (height > 0) == (uz > 0) : uz < 0;
 }
 
@@ -282,10 +282,10 @@ static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
 static void add_outer_plane(struct cml_mesh_line *line)
 {
     const struct cml_mesh_query *q = line->q;
-    const double height = q->body->mesh.z_border - q->origin[2], uz = q->direction[2];
+    const double height = q->centred->mesh.z_border - q->origin[2], uz = q->direction[2];
     const double t = height / uz, later = t + line->err_line / (2 * fabs(uz));
     const int way = uz < 0 ? 1 : -1;
-    if (uz == 0 || q->body->mesh.closed) return;
+    if (uz == 0 || q->centred->mesh.closed) return;
     if (line->winding != way && outer_plane_is_ahead(line))
         add_crossing(line, CML_OUTER_PLANE, way, fmax(t, q->err_query));
     if (!is_exiting(q, way)) return;
@@ -299,8 +299,8 @@ static void add_outer_plane(struct cml_mesh_line *line)
 static bool lies_below(const struct cml_mesh_line *line)
 {
     const double uz = line->q->direction[2];
-    if (line->q->body->mesh.closed) return line->winding_ahead > 0;
-    const bool ends_below = uz != 0 ? uz > 0 : line->q->origin[2] >= line->q->body->mesh.z_border;
+    if (line->q->centred->mesh.closed) return line->winding_ahead > 0;
+    const bool ends_below = uz != 0 ? uz > 0 : line->q->origin[2] >= line->q->centred->mesh.z_border;
     return ends_below + line->winding_ahead > 0;
 }
 

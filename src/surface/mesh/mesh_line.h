@@ -44,8 +44,8 @@ struct cml_line_parts {
 struct cml_mesh_line {
     const struct cml_mesh_query *q; /* borrowed */
     double err_line; /* cm; what rounding can put between a packet and the facet it stands on */
-    double from[3];  /* body frame: the point of the line ahead of the packet by rounding: what is ahead is so
-                      * from here */
+    double from[3];  /* centred frame: the point of the line ahead of the packet by rounding: what is ahead is
+                      * so  from here */
     int winding, winding_ahead; /* facets crossed upwards less downwards: by the whole line, ahead */
     double t;                   /* distance of the first exiting crossing ahead */
     int primitive;              /* its facet; -1: none */

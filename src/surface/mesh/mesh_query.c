@@ -13,7 +13,7 @@
  * the higher, so that the two triangles of an edge get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
 {
-    const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
+    const double(*vertex)[3] = (const double(*)[3])q->centred->mesh.vertex;
     const bool swap = i > j;
     double a[3], b[3], c[3];
     cml_vec3_subtract(vertex[swap ? j : i], q->entry, a);
@@ -28,7 +28,7 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
 static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
     if (fabs(product) > q->err_product) return false;
-    const double *a = q->body->mesh.vertex[i], *b = q->body->mesh.vertex[j];
+    const double *a = q->centred->mesh.vertex[i], *b = q->centred->mesh.vertex[j];
     double sum_a = 0, sum_b = 0, edge = 0;
     for (int k = 0; k < 3; k++) {
         sum_a += fabs(a[k] - q->entry[k]);
@@ -65,7 +65,7 @@ static uint64_t random_number(uint32_t vertex)
  * plane begins. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
-    const uint32_t *v = q->body->mesh.triangle[primitive];
+    const uint32_t *v = q->centred->mesh.triangle[primitive];
     const double sign = q->below ? 1 : -1;
     int close = 0;
     q->candidate_open_edges = 0;
@@ -79,9 +79,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
         close += rounding;
     }
     if (close == 3) q->candidate_open_edges = 1; /* the line lies in the plane: nothing is sure */
-    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]);
+    const double along = cml_vec3_dot(q->direction, q->centred->plane[primitive]);
     if (!(sign * along > 0)) return false;
-    *t = q->t_entry + cml_facet_crossing(q->body, primitive, q->entry, q->direction, -INFINITY);
+    *t = q->t_entry + cml_facet_crossing(q->centred, primitive, q->entry, q->direction, -INFINITY);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
     return is_ahead(q, *t, along);
@@ -93,7 +93,7 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
-    const double *normal = q->body->plane[primitive];
+    const double *normal = q->centred->plane[primitive];
     if (q->hits_edge && on_edge && fabs(t - q->t) <= q->err_query) {
         cml_vec3_add_scaled(q->normal_sum, 1, normal, q->normal_sum);
         q->open_edges += q->candidate_open_edges;
@@ -114,7 +114,7 @@ void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const 
 /* Most rays are short and start close to the mesh: nothing to clip, and t_entry 0 is close enough. */
 static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
 {
-    const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
+    const double *lower = q->centred->lower, *upper = q->centred->upper, *p = q->origin;
     const double size = upper[0];
     return t_max < size && p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1] &&
            p[2] > lower[2] - size && p[2] < upper[2] + size;
@@ -125,7 +125,7 @@ static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
 static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double *leave)
 {
     for (int k = 0; k < 3; k++) {
-        const double lower = q->body->lower[k] - q->origin[k], upper = q->body->upper[k] - q->origin[k];
+        const double lower = q->centred->lower[k] - q->origin[k], upper = q->centred->upper[k] - q->origin[k];
         if (q->direction[k] == 0) {
             if (lower > 0 || upper < 0) return false;
             continue;
@@ -148,7 +148,7 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave)
     for (int k = 0; k < 3; k++) {
         q->entry[k] = q->origin[k] + q->t_entry * q->direction[k];
         q->err_entry += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->entry[k]));
-        size += q->body->upper[k] - q->body->lower[k];
+        size += q->centred->upper[k] - q->centred->lower[k];
     }
     q->err_product = 2 * (err_share_product * size + q->err_entry) * size;
     return true;
@@ -174,11 +174,11 @@ bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d)
 {
-    const double *lower = q->body->lower, *upper = q->body->upper;
+    const double *lower = q->centred->lower, *upper = q->centred->upper;
     if (x < lower[0] - d || x > upper[0] + d || y < lower[1] - d || y > upper[1] + d)
         return CML_OUTSIDE_BORDER;
-    if (cml_footprint_border_is_near(q->body->footprint, x, y, d)) return CML_AT_BORDER;
-    return cml_footprint_contains(q->body->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
+    if (cml_footprint_border_is_near(q->centred->footprint, x, y, d)) return CML_AT_BORDER;
+    return cml_footprint_contains(q->centred->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }
 
 /* The plane begins within rounding of the border, as the triangles there end: both have it, none has a gap.
@@ -186,8 +186,8 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
-    if (q->body->mesh.closed || q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
-    const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
+    if (q->centred->mesh.closed || q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
+    const double t = (q->centred->mesh.z_border - q->origin[2]) / uz;
     if (!is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     const enum cml_border_side side = cml_query_border_side(q, x, y, fmax(q->err_position, q->err_entry));
@@ -200,8 +200,9 @@ void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 /* Upward normal of the cone that a tessellated heightfield's triangle stands for. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {
-    const double x = point[0] - q->body->axis[0], y = point[1] - q->body->axis[1], r = sqrt(x * x + y * y);
-    const double m = q->body->mesh.slope[q->primitive], k = 1 / sqrt(1 + m * m);
+    const double x = point[0] - q->centred->axis[0], y = point[1] - q->centred->axis[1],
+                 r = sqrt(x * x + y * y);
+    const double m = q->centred->mesh.slope[q->primitive], k = 1 / sqrt(1 + m * m);
     normal[0] = r > 0 ? m * k * x / r : 0;
     normal[1] = r > 0 ? m * k * y / r : 0;
     normal[2] = r > 0 ? -k : -1;
@@ -210,7 +211,7 @@ static void analytic_normal(const struct cml_mesh_query *q, const double point[3
 /* As Phong shading interpolates [Communications of the ACM 18 (6), 1975]. */
 static void interpolated_normal(const struct cml_mesh_query *q, double normal[3])
 {
-    const struct cml_mesh *mesh = &q->body->mesh;
+    const struct cml_mesh *mesh = &q->centred->mesh;
     const uint32_t *v = mesh->triangle[q->primitive];
     for (int k = 0; k < 3; k++)
         normal[k] = q->weight[0] * mesh->vertex_normal[v[0]][k] +
@@ -225,12 +226,13 @@ static bool is_in_groove(const struct cml_mesh_query *q)
     if (q->exclude < 0) return false;
     for (int k = 0; k < 3; k++) {
         double edge[3];
-        cml_vec3_subtract(cml_body_corner(q->body, q->primitive, (k + 1) % 3),
-                          cml_body_corner(q->body, q->primitive, k), edge);
+        cml_vec3_subtract(cml_centred_corner(q->centred, q->primitive, (k + 1) % 3),
+                          cml_centred_corner(q->centred, q->primitive, k), edge);
         longest = fmax(longest, cml_vec3_dot(edge, edge));
     }
-    cml_vec3_area(cml_body_corner(q->body, q->primitive, 0), cml_body_corner(q->body, q->primitive, 1),
-                  cml_body_corner(q->body, q->primitive, 2), area);
+    cml_vec3_area(cml_centred_corner(q->centred, q->primitive, 0),
+                  cml_centred_corner(q->centred, q->primitive, 1),
+                  cml_centred_corner(q->centred, q->primitive, 2), area);
     const double height = sqrt(cml_vec3_dot(area, area) / longest);
     return q->t <= fmax(CML_GROOVE_SHARE * height, q->err_query);
 }
@@ -241,7 +243,7 @@ static bool is_in_groove(const struct cml_mesh_query *q)
 static void fill_normals(const struct cml_mesh_query *q, const double point[3],
                          struct cml_mesh_crossing *crossing)
 {
-    const struct cml_mesh *mesh = &q->body->mesh;
+    const struct cml_mesh *mesh = &q->centred->mesh;
     int corner = -1;
     for (int k = 0; k < 3; k++)
         if (q->weight[k] > 1 - 2 * err_weight) corner = k;
@@ -250,7 +252,7 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
     const double sign = q->below ? 1 : -1;
     const bool turned = !(sign * cml_vec3_dot(q->direction, crossing->facet) > 0);
     if (turned)
-        cml_vec3_copy(q->body->plane[q->primitive], crossing->facet);
+        cml_vec3_copy(q->centred->plane[q->primitive], crossing->facet);
     else if (q->hits_edge || corner >= 0)
         cml_vec3_normalise(crossing->facet);
     cml_vec3_copy(crossing->facet, crossing->normal);
@@ -262,26 +264,26 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
 }
 
 /* Distance along the query's line to the plane of a primitive. Unlike cml_query_plane_distance from a corner,
- * not from the body frame's origin: where the packet stands on the plane, that is the more precise. */
+ * not from the centred frame's origin: where the packet stands on the plane, that is the more precise. */
 static double distance_to_primitive(const struct cml_mesh_query *q, int primitive)
 {
-    const struct cml_mesh *mesh = &q->body->mesh;
+    const struct cml_mesh *mesh = &q->centred->mesh;
     if (primitive == CML_OUTER_PLANE) return (mesh->z_border - q->origin[2]) / q->direction[2];
     double to_plane[3];
-    cml_vec3_subtract(cml_body_corner(q->body, primitive, 0), q->origin, to_plane);
-    return cml_vec3_dot(to_plane, q->body->plane[primitive]) /
-           cml_vec3_dot(q->direction, q->body->plane[primitive]);
+    cml_vec3_subtract(cml_centred_corner(q->centred, primitive, 0), q->origin, to_plane);
+    return cml_vec3_dot(to_plane, q->centred->plane[primitive]) /
+           cml_vec3_dot(q->direction, q->centred->plane[primitive]);
 }
 
 double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive)
 {
-    const double *plane = q->body->plane[primitive];
+    const double *plane = q->centred->plane[primitive];
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / cml_vec3_dot(q->direction, plane);
 }
 
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
 {
-    const double *plane = q->body->plane[primitive];
+    const double *plane = q->centred->plane[primitive];
     if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->contact_distance) q->in_doubt = true;
 }
 
@@ -300,7 +302,7 @@ void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const doub
 /* By more than rounding: the box is larger by err_float. */
 static bool is_over_box(const struct cml_mesh_query *q)
 {
-    const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
+    const double *lower = q->centred->lower, *upper = q->centred->upper, *p = q->origin;
     return p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1];
 }
 
@@ -314,12 +316,12 @@ static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
     if (primitive == CML_OUTER_PLANE)
         return is_over_box(q) &&
                cml_query_border_side(q, q->origin[0], q->origin[1], q->err_query) != CML_OUTSIDE_BORDER;
-    const double *normal = q->body->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
+    const double *normal = q->centred->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
     double weight[3], sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double *a = cml_body_corner(q->body, primitive, k);
+        const double *a = cml_centred_corner(q->centred, primitive, k);
         double edge[3], from[3], part[3];
-        cml_vec3_subtract(cml_body_corner(q->body, primitive, (k + 1) % 3), a, edge);
+        cml_vec3_subtract(cml_centred_corner(q->centred, primitive, (k + 1) % 3), a, edge);
         cml_vec3_subtract(q->origin, a, from);
         cml_vec3_cross(edge, from, part);
         const double length = fabs(edge[0]) + fabs(edge[1]) + fabs(edge[2]);
@@ -339,33 +341,33 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     q->primitive = primitive;
     q->hits_edge = false;
     if (primitive == CML_OUTER_PLANE) return;
-    cml_vec3_copy(q->body->plane[primitive], q->normal_sum);
+    cml_vec3_copy(q->centred->plane[primitive], q->normal_sum);
     cml_vec3_add_scaled(q->origin, t, q->direction, place);
     for (int k = 0; k < 3; k++) {
         double normal[3];
-        cml_vec3_area(place, cml_body_corner(q->body, primitive, (k + 1) % 3),
-                      cml_body_corner(q->body, primitive, (k + 2) % 3), normal);
-        area[k] = fmax(0, cml_vec3_dot(normal, q->body->plane[primitive]));
+        cml_vec3_area(place, cml_centred_corner(q->centred, primitive, (k + 1) % 3),
+                      cml_centred_corner(q->centred, primitive, (k + 2) % 3), normal);
+        area[k] = fmax(0, cml_vec3_dot(normal, q->centred->plane[primitive]));
     }
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
 /* A packet that came undeflected through its facet has dealt with what lies behind it, so nothing before that
  * facet's crossing counts. */
-void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
+void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)
 {
-    q->body = body;
+    q->centred = centred;
     q->below = below;
     q->exclude = exclude;
     q->t = t_max;
     q->err_position = err_position;
-    q->err_query = err_position + body->err_mesh;
+    q->err_query = err_position + centred->err_mesh;
     q->primitive = -1;
     q->hits_edge = false;
     q->err_entry = 0;
-    cml_vec3_subtract(p, body->centre, q->origin);
+    cml_vec3_subtract(p, centred->centre, q->origin);
     cml_vec3_copy(u, q->direction);
     q->starts_on_edge = is_near_edge(q, exclude);
     q->in_doubt = false;
@@ -381,7 +383,7 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
     return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||
            (q->primitive >= 0 && q->t < q->err_query) ||
-           (q->body->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
+           (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
@@ -397,7 +399,7 @@ int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const do
         crossing->normal[k] = crossing->facet[k] = k == 2 ? -1 : 0;
     }
     if (q->primitive == CML_OUTER_PLANE)
-        crossing->point[2] = q->body->mesh.z_border + q->body->centre[2];
+        crossing->point[2] = q->centred->mesh.z_border + q->centred->centre[2];
     else
         fill_normals(q, local, crossing);
     return 1;

@@ -15,14 +15,14 @@
 #ifndef CML_MESH_QUERY_H
 #define CML_MESH_QUERY_H
 
-#include "surface/mesh/mesh_body.h"
+#include "surface/mesh/centred_mesh.h"
 #include "mesh_crossing.h"
 
-/* A ray on its way to its first crossing. Places in the body frame (mesh_body.h), lengths and distances along
- * the ray in cm. The bounds err_ are those of rounding.h. */
+/* A ray on its way to its first crossing. Places in the centred frame (centred_mesh.h), lengths and distances
+ * along the ray in cm. The bounds err_ are those of rounding.h. */
 struct cml_mesh_query {
-    const struct cml_mesh_body *body; /* borrowed */
-    double origin[3], direction[3];   /* direction: unit */
+    const struct cml_centred_mesh *centred; /* borrowed */
+    double origin[3], direction[3];         /* direction: unit */
     double entry[3]; /* where the ray enters the mesh's box: triangles are tested from here, so that a far
                       * origin costs no digits */
     double t_entry;  /* its distance */
@@ -47,7 +47,7 @@ struct cml_mesh_query {
 };
 
 /* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h). */
-void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
+void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position);
 

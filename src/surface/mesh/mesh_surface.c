@@ -25,7 +25,7 @@ typedef struct RTCIntersectContext query_context;
 #define MAP_BYTES 16777216 /* of safe distances, and a quarter of what all else takes */
 
 struct cml_mesh_surface {
-    struct cml_mesh_body body;
+    struct cml_centred_mesh centred;
     _Atomic ssize_t embree_bytes;       /* kept by Embree's threads */
     RTCScene boxes;                     /* around triangles, which are tested in double */
     struct cml_grid_mesh grid;          /* walked; regular or of a sheet */
@@ -68,7 +68,7 @@ static void intersect_triangle(const struct RTCIntersectFunctionNArguments *argu
     if (query->contact_only) cml_query_test_contact(q, primitive);
     if (query->contact_only || !test_triangle(q, primitive)) return;
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
-    const float t_far = (float)(q->t - q->t_entry + 2 * q->body->err_float);
+    const float t_far = (float)(q->t - q->t_entry + 2 * q->centred->err_float);
     if (t_far < rayhit->ray.tfar) rayhit->ray.tfar = t_far > 0 ? t_far : 0;
     rayhit->hit.geomID = arguments->geomID;
     rayhit->hit.primID = arguments->primID;
@@ -82,13 +82,13 @@ static void intersect_triangle(const struct RTCIntersectFunctionNArguments *argu
 static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const struct cml_mesh_surface *surface = arguments->geometryUserPtr;
-    const struct cml_mesh *mesh = &surface->body.mesh;
+    const struct cml_mesh *mesh = &surface->centred.mesh;
     const uint32_t *v = mesh->triangle[arguments->primID];
     float *lower = &arguments->bounds_o->lower_x, *upper = &arguments->bounds_o->upper_x;
     for (int k = 0; k < 3; k++) {
         const double a = mesh->vertex[v[0]][k], b = mesh->vertex[v[1]][k], c = mesh->vertex[v[2]][k];
-        lower[k] = (float)(fmin(a, fmin(b, c)) - surface->body.err_float);
-        upper[k] = (float)(fmax(a, fmax(b, c)) + surface->body.err_float);
+        lower[k] = (float)(fmin(a, fmin(b, c)) - surface->centred.err_float);
+        upper[k] = (float)(fmax(a, fmax(b, c)) + surface->centred.err_float);
     }
 }
 
@@ -102,7 +102,7 @@ static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRay
     rayhit->ray.dir_x = (float)q->direction[0];
     rayhit->ray.dir_y = (float)q->direction[1];
     rayhit->ray.dir_z = (float)q->direction[2];
-    rayhit->ray.tfar = (float)(leave - q->t_entry + 2 * q->body->err_float);
+    rayhit->ray.tfar = (float)(leave - q->t_entry + 2 * q->centred->err_float);
     rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
@@ -173,7 +173,7 @@ static void query_embree(const struct cml_mesh_surface *surface, struct query *q
 static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
 {
     struct cml_tree_ray ray = {.length = (float)fmin(q->t - q->t_entry, (double)FLT_MAX),
-                               .margin = (float)(q->body->err_margin + q->err_query + q->err_entry),
+                               .margin = (float)(q->centred->err_margin + q->err_query + q->err_entry),
                                .below = q->below,
                                .exclude = q->exclude};
     for (int k = 0; k < 3; k++) {
@@ -216,8 +216,8 @@ static void query_tree(const struct cml_mesh_surface *surface, const struct cml_
         if (answer.facet >= 0) test_triangle(q, answer.facet);
     } else if (answer.facet >= 0) {
         const double t = cml_query_plane_distance(q, answer.facet);
-        cml_query_add_inner_hit(q, answer.facet, q->body->plane[answer.facet], t, inner);
-        const bool shades = q->body->mesh.normals == CML_NORMALS_VERTEX && q->primitive == answer.facet;
+        cml_query_add_inner_hit(q, answer.facet, q->centred->plane[answer.facet], t, inner);
+        const bool shades = q->centred->mesh.normals == CML_NORMALS_VERTEX && q->primitive == answer.facet;
         if (shades) cml_query_set_hit(q, answer.facet, t);
     }
 }
@@ -247,13 +247,13 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
 static bool ask_early(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                       double t_max, double err_position, struct cml_tree_answer *answer)
 {
-    const struct cml_mesh_body *body = &surface->body;
+    const struct cml_centred_mesh *centred = &surface->centred;
     struct cml_tree_ray ray = {.length = (float)fmin(t_max, (double)FLT_MAX),
-                               .margin = (float)(body->err_margin + body->err_mesh + err_position),
+                               .margin = (float)(centred->err_margin + centred->err_mesh + err_position),
                                .below = below,
                                .exclude = -1};
     for (int k = 0; k < 3; k++) {
-        ray.origin[k] = (float)(p[k] - body->centre[k]);
+        ray.origin[k] = (float)(p[k] - centred->centre[k]);
         ray.direction[k] = (float)u[k];
     }
     return ask_named_leaves(surface, &ray, answer);
@@ -278,7 +278,7 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
     if (named && is_plain_miss(&answer)) return 0;
     query.line = NULL;
     query.contact_only = false;
-    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, undeflected, err_position);
+    cml_query_begin(&query.ray, &surface->centred, p, u, below, t_max, exclude, undeflected, err_position);
     if (exact || query.ray.starts_on_edge)
         query_exact(surface, &query);
     else if (surface->grid.levels)
@@ -297,10 +297,10 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
 static void find_depths(const struct cml_mesh_surface *surface, double err_position, double *low,
                         double *high)
 {
-    const struct cml_mesh_body *body = &surface->body;
-    const double more = 2 * err_line_factor * err_position + body->err_float;
-    *low = body->lower[2] + body->centre[2] - more;
-    *high = body->upper[2] + body->centre[2] + more;
+    const struct cml_centred_mesh *centred = &surface->centred;
+    const double more = 2 * err_line_factor * err_position + centred->err_float;
+    *low = centred->lower[2] + centred->centre[2] - more;
+    *high = centred->upper[2] + centred->centre[2] + more;
 }
 
 /* What a segment has found, as a crossing of the whole path. */
@@ -345,7 +345,7 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
 static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double margin, double t_hit,
                           struct cml_mesh_stretch *stretch)
 {
-    const double *plane = q->body->plane[primitive];
+    const double *plane = q->centred->plane[primitive];
     const double along = (q->below ? 1 : -1) * cml_vec3_dot(q->direction, plane);
     const double height = plane[3] - cml_vec3_dot(q->origin, plane), reach = 3 * margin / fabs(along);
     const double t = cml_query_plane_distance(q, primitive);
@@ -353,7 +353,7 @@ static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double 
         stretch->least = fmax(stretch->least, reach);
         return true;
     }
-    stretch->clear = fmin(stretch->clear, t - reach);
+    stretch->most = fmin(stretch->most, t - reach);
     stretch->from = fmax(stretch->from, t + reach);
     return along > 0 && fabs(t - t_hit) <= reach;
 }
@@ -369,24 +369,25 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
     struct cml_mesh_query q;
     struct cml_mesh_crossing hit = {.t = INFINITY}, least_hit;
     struct cml_tree_answer answer;
-    if (!surface->tree.nodes || surface->period.n[0] || surface->body.mesh.unite || exclude < 0 ||
+    if (!surface->tree.nodes || surface->period.n[0] || surface->centred.mesh.unite || exclude < 0 ||
         exclude == CML_OUTER_PLANE)
         return false;
-    cml_query_begin(&q, &surface->body, p, u, below, INFINITY, exclude, undeflected, err_position);
+    cml_query_begin(&q, &surface->centred, p, u, below, INFINITY, exclude, undeflected, err_position);
     if (!cml_query_enter(&q) || q.t_entry > 0) return false;
     const int found = hit_mesh(surface, p, u, below, INFINITY, exclude, undeflected, 0, err_position, &hit);
     if (found && hit.primitive == CML_OUTER_PLANE) return false;
     struct cml_tree_ray ray = tree_ray(&q);
     const float margin = ray.margin += (float)(err_line_factor * q.err_query);
     if (found)
-        ray.length = (float)(hit.t + 4 * margin / fabs(cml_vec3_dot(u, surface->body.plane[hit.primitive])));
+        ray.length =
+            (float)(hit.t + 4 * margin / fabs(cml_vec3_dot(u, surface->centred.plane[hit.primitive])));
     surface->level->ask(&surface->tree, &ray, &answer);
     *stretch = (struct cml_mesh_stretch){0, INFINITY, found ? 0 : INFINITY};
     bool known = !answer.blurred && bound_stretch(&q, exclude, margin, hit.t, stretch);
     if (answer.facet >= 0) known = known && bound_stretch(&q, answer.facet, margin, hit.t, stretch);
     for (int i = 0; i < answer.doubts; i++)
         known = known && bound_stretch(&q, answer.doubt[i], margin, hit.t, stretch);
-    if (!known || !(stretch->from > 0 && stretch->least < stretch->clear)) return false;
+    if (!known || !(stretch->from > 0 && stretch->least < stretch->most)) return false;
     return !found || (hit_mesh(surface, p, u, below, stretch->from, exclude, undeflected, 0, err_position,
                                &least_hit) &&
                       memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
@@ -395,12 +396,13 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
 /* A tile's cells are those of one copy, and a shading normal is that of a place in a facet. Vectors look up
  * eight times the number of a cell in 32 bits. */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
-                                                  const struct cml_mesh_body **body)
+                                                  const struct cml_centred_mesh **centred)
 {
     const struct cml_grid_mesh *grid = &surface->grid;
-    *body = &surface->body;
-    if (!grid->levels || surface->period.n[0] || surface->body.mesh.normals != CML_NORMALS_FACET) return NULL;
-    return cml_grid_mesh_places(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
+    *centred = &surface->centred;
+    if (!grid->levels || surface->period.n[0] || surface->centred.mesh.normals != CML_NORMALS_FACET)
+        return NULL;
+    return cml_grid_mesh_slots(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
 }
 
 /* One for all, kept to the end: Embree takes a pthread key for each, of which a process has 1024. */
@@ -417,11 +419,11 @@ static void build_boxes(struct cml_mesh_surface *surface)
 {
     surface->boxes = rtcNewScene(device);
     rtcSetSceneFlags(surface->boxes, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(surface->boxes, surface->body.mesh.num_triangles > 1000000
+    rtcSetSceneBuildQuality(surface->boxes, surface->centred.mesh.num_triangles > 1000000
                                                 ? RTC_BUILD_QUALITY_MEDIUM
                                                 : RTC_BUILD_QUALITY_HIGH);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)surface->body.mesh.num_triangles);
+    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)surface->centred.mesh.num_triangles);
     rtcSetGeometryUserData(geometry, surface);
     rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
     rtcSetGeometryIntersectFunction(geometry, intersect_triangle);
@@ -443,16 +445,16 @@ static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_erro
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
                     "Embree cannot build a tree of %zu triangles (error %d)",
-                    surface->body.mesh.num_triangles, (int)error);
+                    surface->centred.mesh.num_triangles, (int)error);
 }
 
 static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
-    const struct cml_mesh_body *body = &surface->body;
+    const struct cml_centred_mesh *centred = &surface->centred;
     const struct cml_tree_level *levels[CML_TREE_LEVELS];
     cml_tree_levels(levels);
     surface->level = levels[0];
-    return cml_facet_tree_create(&body->mesh, (const double(*)[4])body->plane, body->err_margin,
+    return cml_facet_tree_create(&centred->mesh, (const double(*)[4])centred->plane, centred->err_margin,
                                  &surface->tree, err);
 }
 
@@ -461,19 +463,19 @@ static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_s
                                struct cml_error *err)
 {
     struct cml_grid_mesh *grid = &surface->grid;
-    const bool may_have_cells = search == CML_SEARCH_AUTO && !surface->body.mesh.closed;
+    const bool may_have_cells = search == CML_SEARCH_AUTO && !surface->centred.mesh.closed;
     if (search == CML_SEARCH_EMBREE) return CML_OK;
-    if (may_have_cells) CML_TRY(cml_grid_mesh_find(&surface->body, grid, err));
-    if (may_have_cells && !grid->levels) CML_TRY(cml_sheet_mesh_find(&surface->body, grid, err));
+    if (may_have_cells) CML_TRY(cml_grid_mesh_find(&surface->centred, grid, err));
+    if (may_have_cells && !grid->levels) CML_TRY(cml_sheet_mesh_find(&surface->centred, grid, err));
     return grid->levels ? CML_OK : build_tree(surface, err);
 }
 
 /* The map of a body would be built once for each of them, and does not pay. */
 static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *err)
 {
-    if (!surface->tree.nodes || surface->body.mesh.closed) return CML_OK;
+    if (!surface->tree.nodes || surface->centred.mesh.closed) return CML_OK;
     const double bytes = MAP_BYTES + 0.25 * cml_mesh_surface_bytes(surface);
-    return cml_safe_map_create(&surface->body, &surface->tree, bytes, &surface->map, err);
+    return cml_safe_map_create(&surface->centred, &surface->tree, bytes, &surface->map, err);
 }
 
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
@@ -482,7 +484,7 @@ static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_m
     struct cml_mesh_surface *made = calloc(1, sizeof *made);
     *surface = NULL;
     if (!made) return cml_fail_memory(err, sizeof *made, "a mesh surface");
-    cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
+    cml_status status = cml_centred_mesh_create(mesh, x0, y0, &made->centred, err);
     if (status == CML_OK) status = build_search(made, search, err);
     if (status == CML_OK) status = build_embree(made, err);
     if (status == CML_OK && !repeated) status = build_map(made, err);
@@ -517,22 +519,22 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     cml_grid_mesh_clear(&surface->grid);
     cml_facet_tree_clear(&surface->tree);
     cml_safe_map_clear(&surface->map);
-    cml_mesh_body_clear(&surface->body);
+    cml_centred_mesh_clear(&surface->centred);
     free(surface);
 }
 
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3])
 {
-    middle[0] = -surface->body.axis[0];
-    middle[1] = -surface->body.axis[1];
-    middle[2] = surface->body.centre[2];
-    return &surface->body.mesh;
+    middle[0] = -surface->centred.axis[0];
+    middle[1] = -surface->centred.axis[1];
+    middle[2] = surface->centred.centre[2];
+    return &surface->centred.mesh;
 }
 
 uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh_period *period = &surface->period;
-    return period->n[0] ? cml_tile_primitives(period) : surface->body.mesh.num_triangles;
+    return period->n[0] ? cml_tile_primitives(period) : surface->centred.mesh.num_triangles;
 }
 
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)
@@ -549,7 +551,7 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
            cml_facet_tree_bytes(&surface->tree) + cml_safe_map_bytes(&surface->map) +
-           cml_mesh_body_bytes(&surface->body);
+           cml_centred_mesh_bytes(&surface->centred);
 }
 
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface)

@@ -68,11 +68,11 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing);
 
-/* Paths of any length from one place in one direction: those longer than `least` and shorter than `clear`
+/* Paths of any length from one place in one direction: those longer than `least` and shorter than `most`
  * meet nothing, nor do they end near a facet, and those longer than `from` all have the same crossing. cm;
  * the last two may be infinite. */
 struct cml_mesh_stretch {
-    double least, clear, from;
+    double least, most, from;
 };
 
 /* The stretch before a packet that stands on a facet; arguments as of the query itself. False where that is
@@ -81,10 +81,11 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch);
 
-/* Its cells, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *body: its mesh. Borrowed.
+/* Its cells, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *centred: its mesh.
+ * Borrowed.
  */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
-                                                  const struct cml_mesh_body **body);
+                                                  const struct cml_centred_mesh **centred);
 
 /* Its safe distances, or NULL. Borrowed. */
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface);

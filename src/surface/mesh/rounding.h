@@ -3,7 +3,7 @@
  * members of that name.
  *
  * eps is DBL_EPSILON, 2^-52: an operation in double rounds by eps / 2 of its result, one in float by 6e-8.
- * D is the diagonal of the mesh's box. Coordinates count from its middle (mesh_body.h), so none inside the
+ * D is the diagonal of the mesh's box. Coordinates count from its middle (centred_mesh.h), so none inside the
  * box is more than D / 2. "Fails": the tests of tests/unit/surface/mesh, and cross.clearance, that fail
  * when the bound is made a hundredth of what it is; all of them were run. "None" means that the value
  * stands on its derivation alone.

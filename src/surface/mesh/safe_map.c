@@ -16,10 +16,10 @@
 #define COARSE 2         /* cells along the edge of a mean facet, from which blocks collect facets */
 
 struct filling {
-    const struct cml_mesh_body *body;
+    const struct cml_centred_mesh *centred;
     struct cml_flat_facet *flat; /* [num_triangles] */
     uint32_t *leaf;              /* [num_triangles] which has the facet */
-    uint32_t *near, *closest; /* [num_triangles] what a block of 4 cells has collected, and of that a part */
+    uint32_t *found, *closest; /* [num_triangles] what a block of 4 cells has collected, and of that a part */
     double (*square)[CML_PLACES]; /* [2 num_triangles] from its parts, and from their cells, cm2 */
     size_t collected;
     struct cml_boxtree *tree;
@@ -46,7 +46,7 @@ static double facet_square(const void *context, uint32_t i, const double p[3])
     return cml_flat_square((const struct cml_flat_facet *)context + i, p[0], p[1], p[2]);
 }
 
-/* In cm, body frame. */
+/* In cm, centred frame. */
 static void place_of(const struct filling *f, const double p[3], double at[3])
 {
     cml_vec3_add_scaled(f->map->corner, f->map->cell, p, at);
@@ -65,10 +65,10 @@ static double closest_facet(const struct filling *f, const double p[3], uint32_t
 static double with_outer_plane(const struct filling *f, const double p[3], double facets)
 {
     double at[3];
-    if (!f->body->footprint) return facets;
+    if (!f->centred->footprint) return facets;
     place_of(f, p, at);
-    const double plane = fabs(at[2] - f->body->mesh.z_border) / f->map->cell;
-    return plane < facets && !cml_footprint_contains(f->body->footprint, at[0], at[1]) ? plane : facets;
+    const double plane = fabs(at[2] - f->centred->mesh.z_border) / f->map->cell;
+    return plane < facets && !cml_footprint_contains(f->centred->footprint, at[0], at[1]) ? plane : facets;
 }
 
 /* Rounded down by more than double and float round. */
@@ -138,12 +138,12 @@ static void middles_of_parts(const struct filling *f, const struct block *block,
 }
 
 /* A block of 2 x 2 x 2 cells, by the facets that may be closest to any. */
-static void set_near_block(const struct filling *f, const struct block *block, const uint32_t *near,
-                           size_t count)
+static void set_cells(const struct filling *f, const struct block *block, const uint32_t *facets,
+                      size_t count)
 {
     double middle[3][CML_PLACES], least[CML_PLACES], (*square)[CML_PLACES] = f->square + f->collected;
     middles_of_parts(f, block, middle);
-    f->level->squares(f->flat, near, count, middle, square);
+    f->level->squares(f->flat, facets, count, middle, square);
     for (size_t i = 0; i < count; i++)
         for (int k = 0; k < CML_PLACES; k++) least[k] = cml_smaller(i ? least[k] : INFINITY, square[i][k]);
     for (int i = 0; i < CML_PLACES; i++) {
@@ -183,13 +183,13 @@ static void rank(struct ranking *r, uint32_t leaf, double square)
 static double without_outer_plane(const struct filling *f, const double p[3])
 {
     const double most = CML_MOST_REACH;
-    const struct cml_footprint *footprint = f->body->footprint;
+    const struct cml_footprint *footprint = f->centred->footprint;
     double at[3];
     place_of(f, p, at);
     if (!footprint || (cml_footprint_contains(footprint, at[0], at[1]) &&
                        !cml_footprint_border_is_near(footprint, at[0], at[1], most * f->map->cell)))
         return most;
-    return cml_smaller(most, fabs(at[2] - f->body->mesh.z_border) / f->map->cell);
+    return cml_smaller(most, fabs(at[2] - f->centred->mesh.z_border) / f->map->cell);
 }
 
 /* Of a block of 2 x 2 x 2 cells: each leaf is good up to the next one, or the outer plane. */
@@ -223,17 +223,17 @@ static void fill_part(const struct filling *f, const struct block *block, int co
     }
     for (size_t i = 0; i < f->collected; i++) {
         const double square = f->square[i][column];
-        if (square <= named * named) rank(&ranking, f->leaf[f->near[i]], square);
-        if (square <= most * most) f->closest[count++] = f->near[i];
+        if (square <= named * named) rank(&ranking, f->leaf[f->found[i]], square);
+        if (square <= most * most) f->closest[count++] = f->found[i];
     }
     name_leaves(f, block, &ranking);
-    set_near_block(f, block, f->closest, count);
+    set_cells(f, block, f->closest, count);
 }
 
 static void collect(void *context, uint32_t facet)
 {
     struct filling *f = context;
-    f->near[f->collected++] = facet;
+    f->found[f->collected++] = facet;
 }
 
 /* A block of 4 x 4 x 4 cells: collects facets that may be closest to any, or whose leaf its parts may name.
@@ -250,7 +250,7 @@ static void fill_parts(struct filling *f, const struct block *block, double face
     f->collected = 0;
     cml_boxtree_touching(f->tree, lower, upper, collect, f);
     middles_of_parts(f, block, middle);
-    f->level->squares(f->flat, f->near, f->collected, middle, f->square);
+    f->level->squares(f->flat, f->found, f->collected, middle, f->square);
     for (int i = 0; i < CML_PLACES; i++) {
         struct block part;
         if (part_of(f->map, block, i, &part)) fill_part(f, &part, i);
@@ -318,9 +318,9 @@ static size_t blocks_of(const struct cml_safe_map *map)
 
 static void find_facets(struct filling *f, const struct cml_facet_tree *tree)
 {
-    for (int i = 0; i < (int)f->body->mesh.num_triangles; i++) {
+    for (int i = 0; i < (int)f->centred->mesh.num_triangles; i++) {
         const double *corner[3];
-        for (int k = 0; k < 3; k++) corner[k] = cml_body_corner(f->body, i, k);
+        for (int k = 0; k < 3; k++) corner[k] = cml_centred_corner(f->centred, i, k);
         cml_flat_facet_of(corner, &f->flat[i]);
     }
     for (uint32_t i = 0; i < tree->leaves; i++)
@@ -339,16 +339,16 @@ static void fill(struct filling *f)
 
 static cml_status make_filling(struct filling *f, const struct cml_facet_tree *tree, struct cml_error *err)
 {
-    const struct cml_mesh *mesh = &f->body->mesh;
+    const struct cml_mesh *mesh = &f->centred->mesh;
     const size_t count = mesh->num_triangles;
     CML_TRY(cml_boxtree_create((const double(*)[3])mesh->vertex, (const uint32_t(*)[3])mesh->triangle, count,
                                &f->tree, err));
     f->flat = malloc(count * sizeof *f->flat);
     f->square = malloc(2 * count * sizeof *f->square);
     f->leaf = malloc(count * sizeof *f->leaf);
-    f->near = malloc(count * sizeof *f->near);
+    f->found = malloc(count * sizeof *f->found);
     f->closest = malloc(count * sizeof *f->closest);
-    if (!f->flat || !f->square || !f->leaf || !f->near || !f->closest)
+    if (!f->flat || !f->square || !f->leaf || !f->found || !f->closest)
         return cml_fail_memory(err, (double)count * sizeof *f->flat, "facets");
     find_facets(f, tree);
     const struct cml_tree_level *levels[CML_TREE_LEVELS];
@@ -362,19 +362,19 @@ static void clear_filling(struct filling *f)
     free(f->flat);
     free(f->square);
     free(f->leaf);
-    free(f->near);
+    free(f->found);
     free(f->closest);
     if (f->tree) cml_boxtree_free(f->tree);
 }
 
-cml_status cml_safe_map_create(const struct cml_mesh_body *body, const struct cml_facet_tree *tree,
+cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, const struct cml_facet_tree *tree,
                                double bytes, struct cml_safe_map *map, struct cml_error *err)
 {
-    struct filling f = {.body = body, .map = map};
-    const double edge = mean_edge(&body->mesh);
+    struct filling f = {.centred = centred, .map = map};
+    const double edge = mean_edge(&centred->mesh);
     *map = (struct cml_safe_map){.safe = NULL};
     const size_t cells =
-        lay_out(&body->mesh, edge, bytes / (sizeof *map->safe + sizeof *map->names / 8.0), map);
+        lay_out(&centred->mesh, edge, bytes / (sizeof *map->safe + sizeof *map->names / 8.0), map);
     cml_status status = make_filling(&f, tree, err);
     map->safe = status == CML_OK ? malloc(cells * sizeof *map->safe) : NULL;
     if (map->safe && edge > COARSE * map->cell) map->names = calloc(blocks_of(map), sizeof *map->names);

@@ -5,7 +5,7 @@
 #ifndef CML_SAFE_MAP_H
 #define CML_SAFE_MAP_H
 
-#include "surface/mesh/mesh_body.h"
+#include "surface/mesh/centred_mesh.h"
 #include "surface/tree/facet_tree.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ struct cml_named_leaves {
 
 struct cml_safe_map {
     int n[3], blocks[3];     /* cells and blocks along an axis */
-    double corner[3], cell;  /* cm, body frame; width of a cell */
+    double corner[3], cell;  /* cm, centred frame; width of a cell */
     float from[3], per_cell; /* the corner, and cells per cm */
     float *safe;             /* [n[2]][n[1]][n[0]] distance from the middle of a cell to the closest facet, or
                               * to the outer plane beyond the border, cells: rounded down; NULL: no map */
@@ -32,7 +32,7 @@ struct cml_safe_map {
 
 /* Of a mesh that is not repeated, its outer plane if it has one, and its tree. bytes: what may be taken,
  * about. CML_E_INPUT when memory runs out, and then there is nothing to clear. */
-CML_NODISCARD cml_status cml_safe_map_create(const struct cml_mesh_body *body,
+CML_NODISCARD cml_status cml_safe_map_create(const struct cml_centred_mesh *centred,
                                              const struct cml_facet_tree *tree, double bytes,
                                              struct cml_safe_map *map, struct cml_error *err);
 void cml_safe_map_clear(struct cml_safe_map *map);

@@ -30,19 +30,19 @@ struct shadow {
 };
 
 /* A facet above a cell. */
-struct place {
+struct entry {
     uint32_t cell, facet;
     float inside; /* how far inside the facet the cell's middle lies, cells */
 };
 
 /* What is needed while lists are made. */
 struct lists {
-    const struct cml_mesh_body *body;
+    const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;
-    struct place *place; /* [count], facet by facet */
+    struct entry *entry; /* [count], facet by facet */
     size_t count, room;
     uint32_t *end; /* of each cell's list */
-    float *inside; /* of each facet listed, as of its place */
+    float *inside; /* of each facet listed, as of its entry */
 };
 
 static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
@@ -72,11 +72,11 @@ static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 static struct shadow shadow_of(const struct lists *l, size_t facet)
 {
     const struct cml_grid_mesh *grid = l->grid;
-    const double *plane = l->body->plane[facet];
+    const double *plane = l->centred->plane[facet];
     struct shadow s = {
-        .depth = cml_body_corner(l->body, (int)facet, 0)[2], .least = INFINITY, .most = -INFINITY};
+        .depth = cml_centred_corner(l->centred, (int)facet, 0)[2], .least = INFINITY, .most = -INFINITY};
     for (int c = 0; c < 3; c++) {
-        const double *at = cml_body_corner(l->body, (int)facet, c);
+        const double *at = cml_centred_corner(l->centred, (int)facet, c);
         for (int k = 0; k < 2; k++) s.corner[c][k] = to_cells(grid, at[k], k);
         s.least = fmin(s.least, at[2]);
         s.most = fmax(s.most, at[2]);
@@ -114,7 +114,7 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0], *blocks = &l->grid->level[1];
     const double slope = fabs(s->slope[0]) + fabs(s->slope[1]);
-    const double pad = l->body->err_float + err_apart_of(l->grid) * slope;
+    const double pad = l->centred->err_float + err_apart_of(l->grid) * slope;
     const double *at = s->corner[0];
     const double z = s->depth + s->slope[0] * (i + 0.5 - at[0]) + s->slope[1] * (j + 0.5 - at[1]);
     cml_grid_mesh_widen_depths(l->grid, fmax(z - 0.5 * slope, s->least) - pad,
@@ -127,33 +127,33 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
 
 /* Lists are filled from their ends, and hold the facet first that is most likely above a place of the cell.
  */
-static void list_facet(const struct lists *l, const struct place *place)
+static void list_facet(const struct lists *l, const struct entry *entry)
 {
     struct cml_grid_mesh *grid = l->grid;
-    uint32_t k = --grid->first[place->cell];
-    for (; k + 1 < l->end[place->cell] && l->inside[k + 1] > place->inside; k++) {
+    uint32_t k = --grid->first[entry->cell];
+    for (; k + 1 < l->end[entry->cell] && l->inside[k + 1] > entry->inside; k++) {
         l->inside[k] = l->inside[k + 1];
         grid->listed[k] = grid->listed[k + 1];
     }
-    l->inside[k] = place->inside;
-    grid->listed[k] = place->facet;
+    l->inside[k] = entry->inside;
+    grid->listed[k] = entry->facet;
 }
 
 /* false: out of memory. */
-static bool note_place(struct lists *l, struct place place)
+static bool add_entry(struct lists *l, struct entry entry)
 {
     if (l->count == l->room) {
         const size_t room = 2 * l->room + 1024;
-        struct place *more = realloc(l->place, room * sizeof *more);
+        struct entry *more = realloc(l->entry, room * sizeof *more);
         if (!more) return false;
-        l->place = more;
+        l->entry = more;
         l->room = room;
     }
-    l->place[l->count++] = place;
+    l->entry[l->count++] = entry;
     return true;
 }
 
-/* Notes and counts a facet in all cells below it, and widens them. false: out of memory. */
+/* Lists and counts a facet in all cells below it, and widens them. false: out of memory. */
 static bool enter_facet(struct lists *l, size_t facet)
 {
     const struct shadow s = shadow_of(l, facet);
@@ -162,7 +162,7 @@ static bool enter_facet(struct lists *l, size_t facet)
             const size_t cell = cml_grid_mesh_index(&l->grid->level[0], i, j);
             const float inside = middle_inside(l->grid, &s, i, j);
             if (!(inside > -INFINITY)) continue;
-            if (!note_place(l, (struct place){(uint32_t)cell, (uint32_t)facet, inside})) return false;
+            if (!add_entry(l, (struct entry){(uint32_t)cell, (uint32_t)facet, inside})) return false;
             l->grid->first[cell]++;
             widen_cell(l, &s, i, j);
         }
@@ -170,13 +170,13 @@ static bool enter_facet(struct lists *l, size_t facet)
 }
 
 /* Square cells over the mesh's box. */
-static void choose_cells(const struct cml_mesh_body *body, struct cml_grid_mesh *grid)
+static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
-    const struct cml_mesh *mesh = &body->mesh;
+    const struct cml_mesh *mesh = &centred->mesh;
     double extent[2];
     for (int k = 0; k < 2; k++) {
-        grid->corner[k] = body->lower[k];
-        extent[k] = body->upper[k] - body->lower[k];
+        grid->corner[k] = centred->lower[k];
+        extent[k] = centred->upper[k] - centred->lower[k];
     }
     const double size = sqrt(extent[0] * extent[1] / (cells_per_facet * (double)mesh->num_triangles));
     for (int k = 0; k < 2; k++) {
@@ -199,20 +199,21 @@ static void weight_of(const double corner[2], const double at[3], const double o
 }
 
 /* False where err_weight_sheet does not cover what float makes of the weights above the facet's cells. */
-static bool fill_facet(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet)
+static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_grid_mesh *grid, size_t facet)
 {
     struct cml_sheet_facet *f = &grid->facet[facet];
-    const double *a = cml_body_corner(body, (int)facet, 0), *b = cml_body_corner(body, (int)facet, 1),
-                 *c = cml_body_corner(body, (int)facet, 2);
+    const double *a = cml_centred_corner(centred, (int)facet, 0),
+                 *b = cml_centred_corner(centred, (int)facet, 1),
+                 *c = cml_centred_corner(centred, (int)facet, 2);
     double err = 0;
-    memcpy(f->plane, body->plane[facet], sizeof f->plane);
+    memcpy(f->plane, centred->plane[facet], sizeof f->plane);
     memcpy(f->corner, a, sizeof f->corner);
     weight_of(a, b, c, f->weight[0]);
     weight_of(a, c, b, f->weight[1]);
     for (int k = 0; k < 2; k++) {
         const double far = fmax(fabs(b[k] - a[k]), fabs(c[k] - a[k])) + 2 / grid->cells_per_cm[k];
         err += (fabs(f->weight[0][k]) + fabs(f->weight[1][k])) *
-               (FLT_EPSILON * far + body->err_mesh / err_sine_grid);
+               (FLT_EPSILON * far + centred->err_mesh / err_sine_grid);
     }
     if (err < err_weight_sheet) return true;
     for (int k = 0; k < 4; k++) f->weight[k / 2][k % 2] = NAN;
@@ -220,17 +221,17 @@ static bool fill_facet(const struct cml_mesh_body *body, const struct cml_grid_m
 }
 
 /* The largest of some rectangles around the mesh's middle inside the border. */
-static void find_inner(const struct cml_mesh_body *body, struct cml_grid_mesh *grid)
+static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const double smaller = 0.95, least = 0.1, margin = 1 - 1e-6;
     double lower[2], upper[2];
     grid->inner[0][0] = NAN;
     for (double share = 1; share > least; share *= smaller) {
         for (int k = 0; k < 2; k++) {
-            lower[k] = share * body->mesh.lower[k];
-            upper[k] = share * body->mesh.upper[k];
+            lower[k] = share * centred->mesh.lower[k];
+            upper[k] = share * centred->mesh.upper[k];
         }
-        if (!cml_footprint_contains_box(body->footprint, lower, upper)) continue;
+        if (!cml_footprint_contains_box(centred->footprint, lower, upper)) continue;
         for (int k = 0; k < 2; k++) {
             grid->inner[0][k] = margin * lower[k];
             grid->inner[1][k] = margin * upper[k];
@@ -239,10 +240,10 @@ static void find_inner(const struct cml_mesh_body *body, struct cml_grid_mesh *g
     }
 }
 
-static bool faces_up(const struct cml_mesh_body *body)
+static bool faces_up(const struct cml_centred_mesh *centred)
 {
-    for (size_t i = 0; i < body->mesh.num_triangles; i++)
-        if (!(body->plane[i][2] < 0)) return false;
+    for (size_t i = 0; i < centred->mesh.num_triangles; i++)
+        if (!(centred->plane[i][2] < 0)) return false;
     return true;
 }
 
@@ -263,13 +264,13 @@ static cml_status fail(double bytes, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the cells of a sheet");
 }
 
-/* Enters facets, unless there are so many places that lists are longer than longest_list in the mean over
+/* Enters facets, unless there are so many entries that lists are longer than longest_list in the mean over
  * cells: then they are so over facets, too. */
 static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_error *err)
 {
-    const double most = longest_list * (double)cml_grid_mesh_places(&l->grid->level[0]);
+    const double most = longest_list * (double)cml_grid_mesh_slots(&l->grid->level[0]);
     for (size_t i = 0; i < l->grid->facets && (double)l->count <= most; i++)
-        if (!enter_facet(l, i)) return fail((double)l->room * sizeof *l->place, err);
+        if (!enter_facet(l, i)) return fail((double)l->room * sizeof *l->entry, err);
     *short_enough = (double)l->count <= most && l->count < UINT32_MAX;
     return CML_OK;
 }
@@ -278,7 +279,7 @@ static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_e
  * facets are in. */
 static double join_lists(const struct lists *l)
 {
-    const size_t cells = cml_grid_mesh_places(&l->grid->level[0]);
+    const size_t cells = cml_grid_mesh_slots(&l->grid->level[0]);
     uint32_t *first = l->grid->first, sum = 0;
     double squares = 0;
     for (size_t i = 0; i <= cells; i++) {
@@ -291,13 +292,12 @@ static double join_lists(const struct lists *l)
 
 static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
 {
-    const size_t cells = cml_grid_mesh_places(&grid->level[0]),
-                 blocks = cml_grid_mesh_all_places(grid) - cells;
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), blocks = cml_grid_mesh_all_slots(grid) - cells;
     grid->first = calloc(cells + 1, sizeof *grid->first);
     grid->level[1].slope = calloc(blocks + 1, sizeof *grid->level[1].slope);
     if (!grid->first || !grid->level[1].slope) return fail(4 * (double)(cells + blocks), err);
     for (int l = 2; l < grid->levels; l++)
-        grid->level[l].slope = grid->level[l - 1].slope + cml_grid_mesh_places(&grid->level[l - 1]);
+        grid->level[l].slope = grid->level[l - 1].slope + cml_grid_mesh_slots(&grid->level[l - 1]);
     return CML_OK;
 }
 
@@ -305,7 +305,7 @@ static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *
 static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
 {
     struct cml_grid_mesh *grid = l->grid;
-    const size_t cells = cml_grid_mesh_places(&grid->level[0]), listed = grid->first[cells];
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), listed = grid->first[cells];
     grid->listed = calloc(listed + PADDING, sizeof *grid->listed);
     grid->facet = aligned_alloc(64, grid->facets * sizeof *grid->facet);
     l->end = malloc(cells * sizeof *l->end);
@@ -313,8 +313,8 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     if (!grid->listed || !grid->facet || !l->end || !l->inside)
         return fail(8.0 * (double)listed + 64.0 * (double)grid->facets, err);
     memcpy(l->end, grid->first, cells * sizeof *l->end);
-    for (size_t i = 0; i < l->count; i++) list_facet(l, &l->place[i]);
-    for (size_t i = 0; i < grid->facets; i++) *thin += !fill_facet(l->body, grid, i);
+    for (size_t i = 0; i < l->count; i++) list_facet(l, &l->entry[i]);
+    for (size_t i = 0; i < grid->facets; i++) *thin += !fill_facet(l->centred, grid, i);
     return CML_OK;
 }
 
@@ -323,7 +323,7 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;
     bool short_enough = false;
-    CML_TRY(cml_grid_mesh_lay_out(l->body, l->grid, err));
+    CML_TRY(cml_grid_mesh_lay_out(l->centred, l->grid, err));
     CML_TRY(allocate_counts(l->grid, err));
     CML_TRY(enter_facets(l, &short_enough, err));
     if (!short_enough || join_lists(l) > longest_list) return CML_OK;
@@ -331,20 +331,20 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     *pays = (double)thin <= most_thin * (double)l->grid->facets;
     cml_grid_mesh_build_levels(l->grid);
     build_slopes(l->grid);
-    find_inner(l->body, l->grid);
+    find_inner(l->centred, l->grid);
     return CML_OK;
 }
 
-cml_status cml_sheet_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                struct cml_error *err)
 {
-    struct lists l = {.body = body, .grid = grid};
+    struct lists l = {.centred = centred, .grid = grid};
     bool pays = false;
     *grid = (struct cml_grid_mesh){.cell = NULL};
-    if (!faces_up(body)) return CML_OK;
-    choose_cells(body, grid);
+    if (!faces_up(centred)) return CML_OK;
+    choose_cells(centred, grid);
     const cml_status status = make_lists(&l, &pays, err);
-    free(l.place);
+    free(l.entry);
     free(l.end);
     free(l.inside);
     if (!pays) cml_grid_mesh_clear(grid);

@@ -11,7 +11,7 @@
 
 /* *grid owns its cells; none (levels 0) when facets overhang, or when their sizes or shapes differ so much
  * that lists would be long. CML_E_INPUT for memory. */
-CML_NODISCARD cml_status cml_sheet_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
-                                             struct cml_error *err);
+CML_NODISCARD cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred,
+                                             struct cml_grid_mesh *grid, struct cml_error *err);
 
 #endif

@@ -202,10 +202,10 @@ static void find_boxes(struct builder *b)
         b->box[i].facet = i;
         for (int k = 0; k < 9; k++) {
             const double at = b->mesh->vertex[b->mesh->triangle[i][k / 3]][k % 3];
-            const float near = (float)at;
+            const float rounded = (float)at;
             float *least = &b->box[i].at[k % 3], *most = least + 3;
-            *least = fminf(*least, near > at ? nextafterf(near, -INFINITY) : near);
-            *most = fmaxf(*most, near < at ? nextafterf(near, INFINITY) : near);
+            *least = fminf(*least, rounded > at ? nextafterf(rounded, -INFINITY) : rounded);
+            *most = fmaxf(*most, rounded < at ? nextafterf(rounded, INFINITY) : rounded);
         }
     }
 }

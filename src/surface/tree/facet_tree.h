@@ -10,9 +10,9 @@
  * left to the caller. Facets through which the ray comes from behind ("entering", mesh_query.h) make doubt
  * only: one that is no further than the margin from the origin too, so nobody need ask for contact.
  *
- * Numbers are floats, cm, in the mesh's body frame (mesh_body.h). Knows no outer plane and no period. The
- * loops are compiled once for each level of the processor (facet_tree_level.c); answers are the same to the
- * last bit on all. SPDX-License-Identifier: MIT */
+ * Numbers are floats, cm, in the mesh's centred frame (centred_mesh.h). Knows no outer plane and no period.
+ * The loops are compiled once for each level of the processor (facet_tree_level.c); answers are the same to
+ * the last bit on all. SPDX-License-Identifier: MIT */
 #ifndef CML_FACET_TREE_H
 #define CML_FACET_TREE_H
 
@@ -68,8 +68,8 @@ struct cml_facet_tree {
     uint32_t nodes, leaves;
 };
 
-/* plane: [num_triangles] of struct cml_mesh_body. margin: the least that rays have, cm. The mesh has at least
- * one triangle. CML_E_INPUT when memory runs out; then there is nothing to clear. */
+/* plane: [num_triangles] of struct cml_centred_mesh. margin: the least that rays have, cm. The mesh has at
+ * least one triangle. CML_E_INPUT when memory runs out; then there is nothing to clear. */
 CML_NODISCARD cml_status cml_facet_tree_create(const struct cml_mesh *mesh, const double (*plane)[4],
                                                double margin, struct cml_facet_tree *tree,
                                                struct cml_error *err);

@@ -193,7 +193,8 @@ static int teardown(void **state)
 /* 1 - c of a word, of light that is mirrored 1 + c. */
 static double drawn(const struct cml_world *world, real g, uint32_t word)
 {
-    const struct cml_phase_cell cell = cml_phase_cell_at(world->phase_cells, cml_phase_place(g, word), word);
+    const struct cml_phase_cell cell =
+        cml_phase_cell_at(world->phase_cells, cml_phase_cell_number(g, word), word);
     const real value = cml_phase_one_minus(cell, word);
     assert_true(value >= 0 && value <= 2);
     return (double)value;

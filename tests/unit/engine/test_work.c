@@ -85,10 +85,10 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;
-    cml_tally_note(tally, batch);
+    cml_tally_bring(tally, batch);
     pthread_mutex_lock(&ledger->lock);
     ledger->wrong_notes += pending[batch] == 0;
-    cml_result_note(&ledger->result, batch, tally);
+    cml_result_add_brought(&ledger->result, batch, tally);
     if (ledger->hold == IN_NOTE) hold(ledger);
     ledger->noted += pending[batch];
     pending[batch] = 0;
@@ -128,8 +128,8 @@ static bool next_single(void *context, uint64_t most, int takers, struct cml_pie
 static void note_single(void *context, int batch, struct cml_tally *tally)
 {
     const struct single *single = context;
-    cml_tally_note(tally, batch);
-    cml_result_note(single->result, batch, tally);
+    cml_tally_bring(tally, batch);
+    cml_result_add_brought(single->result, batch, tally);
 }
 
 static void add_single(void *context, struct cml_tally *tally)
@@ -141,7 +141,7 @@ static void add_single(void *context, struct cml_tally *tally)
 
 static struct cml_result empty_result(const struct bench *bench)
 {
-    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
+    const struct cml_tally_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&grid, PACKETS, &result, &err), &err);
@@ -274,7 +274,7 @@ static bool next_of_many(void *context, uint64_t most, int takers, struct cml_pi
     return true;
 }
 
-static void note_nothing(void *context, int batch, struct cml_tally *tally)
+static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
     (void)batch;
@@ -301,7 +301,7 @@ static void expect_run_to_end_with(const struct bench *bench, cml_status expecte
         const struct cml_engine *engine = cml_engine_find(names[i]);
         struct cml_error err;
         atomic_int pieces = 0;
-        const struct cml_work work = {&pieces, next_of_many, note_nothing, add_nothing, NULL, stops_now};
+        const struct cml_work work = {&pieces, next_of_many, ignore_batch, add_nothing, NULL, stops_now};
         void *self;
         const cml_status opened =
             engine->open(bench->list.scenes, &bench->surfaces, &bench->options, &self, &err);

@@ -228,10 +228,10 @@ static void beams_are_read_anywhere_before_the_layers(void **state)
         "c A\n1\n1 1\nbeam pencil angle=89.999\n1 1 1\n1\n1\n1 1 1 0 1\n1\n",
         &list);
     const struct cml_beam *a = list.scenes[0].beams, *b = list.scenes[1].beams, *c = list.scenes[2].beams;
-    assert_true(a->given && a->kind == CML_BEAM_DISK && a->size[0] == 0.5 && a->x == 1 && a->y == -2);
+    assert_true(a->given && a->shape == CML_BEAM_DISK && a->size[0] == 0.5 && a->x == 1 && a->y == -2);
     assert_true(fabs(a->angle - 30 * rad) < 1e-15 && fabs(a->azimuth + 90 * rad) < 1e-15);
-    assert_true(b->kind == CML_BEAM_GAUSSIAN && b->size[0] == 1e-3 && b->x == 0 && b->angle == 0);
-    assert_true(c->kind == CML_BEAM_PENCIL && c->size[0] == 0 && c->angle < 90 * rad);
+    assert_true(b->shape == CML_BEAM_GAUSSIAN && b->size[0] == 1e-3 && b->x == 0 && b->angle == 0);
+    assert_true(c->shape == CML_BEAM_PENCIL && c->size[0] == 0 && c->angle < 90 * rad);
     cml_scene_list_clear(&list);
 }
 
@@ -334,10 +334,10 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     const struct cml_detector_def *d = list.scenes[1].detectors;
     assert_int_equal(list.scenes[1].num_detectors, 3);
     assert_string_equal(d[0].name, "1");
-    assert_true(d[0].kind == CML_DETECTOR_RING && d[0].size[0] == 0 && d[0].size[1] == 0.1 && d[0].nx == 1);
+    assert_true(d[0].shape == CML_DETECTOR_RING && d[0].size[0] == 0 && d[0].size[1] == 0.1 && d[0].nx == 1);
     assert_true(d[0].z == 0 && !d[0].below && !d[0].aimed && !d[0].diffuse);
     assert_string_equal(d[1].name, "c");
-    assert_true(d[1].kind == CML_DETECTOR_MAP && d[1].nx == 4 && d[1].ny == 3 && d[1].size[1] == 0.2);
+    assert_true(d[1].shape == CML_DETECTOR_MAP && d[1].nx == 4 && d[1].ny == 3 && d[1].size[1] == 0.2);
     assert_true(d[1].x == 1 && d[1].y == 2 && d[1].z == -0.5 && d[1].below && d[1].aimed && d[1].diffuse);
     assert_true(fabs(d[1].angle - 1.5707963267948966) < 1e-15 && d[1].azimuth < -1.57 && d[1].na == 0.2);
     assert_true(d[2].z == 1 && d[2].below);

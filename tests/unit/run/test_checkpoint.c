@@ -8,12 +8,12 @@
 #include <unistd.h>
 #include <zlib.h>
 
-static const struct cml_grid grid = {.nr = 3,
-                                     .nz = 4,
-                                     .na = 2,
-                                     .num_layers = 2,
-                                     .absorption = true,
-                                     .saved = {.limit = 3, .media = 4, .beams = 1}};
+static const struct cml_tally_grid grid = {.nr = 3,
+                                           .nz = 4,
+                                           .na = 2,
+                                           .num_layers = 2,
+                                           .absorption = true,
+                                           .saved = {.limit = 3, .media = 4, .beams = 1}};
 static const char identity[] = "program x\nseed 1\ninput a.mci of 3 bytes, crc32 00000001\n";
 enum { BEGIN = 64, END = 128 }; /* of the round */
 static char path[64];

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 1};
+static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 1};
 static char output[] = "x.mco";
 static const struct cml_scene scene = {.output = output};
 

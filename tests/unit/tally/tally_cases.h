@@ -8,23 +8,23 @@
 
 #include <math.h>
 
-static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
+static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
 
 /* The same with two pixels and the one outside, eight voxels and the one outside, their fluence, two facets.
  */
-static const struct cml_grid map_grid = {.nr = 3,
-                                         .nz = 4,
-                                         .na = 2,
-                                         .num_layers = 2,
-                                         .absorption = true,
-                                         .nx = 2,
-                                         .ny = 1,
-                                         .map_na = 2,
-                                         .volume = true,
-                                         .phi_volume = true,
-                                         .facets = 2};
+static const struct cml_tally_grid map_grid = {.nr = 3,
+                                               .nz = 4,
+                                               .na = 2,
+                                               .num_layers = 2,
+                                               .absorption = true,
+                                               .nx = 2,
+                                               .ny = 1,
+                                               .map_na = 2,
+                                               .volume = true,
+                                               .phi_volume = true,
+                                               .facets = 2};
 
-static inline struct cml_tally make_tally(const struct cml_grid *of)
+static inline struct cml_tally make_tally(const struct cml_tally_grid *of)
 {
     struct cml_tally tally;
     struct cml_error err;
@@ -32,7 +32,7 @@ static inline struct cml_tally make_tally(const struct cml_grid *of)
     return tally;
 }
 
-static inline struct cml_result make_result(const struct cml_grid *of, uint64_t photons)
+static inline struct cml_result make_result(const struct cml_tally_grid *of, uint64_t photons)
 {
     struct cml_result result;
     struct cml_error err;
@@ -64,8 +64,8 @@ static inline void score_at_random(struct dice *dice, struct cml_tally *tally, i
 static inline void add_to_batch(struct cml_result *result, int batch, struct cml_tally *tally)
 {
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
-    cml_tally_note(tally, batch);
-    cml_result_note(result, batch, tally);
+    cml_tally_bring(tally, batch);
+    cml_result_add_brought(result, batch, tally);
     cml_result_add(result, tally);
 }
 

@@ -8,7 +8,7 @@
 
 enum { OF_BATCH = 100, PHOTONS = OF_BATCH * CML_NUM_BATCHES, TRIALS = 4000 };
 
-static const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
+static const struct cml_tally_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
 static const enum cml_total total = CML_TOTAL_TRANSMITTED;
 
 static struct cml_result empty(uint64_t photons)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 1};
+static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 1};
 
 /* 6400 photons. In half of the batches 30 of a batch's 100 are reflected, in the others 10: 0.2 of
  * all, and a standard error of 0.1 sqrt(64 / 63) / sqrt(64). Nothing is transmitted. */

@@ -1,7 +1,7 @@
 /* Results: what tallies add up to, in which bins, with which errors. SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
-#include "tally/places.h"
+#include "tally/piece.h"
 
 /* One unit too many in any of these cells shows. */
 static void assert_every_cell_counts(const struct cml_result *result, cml_u128 *const *cells, int count)
@@ -18,7 +18,7 @@ static void assert_every_cell_counts(const struct cml_result *result, cml_u128 *
 static void a_broken_map_does_not_balance(void **state)
 {
     (void)state;
-    struct cml_grid grid_of_all = map_grid;
+    struct cml_tally_grid grid_of_all = map_grid;
     grid_of_all.nt = 2;
     grid_of_all.np = 3;
     grid_of_all.backed = true;
@@ -142,8 +142,8 @@ static void a_tally_may_serve_many_batches(void **state)
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
         cml_tally_move(&all, &piece);
-        cml_tally_note(&all, batch);
-        cml_result_note(&result, batch, &all);
+        cml_tally_bring(&all, batch);
+        cml_result_add_brought(&result, batch, &all);
         if (n % 50 == 49) {
             cml_result_add(&result, &all);
             cml_tally_zero(&all);
@@ -189,7 +189,7 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
 static void gates_are_kept_by_batch_and_balance(void **state)
 {
     (void)state;
-    struct cml_grid timed = grid;
+    struct cml_tally_grid timed = grid;
     timed.gates = 3;
     struct cml_result result = make_result(&timed, 100);
     struct cml_tally tally = make_tally(&timed);
@@ -268,7 +268,7 @@ static void errors_are_the_spread_of_batches(void **state)
 static void the_error_of_a_total_is_that_of_its_bins(void **state)
 {
     (void)state;
-    const struct cml_grid one = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true};
+    const struct cml_tally_grid one = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true};
     struct dice dice = dice_new(83);
     struct cml_result result = make_result(&one, 1000);
     for (int b = 0; b < CML_NUM_BATCHES; b++) {

@@ -11,7 +11,7 @@ static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
     assert_int_equal(cml_tally_cells(&grid), 4 + 2 * 4 * 2 + 4 * 6);
     assert_true(cml_tally_bytes(&grid) == 8 * (4 + 2 * 4 * 2 + 4 * 6));
     cml_tally_free(&tally);
-    struct cml_grid without = grid;
+    struct cml_tally_grid without = grid;
     without.absorption = false;
     tally = make_tally(&without);
     assert_null(tally.A_rz);
@@ -101,7 +101,7 @@ static void maps_have_cells_of_their_own(void **state)
 static void borrowed_maps_are_not_merged(void **state)
 {
     (void)state;
-    const struct cml_grid small = cml_grid_of_thread(&map_grid);
+    const struct cml_tally_grid small = cml_tally_grid_of_thread(&map_grid);
     struct cml_tally owner = make_tally(&map_grid), thread = make_tally(&small);
     assert_true(cml_tally_bytes(&small) == cml_tally_bytes(&grid));
     assert_null(thread.Rd_xya);
@@ -129,9 +129,9 @@ static void borrowed_maps_are_not_merged(void **state)
 static void threads_that_share_absorption_have_batches_of_their_own(void **state)
 {
     (void)state;
-    const struct cml_grid large = {
+    const struct cml_tally_grid large = {
         .nr = 1 << 10, .nz = 1 << 10, .na = 1, .num_layers = 1, .absorption = true};
-    const struct cml_grid small = cml_grid_of_thread(&large);
+    const struct cml_tally_grid small = cml_tally_grid_of_thread(&large);
     assert_true(small.depths && !small.absorption);
     struct cml_tally owner = make_tally(&large), thread[2] = {make_tally(&small), make_tally(&small)};
     struct cml_result result = make_result(&large, 1000);
@@ -140,8 +140,8 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
         thread[t].A_rz[7 * (large.nz + 2) + 3] += 5; /* r bin 7, z bin 2 */
         thread[t].A_z[3] += 5;
         thread[t].Rd_ra[4] += 3;
-        cml_tally_note(&thread[t], 10 + t);
-        cml_result_note(&result, 10 + t, &thread[t]);
+        cml_tally_bring(&thread[t], 10 + t);
+        cml_result_add_brought(&result, 10 + t, &thread[t]);
     }
     for (int t = 0; t < 2; t++) cml_result_add(&result, &thread[t]);
     cml_result_add(&result, &owner);
@@ -163,7 +163,7 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
 static void late_packets_are_noted_in_their_own_batches(void **state)
 {
     (void)state;
-    const struct cml_profile_places at = cml_tally_profiles(&grid);
+    const struct cml_profile_offsets at = cml_tally_profiles(&grid);
     struct cml_tally tally = make_tally(&grid);
     struct cml_result result = make_result(&grid, 1000);
     static const int late[] = {3, 63, 3, 0};
@@ -176,9 +176,9 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
             row[at.A_z + 2] += (uint64_t)(20 - 5 * i);
         }
         assert_int_equal(tally.late.count, 3);
-        cml_tally_note(&tally, batch);
-        cml_result_note(&result, batch, &tally);
-        cml_tally_clear_late(&tally);
+        cml_tally_bring(&tally, batch);
+        cml_result_add_brought(&result, batch, &tally);
+        cml_tally_drop_late(&tally);
         assert_int_equal(tally.late.count, 0);
     }
     static const uint64_t noted[CML_NUM_BATCHES] = {[0] = 10, [3] = 60, [10] = 50, [11] = 50, [63] = 30};
@@ -195,10 +195,10 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
 static void groups_have_cells_each(void **state)
 {
     (void)state;
-    struct cml_grid apart = grid;
+    struct cml_tally_grid apart = grid;
     apart.cell_errors = true;
     const size_t cells = cml_rz_cells(&apart), exits = cml_ra_cells(&apart);
-    const struct cml_profile_places at = cml_tally_profiles(&apart);
+    const struct cml_profile_offsets at = cml_tally_profiles(&apart);
     struct cml_tally tally = make_tally(&apart);
     struct cml_result result = make_result(&apart, 1000);
     tally.A_rz[5 * cells + 2] += 100;  /* z bin 1 */
@@ -210,9 +210,9 @@ static void groups_have_cells_each(void **state)
         late[at.A_z + 2] += late[at.Tt_r + 1] += late[at.Tt_a + 1] += batch == 5 ? 30 : 7;
     }
     for (int n = 0; n < 2; n++) { /* the second time nothing has come */
-        cml_tally_note(&tally, 21);
-        cml_result_note(&result, 21, &tally);
-        cml_tally_clear_late(&tally);
+        cml_tally_bring(&tally, 21);
+        cml_result_add_brought(&result, 21, &tally);
+        cml_tally_drop_late(&tally);
     }
     cml_result_add(&result, &tally);
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
@@ -225,7 +225,7 @@ static void groups_have_cells_each(void **state)
     assert_true(cml_result_cell_sum(result.A_rz + 1, CML_NUM_GROUPS, 12) == 107);
     assert_true(cml_result_cell_sum(result.Tt_ra + 3, CML_NUM_GROUPS, 6) == 107);
     cml_tally_zero(&tally);
-    cml_tally_note(&tally, 5);
+    cml_tally_bring(&tally, 5);
     assert_int_equal(tally.brought[at.A_z + 2], 0);
     cml_tally_free(&tally);
     cml_result_free(&result);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
+static const struct cml_tally_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
 static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
 
 /* Batches take turns in being above and below the share, so that its relative error comes out as asked. */
@@ -70,7 +70,7 @@ static void expected_values_count_however_small(void **state)
 {
     (void)state;
     const int exponent[] = {0, 0};
-    struct cml_grid aimed = grid;
+    struct cml_tally_grid aimed = grid;
     struct cml_result result;
     struct cml_error err;
     aimed.scores = 2;

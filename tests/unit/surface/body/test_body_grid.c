@@ -101,7 +101,7 @@ static wide closest_of_body(const struct cml_scene_body *body, const wide p[3], 
 
 /* One cell of the grid that is looked at. */
 struct looked_at {
-    const struct cml_body_near *near;
+    const struct cml_body_ball *ball;
     wide middle[3], cell, radius; /* radius: of the ball with its margin, cm */
 };
 
@@ -109,18 +109,18 @@ struct looked_at {
 static void check_place(const struct looked_at *at, const wide p[3], const wide normal[3])
 {
     wide plane[3], off[3];
-    for (int k = 0; k < 3; k++) plane[k] = at->near->normal[k];
+    for (int k = 0; k < 3; k++) plane[k] = at->ball->normal[k];
     wide_minus(p, at->middle, off);
     const wide height = wide_dot(off, plane) / at->cell, margin = CML_CELL_MARGIN - 1e-5L;
     const wide turn[3] = {plane[1] * normal[2] - plane[2] * normal[1],
                           plane[2] * normal[0] - plane[0] * normal[2],
                           plane[0] * normal[1] - plane[1] * normal[0]};
     const wide cosine = wide_dot(plane, normal), sine = wide_length(turn);
-    if (!(height >= at->near->lower + margin && height <= at->near->upper - margin))
-        fail_msg("a surface at %Lg, planes %g %g", height, at->near->lower, at->near->upper);
-    if (at->near->steepest > 1) return;
-    if (!(cosine > 0 && sine <= at->near->steepest - 0.999e-3L))
-        fail_msg("a surface turned by the sine %Lg, not %g", sine, at->near->steepest);
+    if (!(height >= at->ball->lower + margin && height <= at->ball->upper - margin))
+        fail_msg("a surface at %Lg, planes %g %g", height, at->ball->lower, at->ball->upper);
+    if (at->ball->steepest > 1) return;
+    if (!(cosine > 0 && sine <= at->ball->steepest - 0.999e-3L))
+        fail_msg("a surface turned by the sine %Lg, not %g", sine, at->ball->steepest);
 }
 
 /* From a place of the surface in steps that shrink to where it is highest, or lowest, in the ball. */
@@ -139,7 +139,7 @@ static void climb(const struct looked_at *at, const struct cml_scene_body *body,
         step *= 0.8L;
         for (int k = 0; k < 3; k++)
             from[k] = (in_ball ? p[k] : 0.5L * (p[k] + at->middle[k])) +
-                      step * at->cell * (sign * at->near->normal[k] + 0.5L * u[k]);
+                      step * at->cell * (sign * at->ball->normal[k] + 0.5L * u[k]);
     }
 }
 
@@ -149,13 +149,13 @@ static bool check_cell(const struct looked_at *at, int count, struct dice *dice)
     wide p[3], normal[3], least = INFINITY;
     for (int b = 0; b < count; b++) {
         const wide distance = closest_of_body(&bodies[b], at->middle, p, normal);
-        if (b == at->near->body) continue;
+        if (b == at->ball->body) continue;
         least = fminl(least, distance);
-        if (!(at->near->radius <= 0 || distance >= at->radius * (1 - 1e-6L)))
+        if (!(at->ball->radius <= 0 || distance >= at->radius * (1 - 1e-6L)))
             fail_msg("body %d is at %Lg, the ball %Lg", b, distance / at->cell, at->radius / at->cell);
     }
-    for (int i = 0; i < 8 && at->near->body >= 0; i++)
-        climb(at, &bodies[at->near->body], i % 2 ? 1 : -1, dice);
+    for (int i = 0; i < 8 && at->ball->body >= 0; i++)
+        climb(at, &bodies[at->ball->body], i % 2 ? 1 : -1, dice);
     return least < at->radius * 1.001L;
 }
 
@@ -206,15 +206,15 @@ static void cells_say_no_more_than_is_true(void **state)
         for (int look = 0; look < 120; look++) {
             const int x = dice_below(&dice, cells->n[0]), y = dice_below(&dice, cells->n[1]),
                       z = dice_below(&dice, cells->n[2]), place[3] = {x, y, z};
-            const struct cml_body_near *near =
-                &grids.near[cells->first + (size_t)((z * cells->n[1] + y) * cells->n[0] + x)];
-            struct looked_at at = {.near = near, .cell = cells->cell};
+            const struct cml_body_ball *ball =
+                &grids.ball[cells->first + (size_t)((z * cells->n[1] + y) * cells->n[0] + x)];
+            struct looked_at at = {.ball = ball, .cell = cells->cell};
             for (int k = 0; k < 3; k++)
                 at.middle[k] = (wide)cells->corner[k] + (place[k] + 0.5L) * (wide)cells->cell;
             at.middle[2] += depths[1];
-            at.radius = ((wide)near->radius + CML_CELL_MARGIN) * at.cell;
+            at.radius = ((wide)ball->radius + CML_CELL_MARGIN) * at.cell;
             tight += check_cell(&at, count, &dice);
-            with_planes += near->body >= 0;
+            with_planes += ball->body >= 0;
         }
         cml_body_grids_clear(&grids);
         for (int b = 0; b < count; b++) cml_mesh_clear(&bodies[b].mesh);

@@ -112,7 +112,7 @@ static void check_patch(const struct patch *patch, const char *walk, double leas
         const double side = n & 1 ? 1 : -1;
         struct cml_grid_view view = {
             .clearance = &s.clearance, .horizons = s.map.horizon[side < 0], .side = (real)side};
-        view.grid = cml_mesh_surface_grid(s.surface, &view.body);
+        view.grid = cml_mesh_surface_grid(s.surface, &view.centred);
         fill(&dice, &s, side, &l);
         cml_grid_lanes_ask(&view, &l);
         for (int k = 0; k < l.count; k++) {

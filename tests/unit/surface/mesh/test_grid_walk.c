@@ -14,7 +14,7 @@ static struct patch patch;
 /* A mesh twice: as the program queries it, and with its grid laid open. */
 struct subject {
     struct cml_mesh_surface *surface;
-    struct cml_mesh_body body;
+    struct cml_centred_mesh centred;
     struct cml_grid_mesh grid;
     double middle[3], half[3];
 };
@@ -30,9 +30,9 @@ static struct subject subject_of(struct cml_mesh *mesh)
         s.half[k] = 0.5 * (mesh->upper[k] - mesh->lower[k]);
     }
     assert_int_equal(cml_mesh_surface_create(mesh, 0, 0, CML_SEARCH_AUTO, &s.surface, &err), CML_OK);
-    assert_int_equal(cml_mesh_body_create(&copy, 0, 0, &s.body, &err), CML_OK);
-    assert_int_equal(cml_grid_mesh_find(&s.body, &s.grid, &err), CML_OK);
-    if (!s.grid.cell) assert_int_equal(cml_sheet_mesh_find(&s.body, &s.grid, &err), CML_OK);
+    assert_int_equal(cml_centred_mesh_create(&copy, 0, 0, &s.centred, &err), CML_OK);
+    assert_int_equal(cml_grid_mesh_find(&s.centred, &s.grid, &err), CML_OK);
+    if (!s.grid.cell) assert_int_equal(cml_sheet_mesh_find(&s.centred, &s.grid, &err), CML_OK);
     const char *walk = cml_mesh_surface_walk(s.surface);
     if (s.grid.levels == 0)
         assert_null(walk);
@@ -45,7 +45,7 @@ static void subject_free(struct subject *s)
 {
     cml_mesh_surface_free(s->surface);
     cml_grid_mesh_clear(&s->grid);
-    cml_mesh_body_clear(&s->body);
+    cml_centred_mesh_clear(&s->centred);
 }
 
 /* Vertices moved by up to `jitter` cells along x and y. */
@@ -117,7 +117,7 @@ static double nudge(struct dice *dice, double x)
 /* A vertex or a point of an edge, in the boundary's frame. */
 static void random_target(const struct subject *s, struct dice *dice, double target[3])
 {
-    const struct cml_mesh *mesh = &s->body.mesh;
+    const struct cml_mesh *mesh = &s->centred.mesh;
     const uint32_t *v = mesh->triangle[dice_below(dice, (int)mesh->num_triangles)];
     const double *a = mesh->vertex[v[0]], *b = mesh->vertex[v[1 + dice_below(dice, 2)]];
     static const double weights[] = {0, 1, 0.5, -1};
@@ -189,7 +189,7 @@ static int hit(const struct subject *s, const struct ray *ray, int exact, struct
 
 static void begin(const struct subject *s, const struct ray *ray, struct cml_mesh_query *q)
 {
-    cml_query_begin(q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight,
+    cml_query_begin(q, &s->centred, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight,
                     ray->slack);
 }
 

@@ -256,13 +256,12 @@ static int compare_with_stretch(struct dice *dice, const struct cml_mesh_surface
     int compared = 0;
     cml_mesh_surface_hit(surface, p, u, below, INFINITY, on, 0, 0, 1e-7, &endless);
     for (int n = 0; n < 40; n++) {
-        const double near = exp(dice_between(dice, -16, 0)),
-                     far = stretch->clear < end ? stretch->clear : end;
+        const double near = exp(dice_between(dice, -16, 0)), far = stretch->most < end ? stretch->most : end;
         const double length[4] = {stretch->least * (1 + near), far * (1 - near), end * (1 + near),
                                   dice_between(dice, 0, 2 * end)};
         const double t_max = (float)length[n % 4];
         const int hits = t_max > stretch->from;
-        if (!(t_max > stretch->least && (t_max < stretch->clear || hits))) continue;
+        if (!(t_max > stretch->least && (t_max < stretch->most || hits))) continue;
         compared++;
         assert_int_equal(cml_mesh_surface_hit(surface, p, u, below, t_max, on, 0, 0, 1e-7, &c), hits);
         if (hits) assert_memory_equal(&c, &endless, offsetof(struct cml_mesh_crossing, ends_near_facet));
@@ -481,16 +480,16 @@ static void cells_count_as_memory(void **state)
     (void)state;
     patch_make(&patch, 69, 0.02, 0, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
-    struct cml_mesh_body body;
+    struct cml_centred_mesh centred;
     struct cml_grid_mesh grid;
     struct cml_error err = {CML_OK, ""};
-    assert_int_equal(cml_mesh_body_create(&mesh, 0, 0, &body, &err), CML_OK);
-    assert_int_equal(cml_grid_mesh_find(&body, &grid, &err), CML_OK);
+    assert_int_equal(cml_centred_mesh_create(&mesh, 0, 0, &centred, &err), CML_OK);
+    assert_int_equal(cml_grid_mesh_find(&centred, &grid, &err), CML_OK);
     assert_true(cml_grid_mesh_bytes(&grid) > 12.0 * GRID * GRID);
     assert_true(cml_grid_mesh_bytes(&grid) < 90.0 * GRID * GRID);
     cml_grid_mesh_clear(&grid);
     assert_true(cml_grid_mesh_bytes(&grid) == 0);
-    cml_mesh_body_clear(&body);
+    cml_centred_mesh_clear(&centred);
 }
 
 int main(void)

@@ -4,7 +4,7 @@
 
 #include "geometry/vec3.h"
 #include "lib/dice.h"
-#include "surface/mesh/mesh_body.h"
+#include "surface/mesh/centred_mesh.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,7 +17,7 @@ static const struct cml_tree_level *levels[CML_TREE_LEVELS];
 static int num_levels;
 
 struct soup {
-    struct cml_mesh_body body;
+    struct cml_centred_mesh centred;
     struct cml_facet_tree tree;
 };
 
@@ -73,16 +73,16 @@ static void make_soup(struct soup *soup, struct dice *dice, int facets, int shap
             }
         }
     }
-    assert_int_equal(cml_mesh_body_create(&mesh, 0, 0, &soup->body, &err), CML_OK);
-    assert_int_equal(cml_facet_tree_create(&soup->body.mesh, (const double(*)[4])soup->body.plane,
-                                           soup->body.err_margin, &soup->tree, &err),
+    assert_int_equal(cml_centred_mesh_create(&mesh, 0, 0, &soup->centred, &err), CML_OK);
+    assert_int_equal(cml_facet_tree_create(&soup->centred.mesh, (const double(*)[4])soup->centred.plane,
+                                           soup->centred.err_margin, &soup->tree, &err),
                      CML_OK);
 }
 
 static void clear_soup(struct soup *soup)
 {
     cml_facet_tree_clear(&soup->tree);
-    cml_mesh_body_clear(&soup->body);
+    cml_centred_mesh_clear(&soup->centred);
 }
 
 /* On a facet: inside, on an edge, or a corner. */
@@ -94,15 +94,16 @@ static void choose_target(const struct soup *soup, struct dice *dice, int facet,
     for (int k = 0; k < 3; k++) sum += weight[k];
     for (int k = 0; k < 3; k++) target[k] = 0;
     for (int k = 0; k < 3; k++)
-        cml_vec3_add_scaled(target, weight[k] / sum, cml_body_corner(&soup->body, facet, k), target);
+        cml_vec3_add_scaled(target, weight[k] / sum, cml_centred_corner(&soup->centred, facet, k), target);
 }
 
 /* From anywhere in the box, or straight up or along an axis, at a target; the path ends before it, at it,
  * behind it or nowhere. */
 static void aim(const struct soup *soup, struct dice *dice, struct path *path)
 {
-    const int facet = dice_below(dice, (int)soup->body.mesh.num_triangles), axis = dice_below(dice, 6);
-    const double *lower = soup->body.lower, *upper = soup->body.upper, off = 1e-7 * (upper[0] - lower[0]);
+    const int facet = dice_below(dice, (int)soup->centred.mesh.num_triangles), axis = dice_below(dice, 6);
+    const double *lower = soup->centred.lower, *upper = soup->centred.upper,
+                 off = 1e-7 * (upper[0] - lower[0]);
     double target[3];
     choose_target(soup, dice, facet, target);
     for (int k = 0; k < 3; k++) {
@@ -136,8 +137,9 @@ static long double volume(const struct path *path, const double *a, const double
 /* Distance at which the path leaves its side through the facet; INFINITY: it does not. */
 static long double crossing_of(const struct soup *soup, const struct path *path, int facet)
 {
-    const double *a = cml_body_corner(&soup->body, facet, 0), *b = cml_body_corner(&soup->body, facet, 1),
-                 *c = cml_body_corner(&soup->body, facet, 2);
+    const double *a = cml_centred_corner(&soup->centred, facet, 0),
+                 *b = cml_centred_corner(&soup->centred, facet, 1),
+                 *c = cml_centred_corner(&soup->centred, facet, 2);
     const long double sign = path->below ? 1 : -1, x = sign * volume(path, b, c),
                       y = sign * volume(path, c, a), z = sign * volume(path, a, b), sum = x + y + z;
     long double t = 0;
@@ -156,7 +158,7 @@ static bool is_named(const struct cml_tree_answer *answer, int facet)
 /* The facets that the path leaves by before the sure one are named, and that one is left by. */
 static int count_wrong(const struct soup *soup, const struct path *path, const struct cml_tree_answer *answer)
 {
-    const int facets = (int)soup->body.mesh.num_triangles;
+    const int facets = (int)soup->centred.mesh.num_triangles;
     const long double sure = answer->facet < 0 ? INFINITY : crossing_of(soup, path, answer->facet);
     int wrong = answer->facet >= 0 && !(sure < INFINITY);
     for (int i = 0; i < facets; i++)
@@ -169,7 +171,7 @@ static int count_wrong(const struct soup *soup, const struct path *path, const s
 static struct cml_tree_ray ray_of(const struct soup *soup, const struct path *path)
 {
     struct cml_tree_ray ray = {.length = (float)fmin(path->length, (double)FLT_MAX),
-                               .margin = (float)soup->body.err_margin,
+                               .margin = (float)soup->centred.err_margin,
                                .below = path->below,
                                .exclude = path->exclude};
     for (int k = 0; k < 3; k++) {
@@ -250,7 +252,7 @@ static void a_facet_at_the_origin_is_named(void **state)
     make_soup(&soup, &dice, 200, 1, 1);
     for (int n = 0; n < RAYS; n++) {
         const int facet = dice_below(&dice, 200);
-        const double *normal = soup.body.plane[facet], off = 1e-9 * dice_between(&dice, -1, 1);
+        const double *normal = soup.centred.plane[facet], off = 1e-9 * dice_between(&dice, -1, 1);
         struct path path = {
             .length = dice_between(&dice, 0, 1), .below = dice_below(&dice, 2), .exclude = -1};
         choose_target(&soup, &dice, facet, path.p);
@@ -276,11 +278,11 @@ static void a_path_that_comes_from_the_wrong_side_is_told(void **state)
     struct soup soup;
     make_soup(&soup, &dice, 1, 1, 1);
     for (int below = 0; below < 2; below++) {
-        const double *normal = soup.body.plane[0];
+        const double *normal = soup.centred.plane[0];
         struct path path = {.length = 1, .below = below, .exclude = -1};
         for (int k = 0; k < 3; k++) {
             path.u[k] = normal[k];
-            for (int i = 0; i < 3; i++) path.p[k] += cml_body_corner(&soup.body, 0, i)[k] / 3;
+            for (int i = 0; i < 3; i++) path.p[k] += cml_centred_corner(&soup.centred, 0, i)[k] / 3;
             path.p[k] -= 0.5 * normal[k];
         }
         const struct cml_tree_answer answer = ask(&soup, &path);
@@ -329,10 +331,10 @@ static void facets_at_one_place_make_a_tree(void **state)
     cml_facet_tree_clear(&soup.tree);
     struct cml_error err;
     for (size_t i = 0; i < 3 * (size_t)MOST_FACETS; i++)
-        cml_vec3_copy(soup.body.mesh.vertex[i % 3], soup.body.mesh.vertex[i]);
-    assert_int_equal(
-        cml_facet_tree_create(&soup.body.mesh, (const double(*)[4])soup.body.plane, 1e-6, &soup.tree, &err),
-        CML_OK);
+        cml_vec3_copy(soup.centred.mesh.vertex[i % 3], soup.centred.mesh.vertex[i]);
+    assert_int_equal(cml_facet_tree_create(&soup.centred.mesh, (const double(*)[4])soup.centred.plane, 1e-6,
+                                           &soup.tree, &err),
+                     CML_OK);
     assert_in_range(soup.tree.leaves, MOST_FACETS / CML_GROUP, MOST_FACETS / 4);
     clear_soup(&soup);
 }

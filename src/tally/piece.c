@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tally/places.h"
+#include "tally/piece.h"
 
 /* Of photons 0 to photons - 1: how many are in batches below this one. */
 static uint64_t in_batches_below(uint64_t photons, uint64_t batch)
@@ -8,21 +8,21 @@ static uint64_t in_batches_below(uint64_t photons, uint64_t batch)
     return batch * (photons / CML_NUM_BATCHES) + (batch < rest ? batch : rest);
 }
 
-/* First place of a batch; that of batch 64 is `end`. */
-static uint64_t place_of(uint64_t begin, uint64_t end, uint64_t batch)
+/* First turn of a batch; that of batch 64 is `end`. */
+static uint64_t turn_of(uint64_t begin, uint64_t end, uint64_t batch)
 {
     return begin + in_batches_below(end, batch) - in_batches_below(begin, batch);
 }
 
-struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t place)
+struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t turn)
 {
     uint64_t batch = 0;
-    while (place_of(begin, end, batch + 1) <= place) batch++;
+    while (turn_of(begin, end, batch + 1) <= turn) batch++;
     const uint64_t first =
         begin + (batch - begin) % CML_NUM_BATCHES; /* the batch's first photon of the round */
     struct cml_piece piece = {
-        .first = first + CML_NUM_BATCHES * (place - place_of(begin, end, batch)),
-        .count = place_of(begin, end, batch + 1) - place,
+        .first = first + CML_NUM_BATCHES * (turn - turn_of(begin, end, batch)),
+        .count = turn_of(begin, end, batch + 1) - turn,
         .batch = (int)batch,
     };
     const uint64_t sheet = (uint64_t)1 << 32, left = sheet - piece.first / CML_NUM_BATCHES % sheet;

@@ -62,7 +62,8 @@ CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct c
     return pass.passes;
 }
 
-/* From inside. stands: on the sphere. */
+/* Where a packet inside a sphere leaves it. d: from the centre, r: radius, cm; stands: whether it is on the
+ * sphere. */
 CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int stands, struct cml_body_hit *hit)
 {
     const int on = stands | (cml_dot(d, d) >= r * r);

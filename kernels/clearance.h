@@ -16,7 +16,7 @@
 #include "optics.h"
 #include "types.h"
 
-/* From 0 to most; NaN gives 0. */
+/* x brought into the range from 0 to most; NaN gives 0. */
 CML_FN real cml_clamp(real x, real most)
 {
     const real least = x > 0 ? x : (real)0;

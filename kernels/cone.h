@@ -1,6 +1,19 @@
 /* A ray against a revolved heightfield: rings of cones, marched in the order in which the ray's r(t) visits
  * them.
  *
+ *   from above: circles r_1 and r_2         along the ray: side * f, its height over the surface
+ *
+ *             . - ' ' - .                    |\                 .-.
+ *           .   . - - .   .                  | \              .'   '.
+ *   p o----+---+-------+---+----> u          |  '.         _.'       \
+ *         t_1 t_2     t_3 t_4                |    '-.___.-'           \
+ *           .   ' - - '   .                0 +---+----+-------+------+-x---> t
+ *             ' - . . - '                       t_1  t_2     t_3    t_4  hit
+ *
+ *   cml_cone_go, span by span:  below 0 at its end  ---> the only root of the ring's cone in it
+ *                               else convex         ---> may dip below 0 and come up again: the first root
+ *                               else                ---> the next span, which shares the height at its end
+ *
  * The cylinders r = r_i cut the ray into spans. In a span the height of the ray above the surface,
  *   f(t) = z(t) - (z_i + m_i (r(t) - r_i)),   r(t) = sqrt(a t^2 + 2 b t + c),
  * is convex or concave, so it has at most two roots. f at a shared radius is evaluated once, from that radius

@@ -10,7 +10,7 @@
 
 #include "device_layout.h"
 
-/* As two words with a carry. */
+/* Adds to a 64-bit cell as to two 32-bit words with a carry. */
 #define CML_ADD_WORDS(space, cell, amount)                                                                   \
     do {                                                                                                     \
         volatile space cml_u32 *words = (volatile space cml_u32 *)(cell);                                    \
@@ -82,7 +82,7 @@ CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int ce
     cml_add(to, to->parts->absorbed, (cml_u32)cell, dw);
 }
 
-/* Of none of these does a device keep any: the host refuses scenes that ask for them. */
+/* A device keeps no voxels, no facets and no marks of fluence: the host refuses scenes that ask for them. */
 CML_FN int cml_has_volume(const struct cml_deposits *to)
 {
     (void)to;

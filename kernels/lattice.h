@@ -75,7 +75,7 @@ CML_FN cml_u32 cml_lattice_word(cml_u32 reversed, cml_u32 dimension, struct cml_
     return (word & ~255u) | (random & 255u);
 }
 
-/* The word of one dimension. */
+/* cml_lattice_word of one dimension of a photon, whose point and shifts are computed for it alone. */
 CML_FN cml_u32 cml_lattice_draw(struct cml_stream stream, cml_u64 photon, cml_u32 dimension, cml_u32 random)
 {
     const struct cml_block shifts =
@@ -97,7 +97,7 @@ CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cm
 
 /* ---- what a packet draws: from the lattice as long as the stream has one ---- */
 
-/* Words of an interaction. */
+/* The random words of a packet's interaction number `event`. */
 CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 photon, cml_u32 event)
 {
     const struct cml_block random = cml_draw(stream, photon, CML_PURPOSE_INTERACTION, event);

@@ -123,7 +123,7 @@ CML_FN cml_u32 cml_phase_cell_number(real g, cml_u32 polar_word)
     return table * CML_PHASE_CELLS + (size > 1 ? cell : 0u);
 }
 
-/* That cell, or a part of it. */
+/* The cell of a table that a polar word leads to: cell `number`, or, where that is divided, a part of it. */
 CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 number,
                                                cml_u32 polar_word)
 {

@@ -217,7 +217,7 @@ CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
 
 /* ---- launch ---- */
 
-/* P11. A device keeps no time. */
+/* Sets the optical path that a packet has behind it (P11); a device keeps no time. */
 CML_FN void cml_set_path(CML_PACKET struct cml_packet *packet, real path)
 {
 #ifdef __OPENCL_VERSION__
@@ -255,7 +255,7 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
     packet->p.z = source->start;
 }
 
-/* Of any shape and light. */
+/* Places a packet of a source of any shape and light, and gives it its direction. */
 CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                             CML_PACKET struct cml_packet *packet)
 {

@@ -95,7 +95,8 @@ CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, s
            t_max > known->least && (t_max < known->most || t_max > known->from);
 }
 
-/* *near_facet: the crossing's ends_near_facet. */
+/* Asks a mesh for the first crossing of a path, as struct cml_mesh_crossing says; *near_facet: the crossing's
+ * ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
                               int *near_facet)
@@ -220,7 +221,8 @@ CML_FN int cml_on_primitive(CML_PACKET const struct cml_packet *packet, int boun
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
-/* Without the bodies. */
+/* On which parts of its path a packet can meet the boundaries of its layer; bodies in it are not looked at.
+ * */
 CML_FN struct cml_boundary_intervals
 cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
 {

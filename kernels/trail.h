@@ -32,7 +32,7 @@ CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_
 #endif
 }
 
-/* P13: where it has come to. */
+/* Keeps the depth that a packet has come to, if it is the largest of this visit of its medium (P13). */
 CML_FN void cml_count_depth(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__

@@ -300,7 +300,7 @@ CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const stru
     return packet->fate != CML_FATE_ALIVE;
 }
 
-/* P8, likewise. */
+/* Roulette of the lane's packet (P8). Returns 1 when it has ended. */
 CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
                                    struct cml_device_flight *f, cml_u32 i)
 {

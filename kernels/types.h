@@ -71,7 +71,7 @@ struct cml_phase_cell {
 #define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
 #define CML_CLEARANCE_LEVELS 11
 
-/* Of a curved surface, see clearance.h. */
+/* Bounds of a curved surface's depth by cells, see clearance.h. */
 struct cml_clearance {
     int form;  /* enum cml_clearance_form */
     int size;  /* cells along an axis on level 0, a power of two */
@@ -160,7 +160,7 @@ struct cml_detection {
 };
 #endif
 
-/* Fluence (P14). */
+/* How fluence is scored (P14): by marks along the paths of packets. */
 struct cml_marks {
     real spacing, per_spacing; /* of marks along paths, cm, 1/cm */
     cml_u32 cells;             /* of a batch */

@@ -36,7 +36,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, CML_PACKET struct cml
 #endif
 }
 
-/* P4. */
+/* Turns a packet into its new direction (P4). */
 CML_FN void cml_scatter_packet(const struct cml_world *world, real g, CML_PACKET struct cml_packet *packet)
 {
     packet->u = cml_scatter_in(world->phase_cells, packet->u, g, packet->draw.w[1], packet->draw.w[2]);
@@ -174,7 +174,7 @@ CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposit
 }
 #endif
 
-/* P8, or P19 in its place. */
+/* Roulette of a packet after an interaction (P8), or its weight window in place of that (P19). */
 CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *to,
                       CML_PACKET struct cml_packet *packet)
 {

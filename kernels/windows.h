@@ -26,7 +26,8 @@ CML_FN int cml_is_branch(cml_u64 index)
     return (int)(index >> 63);
 }
 
-/* Of the cells of depth and of a ring of it, at p of a medium's frame, which begins in bin `bins`. */
+/* The cell of the window table that p belongs to, by its depth and its ring; p in the frame of a medium,
+ * which begins in depth bin `bins`. */
 CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struct cml_vec p, real bins)
 {
     const real at = CML_FMA(p.z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1),
@@ -37,7 +38,7 @@ CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struc
     return (int)(out < outermost ? out : outermost) * windows.cells + (int)(above < last ? above : last);
 }
 
-/* Heavier than nine times that. */
+/* Whether a packet is heavier than its window allows: than nine times the lower end, 3 w(z). */
 CML_FN int cml_is_heavy(cml_u32 w, cml_u32 low)
 {
     return w >> 3 > low + (low >> 3);

@@ -206,7 +206,7 @@ void cml_file_defer_sync(bool on)
     deferred.on = on;
 }
 
-/* False without memory. */
+/* Adds a file to those that are synchronised later; false without memory. */
 static bool defer(const char *path)
 {
     if (deferred.count == deferred.capacity) {
@@ -220,8 +220,8 @@ static bool defer(const char *path)
     return deferred.path[deferred.count] && ++deferred.count;
 }
 
-/* Of a file, or of a directory in which a name is to last. 0: done, or gone, or the file system does not know
- * what that means. */
+/* Makes a file last, or a directory and with it the names in it. 0: done, or gone, or the file system does
+ * not know what that means. */
 static int sync_path(const char *path)
 {
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);

@@ -13,7 +13,7 @@ static inline double cml_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Of the processor, that the calling thread has had. */
+/* Processor time that the calling thread has had, s. */
 static inline double cml_thread_seconds(void)
 {
     struct timespec t;

@@ -19,7 +19,7 @@ CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_e
     return CML_OK;
 }
 
-/* One holder more. */
+/* Counts one holder more of what is shared. */
 static inline void cml_share(int *users)
 {
     if (users) ++*users;

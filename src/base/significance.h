@@ -19,7 +19,7 @@ double cml_two_sided_limit(double p);
  * correlations [Sidak, J. Am. Stat. Assoc. 62 (1967) 626]. 1 for no tests. */
 double cml_sidak(double p, double tests);
 
-/* The other way: the level of one test among `tests` at which all together keep `level`. */
+/* The level of one test among `tests` at which all together keep `level`: the inverse of cml_sidak. */
 double cml_sidak_level(double level, double tests);
 
 #endif

@@ -75,8 +75,8 @@ static void find_depths(const struct cml_boundary *boundary, double z[2])
         take_in(z, boundary->z - boundary->radial.h[i], boundary->z - boundary->radial.h[i]);
 }
 
-/* Of all bodies, and down to the last boundary, or to the last that lies no deeper than twice the picture's
- * width or the bodies: layers are often given as thick as the sea. */
+/* The depths of the picture: those of all bodies, and down to the last boundary, or to the last that lies no
+ * deeper than twice the picture's width or the bodies: layers are often given as thick as the sea. */
 static void find_depth(const struct cml_scene *scene, const double x[2], double z[2])
 {
     const double width = x[1] - x[0];
@@ -127,7 +127,7 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
     label_backing(&scene->backing, &labels[last]);
 }
 
-/* Without what the axes say. */
+/* What beam k is, in words, without what the picture's axes say. */
 static void describe_in_words(const struct cml_scene *scene, int k, char *text, size_t size)
 {
     static const char *const kinds[] = {"pencil", "disk", "Gaussian", "ring", "rectangle", "image"};

@@ -124,7 +124,7 @@ static void print_meshes(const struct cml_scene *scene)
         if (scene->bodies[k].form == CML_BODY_MESH) print_body_box(&scene->bodies[k], k);
 }
 
-/* Only where it is asked for. */
+/* Prints the map that the scene asks for, if it does. */
 static void print_map(const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;
@@ -148,7 +148,7 @@ static void print_map(const struct cml_scene *scene)
         printf("  time: %d gates of %g ps\n", scene->time.gates, scene->time.end / scene->time.gates);
 }
 
-/* For people. */
+/* Prints the scene for people. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
                         const struct cml_surface_set *surfaces, const int *starts)
 {

@@ -83,7 +83,7 @@ static void print_all(const struct cml_check_setup *setup, const struct cml_chec
 
 /* ---- JSON ---- */
 
-/* It cannot say NaN, the error of one packet, nor infinity: null. */
+/* A number for JSON, which cannot say NaN, the error of one packet, nor infinity: null. */
 static json_t *real_json(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

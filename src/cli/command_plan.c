@@ -194,7 +194,7 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     return row;
 }
 
-/* By what --aim asks for. */
+/* The gain of each aim that the run could have, by the word that --aim takes. */
 static json_t *gains_json(const struct plan *plan)
 {
     json_t *gains = json_object();

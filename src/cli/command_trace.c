@@ -29,7 +29,7 @@ static void print_event(void *context, const struct cml_trace_event *event)
            event->direction[1], event->direction[2], event->weight);
 }
 
-/* It can be flown all the same: a run may have had more. */
+/* Notes a photon beyond those of the scene; it is flown all the same, as a run may have had more. */
 static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, struct cml_error *err)
 {
     struct cml_deal deal;

@@ -15,7 +15,8 @@ static double expected_error(const struct cml_result *result)
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
-/* Of a pilot none where all batches saw the same: light is certain to go where it goes. */
+/* The error of a total of a pilot; none where all batches saw the same, as light is certain to go where it
+ * goes. */
 static double error_of(const struct cml_result *result, enum cml_total total)
 {
     const bool certain = cml_result_total(result, total) > 0 && cml_result_error(result, total) == 0;

@@ -19,7 +19,7 @@ const char *cml_plot_label(const struct cml_options *options, int i)
     return cml_plot_name((const char *const *)options->operands, options->num_operands, i);
 }
 
-/* With its unit, where it has one. */
+/* The name of an axis, with its unit where it has one. */
 static void write_axis(const char *column, char text[CML_SWEPT_NAME])
 {
     const char *unit = cml_setting_unit(column);

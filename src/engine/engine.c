@@ -118,7 +118,8 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 
 #define PATIENCE 0.3 /* s */
 
-/* Its own time, not the wall's: on a machine that is busy otherwise packets get their time to end. */
+/* Whether a thread is to give up its packets: by its own time, not the wall's, so that on a machine that is
+ * busy otherwise packets get their time to end. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
 {
     if (!work->stops || !work->stops(work->context)) return false;

@@ -108,7 +108,8 @@ struct cml_work {
     bool (*stops)(void *context);
 };
 
-/* Of a thread that flies packets: its own time when it first saw that the run is to stop, s; 0 before. */
+/* How long a thread that flies packets waits for their ends: its own time when it first saw that the run is
+ * to stop, s; 0 before. */
 struct cml_patience {
     double since;
 };
@@ -118,7 +119,7 @@ struct cml_patience {
  * all that this call of run has flown. To be asked every few hundred events. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience);
 
-/* What run returns then: CML_E_STOPPED. */
+/* What `run` of an engine returns when packets were given up: CML_E_STOPPED. */
 CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {

@@ -7,12 +7,12 @@
 
 #include <stddef.h>
 
-/* As struct cml_phase_cell of kernels/types.h, in double precision. */
+/* A cell of a table: struct cml_phase_cell of kernels/types.h in double precision. */
 struct cml_phase_line {
     double start, slope;
 };
 
-/* Beyond which single precision cannot count. */
+/* The most cells of all tables together: beyond that single precision cannot count. */
 #define CML_MOST_PHASE_CELLS (1 << 24)
 
 /* The tables of all functions, that of index i from cell i CML_PHASE_CELLS on, then the parts of cells. */

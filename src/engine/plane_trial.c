@@ -58,7 +58,7 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
-/* Of all values, which are those of cml_tally_bring. */
+/* Lists the series of all values that cml_tally_bring brings. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
     const struct cml_profile_offsets at = cml_tally_profiles(grid);

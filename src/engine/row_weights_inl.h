@@ -131,7 +131,7 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     rows->factor[rows->sums->count] = 0;
 }
 
-/* As cml_rows_fly, of scores. */
+/* cml_rows_fly for scores: adds to each what the flight of length t (cm) makes of it. */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -244,13 +244,13 @@ static inline void cml_rows_change(const struct cml_row_packet *rows, cml_u32 be
         cml_rows_change_as(0, rows, high, low, to);
 }
 
-/* P8. */
+/* Books of all rows what roulette has made of the packet's weight (P8). */
 static inline void cml_rows_roulette(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
 {
     cml_rows_change(rows, before, after, CML_BALANCE_GAINED, CML_BALANCE_ROULETTE);
 }
 
-/* P12. */
+/* Books of all rows what the backing keeps of the packet's weight (P12). */
 static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
 {
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
@@ -317,7 +317,7 @@ struct cml_row_light {
     int fresh; /* it weighs as much in all rows, and has no score */
 };
 
-/* To a bin of all rows. */
+/* Adds the light, as each row weighs it, to the row's bin. */
 static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
 {
     const struct cml_row_packet *rows = of->rows;

@@ -127,7 +127,7 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     tally->count[CML_COUNT_BRANCHES] += branches;
 }
 
-/* P11, where time is asked for. */
+/* Scores the gates of those that have left (P11), where time is asked for. */
 static inline void cml_terminated_score_gates(const struct cml_setup *setup,
                                               const struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)

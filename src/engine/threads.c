@@ -52,7 +52,7 @@ static void bind_to_place(int place, pthread_attr_t *attributes)
     free(ids);
 }
 
-/* 0 when it runs. */
+/* Starts a thread; 0 when it runs, else an error number. */
 static int start(struct thread *thread, int count)
 {
     pthread_attr_t attributes;

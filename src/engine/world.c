@@ -446,7 +446,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->r0_y = scene->beams[0].radial ? 0 : setup->y0;
 }
 
-/* P16. */
+/* The rows of a sweep (P16) as the walk reads them. */
 static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                             const struct cml_engine_rows *rows, struct cml_owned_world *to,
                             struct cml_error *err)
@@ -472,7 +472,7 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tall
     return CML_OK;
 }
 
-/* P17. */
+/* The scores that derivatives are made of (P17) as the walk reads them. */
 static cml_status make_scores(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                               struct cml_owned_world *to, struct cml_error *err)
 {

@@ -65,7 +65,7 @@ void cml_owned_world_free(struct cml_owned_world *to);
  * tables are there. */
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces);
 
-/* Of that the beams. */
+/* Bytes of cml_world_bytes that the beams take. */
 double cml_source_bytes(const struct cml_scene *scene);
 
 /* In which medium the middle of a beam lies; 0 of one that starts above all surfaces. */

@@ -63,7 +63,7 @@ static double area(const struct volumes *volumes, int ring)
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
 }
 
-/* Of a ring's area what the detector sees. */
+/* The share of a ring's area that the detector sees. */
 static double seen_of(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
 {
     const double inner = fmax(seen.inner, volumes->border[ring]),

@@ -37,8 +37,8 @@ void cml_directions_clear(struct cml_directions *directions);
 /* The cosine of direction i in a medium of index n, 0 where the medium does not have it. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n);
 
-/* Of matrices from direction to direction, for the first n: light goes into those without weight only from
- * themselves. */
+/* The kind of matrices from direction to direction, of the first n: light goes into those without weight only
+ * from themselves. */
 struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n);
 
 /* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down. */

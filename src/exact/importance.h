@@ -7,9 +7,10 @@
 
 #include "scene/scene.h"
 
-/* Of light that comes out of the first `layers` layers into medium layers + 1, which has no end here. value:
- * [cells], in the middles of as many equal parts of those layers' depth. media: [layers + 2]. Good to some
- * per cent, as weights want it. CML_E_INPUT: out of memory; CML_E_NUMERIC: too many directions. */
+/* The importance of light that comes out of the first `layers` layers into medium layers + 1, which has no
+ * end here. value: [cells], in the middles of as many equal parts of those layers' depth. media: [layers +
+ * 2]. Good to some per cent, as weights want it. CML_E_INPUT: out of memory; CML_E_NUMERIC: too many
+ * directions. */
 CML_NODISCARD cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells,
                                                  double *value, struct cml_error *err);
 

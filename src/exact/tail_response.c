@@ -17,7 +17,7 @@ enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2, MOST_DIR
 
 #define CHANGE 2e-5 /* from order to order, of a response; the next is smaller by far */
 
-/* Nodes of an interval. */
+/* How many directions an interval of the table has. */
 static int nodes_of(const struct cml_flat_tail *tail, int interval)
 {
     const double share = interval > 0 ? tail->index[interval - 1] / tail->index[interval] : 0;

@@ -69,11 +69,12 @@ void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3],
 /* Square of the distance of a triangle from p. */
 typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
 
-/* That of the closest triangle, *i; who has a guess which it is puts that there, else 0. */
+/* The square of the distance to the closest triangle, *i; who has a guess which it is puts that there, else
+ * 0. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i);
 
-/* Of a tree over boxes that are sorted by size: the first box behind number i that holds the box i and that
+/* In a tree over boxes that are sorted by size: the first box behind number i that holds the box i and that
  * `accept` takes; n where there is none. Called with i and few of the boxes that hold it, in any order. */
 typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,

@@ -157,7 +157,7 @@ static cml_status level_border(struct cml_mesh_work *work, struct depths depths,
     return CML_OK;
 }
 
-/* The other axis along which the border is level, as that of a mesh whose y points up; 0: neither. */
+/* The axis but z along which the border is level, as that of a mesh whose y points up; 0: neither x nor y. */
 static char level_axis(const struct cml_mesh *mesh)
 {
     for (int axis = 0; axis < 2; axis++) {

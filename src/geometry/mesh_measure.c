@@ -13,7 +13,7 @@ static void add_scaled(double sum[3], double factor, const double a[3])
     for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
 }
 
-/* Points up. */
+/* The area of triangle t as a vector, which points up. */
 static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
 {
     const uint32_t *corner = mesh->triangle[t];

@@ -37,7 +37,7 @@ CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, s
  * given) or crosses itself; turns the whole sheet when its border says that it is upside down. */
 CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Of a closed mesh: refuses an edge of one triangle only and a part without volume, turns all triangles
+/* In a closed mesh: refuses an edge of one triangle only and a part without volume, turns all triangles
  * outwards of what they bound. */
 CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err);
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Of all vertices: each belongs to a triangle by now. */
+/* The box of all vertices: each belongs to a triangle by now. */
 static void find_box(struct cml_mesh *mesh)
 {
     for (int k = 0; k < 3; k++) mesh->lower[k] = mesh->upper[k] = mesh->vertex[0][k];

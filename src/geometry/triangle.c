@@ -94,7 +94,8 @@ static bool choose_view(const double *const t[3], struct view *view)
     return orientation(*view, t[0], t[1], t[2]) != 0;
 }
 
-/* Of a point in the triangle's plane: no edge has it on its outer side; points on the border count. */
+/* Whether a point in the triangle's plane lies in the triangle: no edge has it on its outer side; points on
+ * the border count. */
 static bool contains(struct view view, const double *const t[3], const double *p)
 {
     const int whole = orientation(view, t[0], t[1], t[2]);

@@ -84,7 +84,7 @@ static cml_status check_keyword(const struct cml_mci_reader *reader, const char 
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Those of which there is one may stand once, which its reader checks. */
+/* Reads a line of a run; lines of which there is one may stand once, which their readers check. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -426,7 +426,7 @@ static cml_status read_shape(const struct cml_mci_reader *copying, const char *p
     return status;
 }
 
-/* Those that another scale or height is set of than they were read with. */
+/* Reads shapes again that another scale or height is set of than they were read with. */
 static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {

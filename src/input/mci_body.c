@@ -61,7 +61,7 @@ static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, s
     return CML_OK;
 }
 
-/* Its axis must have a length that is more than rounding. */
+/* A cylinder's axis must have a length that is more than rounding. */
 static cml_status check_axis(const struct cml_mci_reader *reader, const char *owner,
                              const struct cml_scene_body *body)
 {

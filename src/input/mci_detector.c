@@ -64,7 +64,7 @@ static cml_status check_radii(const struct cml_mci_line_options *options, const 
     return cml_mci_fail_option(options, "r1 r2", value, "r1 < r2");
 }
 
-/* `word` is the first one. */
+/* Reads the shape of a detector, whose name is `word`, and its numbers. */
 static cml_status read_shape(const struct cml_mci_line_options *options, const char *word,
                              struct cml_detector_def *detector)
 {

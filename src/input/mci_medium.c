@@ -146,7 +146,7 @@ static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, in
     return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
 }
 
-/* Joins the scene's, as the medium's. */
+/* Adds a phase function to those of the scene, as the medium's, or takes an equal one that is there. */
 static cml_status add_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
                             struct cml_phase *phase, struct cml_medium_def *medium)
 {

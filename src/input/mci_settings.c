@@ -93,7 +93,8 @@ static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *s
     return CML_OK;
 }
 
-/* Of boundaries that have a line of their own, whose reader has taken it (cml_mci_set_scaling). */
+/* Whether a setting is of a boundary that has a line of its own, whose reader has taken it
+ * (cml_mci_set_scaling). */
 static bool is_of_shape(const struct cml_scene *scene, const struct name *name)
 {
     const bool has_shape = strcmp(name->owner, "boundary") == 0 && name->number >= 0 &&
@@ -124,7 +125,7 @@ static void write_phase(FILE *out, const char *kind, int number, const struct cm
     for (const char *const *name = cml_phase_numbers(phase->kind); *name; name++) fprintf(out, " .%s", *name);
 }
 
-/* Of planes nothing can be set, so they are left out. */
+/* Writes which settings of shapes there are; planes have none. */
 static void write_shapes(FILE *out, const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++)

@@ -42,7 +42,7 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
     fputc('\n', stream);
 }
 
-/* Of more bodies than that, the files have what they absorb. */
+/* The most media of which people read what they absorb; of more bodies the files have it. */
 #define MOST_MEDIA 16
 
 /* Only where A is not all of one layer. */
@@ -200,7 +200,7 @@ static void print_saved(FILE *stream, const struct cml_report *report)
     fputc('\n', stream);
 }
 
-/* Of windows. */
+/* How many parts of packets were split off by windows (P19), if any. */
 static void print_parts(FILE *stream, const struct cml_result *result)
 {
     const double parts = (double)result->summary.count[CML_COUNT_BRANCHES];

@@ -91,7 +91,7 @@ void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_ME
  * the medium that each starts in, said of those with z=; NULL: not known, not said. */
 void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts);
 
-/* That of beam k. */
+/* Prints beam k: its shape, where it starts, its light. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
                      const int *starts);
 

@@ -77,7 +77,7 @@ static void face_numbers(const void *context, size_t begin, size_t count, double
     for (size_t i = 0; i < count; i++) out[i] = source->face[begin + i].body + 1;
 }
 
-/* `cells` as of densities. */
+/* What facets have received, by the areas of the faces that stand for them; `cells` as of densities: sums. */
 static void face_densities(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -107,7 +107,8 @@ static const cml_u128 *first_scores(const struct cml_report *report)
     return report->sums->facets + facets * CML_FACET_SCORES;
 }
 
-/* Of facets, or, without the word body in their names, of faces that stand for them. */
+/* Fields of what facets have received and sent, or, without the word body in their names, of faces that stand
+ * for them. */
 static void add_scores(struct cml_field_list *c, const struct cml_body_face *face)
 {
     static const enum cml_facet_score scores[] = {CML_FACET_IRRADIANCE_ABOVE, CML_FACET_IRRADIANCE_BELOW,
@@ -196,7 +197,7 @@ static int segments_of(enum cml_body_form form, int bodies)
     return form == CML_BODY_SPHERE ? (many ? 3 : 12) : (many ? 16 : 64);
 }
 
-/* In scene coordinates; the caller clears it. */
+/* The mesh of body k in scene coordinates; the caller clears it. */
 static cml_status mesh_of(const struct cml_report *report, int k, struct cml_mesh *mesh,
                           struct cml_error *err)
 {
@@ -212,7 +213,7 @@ static cml_status mesh_of(const struct cml_report *report, int k, struct cml_mes
     return CML_OK;
 }
 
-/* Of a cylinder: 0 its side, 1 the first end, 2 the other. */
+/* The part of a cylinder that a triangle of its mesh stands for: 0 the side, 1 the first end, 2 the other. */
 static size_t part_of_cylinder(const struct cml_scene_body *body, const struct cml_mesh *mesh,
                                size_t triangle)
 {

@@ -7,7 +7,8 @@
 
 /* ---- where values come from ---- */
 
-/* Of a triangle, a ring or a pixel of the map; per_facet successive faces of a drawing share one. */
+/* The area of a facet: a triangle, a ring or a pixel of the map; per_facet successive faces of a drawing
+ * share one. */
 static double facet_area(const struct cml_field_source *source, size_t facet)
 {
     return cml_surface_facet_area(source->surface, &source->report->scene->map, facet);
@@ -40,7 +41,7 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
     }
 }
 
-/* Of escaped weight. */
+/* Standard errors of escaped weight, from the sums of its squares. */
 static void escape_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -53,7 +54,7 @@ static void escape_errors(const void *context, size_t begin, size_t count, doubl
 
 /* ---- fields ---- */
 
-/* With the last one, the plane around the boundary. */
+/* How many facets boundary b has, with the last one, the plane around it. */
 static size_t num_facets(const struct cml_report *report, int b)
 {
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);

@@ -77,7 +77,7 @@ static void pixel_errors(const void *context, size_t begin, size_t count, double
                                                   sum_of_pixel(source->squares, begin + i, source->na));
 }
 
-/* Of the cell of a map, whose angle bins are those of the run. */
+/* The projected solid angle of a cell of a map, whose angle bins are those of the run. */
 static double projected_solid_angle(const struct cml_field_source *source, size_t cell)
 {
     return cml_projected_solid_angle(cml_angle_width((int)source->na), (int)(cell % source->na));

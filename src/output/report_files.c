@@ -76,7 +76,7 @@ static cml_status next_file(struct cml_report *report, const char *path, const c
     return CML_OK;
 }
 
-/* Its name stays where it is when the list grows. */
+/* The path of the file that was written last: it stays where it is when the list grows. */
 static const char *last_file(const struct cml_report *report)
 {
     return report->files[report->num_files - 1];
@@ -188,7 +188,7 @@ static cml_status write_pictures(struct cml_report *report, const char *path, st
     return CML_OK;
 }
 
-/* Of a boundary that is no plane: its faces and what they received. */
+/* Writes the faces of a boundary that is no plane, and what they received. */
 static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
                                  struct cml_error *err)
 {

@@ -108,7 +108,7 @@ static cml_status deal_beams(struct subject *subject, uint64_t photons, struct c
     return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
 }
 
-/* null where the scene has none. */
+/* The scene's backing; null where it has none. */
 static json_t *backing_json(const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return json_null();

@@ -23,8 +23,8 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
-/* Of how many photons, the first of each beam, no saved packet is missing (cml_saved_covers), so that sums of
- * rows over that number are estimates; 0 where memory runs out. */
+/* The number of photons, the first of each beam, of which no saved packet is missing (cml_saved_covers), so
+ * that sums of rows over that number are estimates; 0 where memory runs out. */
 uint64_t cml_report_covers(const struct cml_report *report);
 
 /* Derivatives, where the run has scores; `all`: by bins, too, else those without other axes. The sizes of *o
@@ -101,11 +101,10 @@ void cml_add_detector_fields(struct cml_field_list *list, int only);
 /* What lies outside map and volume. */
 void cml_add_outside_fields(struct cml_field_list *list);
 
-/* With `facets` irradiance and exitance of all their facets; nothing without bodies.
- */
+/* Fields of what bodies receive and send, with `facets` also of all their facets; nothing without bodies. */
 void cml_add_body_fields(struct cml_field_list *list);
 
-/* Of every face of a drawing: whose it is, and what its facet has received and sent. */
+/* Fields of every face of a drawing of bodies: whose it is, and what its facet has received and sent. */
 void cml_add_body_face_fields(struct cml_field_list *list, const struct cml_body_faces *drawn);
 
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,

@@ -13,7 +13,7 @@ static cml_status close_json(FILE *out, size_t size, cml_status status, struct c
     return cml_fail_memory(err, (double)size, "the JSON record");
 }
 
-/* Of all layers: another row of a sweep may expect more of them. */
+/* Records expected values of all layers: another row of a sweep may expect more of them. */
 static void record_expected(const struct cml_result *result, struct cml_record *record)
 {
     if (result->grid.scores == 0) return;

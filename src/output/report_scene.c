@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Without the scene's folder, which cml_path_beside put in front of it. */
+/* The name of a file without the scene's folder, which cml_path_beside put in front of it. */
 static const char *name_by_scene(const struct cml_scene *scene, const char *file)
 {
     const char *slash = strrchr(scene->file, '/');

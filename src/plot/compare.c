@@ -34,8 +34,8 @@ static cml_status fail_grid(const char *const names[2], const char *field, doubl
     return cml_fail(err, CML_E_INPUT, "%s: %s = %g (expected %g, as in %s)", names[1], field, b, a, names[0]);
 }
 
-/* Without equal bins there is nothing to compare bin by bin. Materials may differ: that is often the
- * question. */
+/* Refuses results whose bins differ: there is nothing to compare bin by bin. Materials may differ: that is
+ * often the question. */
 static cml_status check_grids(const struct cml_outcome *a, const struct cml_outcome *b,
                               const char *const names[2], struct cml_error *err)
 {

@@ -141,8 +141,8 @@ static bool open_pipe(int ends[2])
     return fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 && fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
 }
 
-/* Without a shell, so nothing in a name can be an order. No settings of the user's, so that a picture is
- * the same everywhere. Returns an error number, 0 when it runs. */
+/* Starts gnuplot without a shell, so nothing in a name can be an order. No settings of the user's, so that a
+ * picture is the same everywhere. Returns an error number, 0 when it runs. */
 static int spawn(int in, int out, int messages, pid_t *child)
 {
     char *arguments[] = {"gnuplot", "--default-settings", "-", NULL};
@@ -246,7 +246,7 @@ static cml_status make_script(cml_status (*write)(FILE *, const void *, struct c
     return status;
 }
 
-/* Of a picture that gnuplot has drawn. */
+/* Gives a picture that gnuplot has drawn its name. */
 static cml_status publish(int picture, const char *path, struct cml_error *err)
 {
     char part[16384];

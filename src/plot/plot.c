@@ -288,8 +288,8 @@ static void write_frame(const struct drawing *d)
             1 - (double)HEAD / d->page.height, d->columns);
 }
 
-/* Of the heights, cm. What differs in its last digits only is a flat line: ticks between them would be equal
- * numbers. */
+/* The span of heights of a panel's curves, cm. What differs in its last digits only is a flat line: ticks
+ * between them would be equal numbers. */
 static double height_span(const struct panel *panel)
 {
     const double span = panel->highest - panel->lowest, flat = 0.1;

@@ -199,7 +199,7 @@ static void lay_out(struct drawing *d)
 
 /* ---- data ---- */
 
-/* Without a value gnuplot leaves the pixel empty, and the grey below shows. */
+/* Writes a row of pixels; those without a value gnuplot leaves empty, and the grey below shows. */
 static void write_row(const struct drawing *d, const struct cml_pixels *map, const struct axis axis[2],
                       size_t y)
 {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a picture of curves: pairs of rows are compared. */
+/* The most rows of a picture of curves: pairs of rows are compared. */
 enum { MOST_ROWS = 5000 };
 
 /* Where the columns stand; -1: there is none. */
@@ -170,7 +170,7 @@ static bool of_curve(const struct columns *c, int row, int first)
     return c->by < 0 || strcmp(cell_of(c, row, c->by), cell_of(c, first, c->by)) == 0;
 }
 
-/* By insertion: x rises. */
+/* Inserts the value of a row into the curve, so that x rises. */
 static void insert(const struct columns *c, int row, struct cml_curve *curve)
 {
     const double x = number_of(c, row, c->over);
@@ -186,7 +186,7 @@ static void insert(const struct columns *c, int row, struct cml_curve *curve)
     curve->end = fmax(curve->end, x);
 }
 
-/* That of all rows which share the first one's value. */
+/* Adds the curve of all rows that share the value of the first one. */
 static cml_status add_curve(const struct columns *c, int first, struct cml_swept *swept,
                             struct cml_error *err)
 {

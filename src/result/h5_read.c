@@ -125,7 +125,7 @@ static cml_status read_photons(const struct reader *r)
     return CML_OK;
 }
 
-/* Of options that are words there the other word means not 0. */
+/* Reads the options that decide bits; of those that are words in the file the other word means not 0. */
 static cml_status read_options(const struct reader *r)
 {
     struct cml_provenance *p = &r->o->provenance;
@@ -201,7 +201,7 @@ static bool must_be_there(enum cml_quantity quantity, bool errors)
     return quantity <= CML_QUANTITY_Tt || (profile && !errors);
 }
 
-/* Of detectors all or none are there. */
+/* Reads a part of a quantity; of detectors all parts or none are there. */
 static cml_status read_part(const struct reader *r, enum cml_quantity quantity, int part, bool errors)
 {
     double **array = errors ? &r->o->error[quantity] : &r->o->value[quantity], *values;

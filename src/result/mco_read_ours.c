@@ -109,8 +109,8 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
 
 /* ---- sections ---- */
 
-/* Its first word as a number; what follows on the line is a comment. An error may be "nan": that of one
- * packet. */
+/* The first word of a line as a number; what follows on the line is a comment. An error may be "nan": that of
+ * one packet. */
 static bool leading_number(const char *line, bool error, double *value)
 {
     char word[64];

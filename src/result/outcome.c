@@ -200,7 +200,7 @@ cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the results");
 }
 
-/* Also of one that was never filled, as long as it is zero. */
+/* Frees all that an outcome has, also one that was never filled, as long as it is zero. */
 void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
@@ -450,7 +450,8 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
 
 /* ---- where shapes lie ---- */
 
-/* Of a line of `shapes`. A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm". */
+/* The extent that a line of `shapes` tells. A body, or what is no plane: "z = A to B cm", of a body also "r =
+ * C to D cm". */
 static struct cml_extent extent_of(const char *line)
 {
     struct cml_extent extent = {.boundary = -1, .body = strncmp(line, "body ", 5) == 0};

@@ -120,14 +120,14 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
 
-/* Of that the numbers without axes. */
+/* Takes over only the numbers without axes of a result. */
 CML_NODISCARD cml_status cml_outcome_take_numbers(struct cml_outcome *outcome, const struct cml_result *sums,
                                                   struct cml_error *err);
 
 CML_NODISCARD cml_status cml_outcome_add_stream(struct cml_outcome *outcome, const char *file, uint64_t seed,
                                                 uint64_t run, struct cml_error *err);
 
-/* That of its provenance, unless it was merged or has none. */
+/* Gives the result the random stream of its provenance, unless it was merged or has none. */
 CML_NODISCARD cml_status cml_outcome_own_stream(struct cml_outcome *outcome, struct cml_error *err);
 
 /* Standard errors of a profile or total; NULL where they are not known, or one of them is not. */

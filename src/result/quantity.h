@@ -200,7 +200,7 @@ extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 /* An axis under its name: n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
-/* One number; a profile over r. */
+/* Whether a quantity is one number, and below whether it is a profile over r. */
 static inline bool cml_quantity_is_total(enum cml_quantity quantity)
 {
     return quantity <= CML_QUANTITY_Tt || quantity == CML_QUANTITY_A_backing;
@@ -215,7 +215,7 @@ static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
     return quantity == CML_QUANTITY_phi_z || quantity == CML_QUANTITY_phi_rz;
 }
 
-/* There is one of it for each detector, under the name of that (cml_outcome_key). */
+/* Whether there is one of the quantity for each detector, under the name of that (cml_outcome_key). */
 static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
@@ -234,7 +234,7 @@ static inline bool cml_quantity_may_be_none(enum cml_quantity quantity)
     return cml_quantities[quantity].estimator == CML_FROM_MEANS || cml_quantity_is_derivative(quantity);
 }
 
-/* Of enum cml_total; the last of them is what a backing keeps. */
+/* The quantity that is a total of enum cml_total; the last of them is what a backing keeps. */
 enum cml_quantity cml_quantity_of_total(int total);
 
 /* How many totals a scene has. */
@@ -243,7 +243,8 @@ static inline int cml_num_totals(bool backed)
     return backed ? CML_TOTALS + 1 : CML_TOTALS;
 }
 
-/* Its axes and units as they stand beside numbers for people: "r [cm]", NULL for a number; "1/sr", "-". */
+/* A quantity's axes, and below its unit, as they stand beside numbers for people: "r [cm]", NULL for a
+ * number; "1/sr", "-". */
 const char *cml_quantity_axes(enum cml_quantity quantity);
 const char *cml_quantity_unit(enum cml_quantity quantity);
 

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* Of all ranks. */
+/* The times of all ranks together. */
 static struct cml_rank_report sum_of(const struct cml_timing *timing)
 {
     struct cml_rank_report sum = {0};

@@ -282,7 +282,7 @@ static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
     return true;
 }
 
-/* Of a sorted copy: the order in which ranges are taken stays that of the file. */
+/* Checks ranges on a sorted copy: the order in which they are taken stays that of the file. */
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {
@@ -364,7 +364,7 @@ struct wanted {
     struct cml_record *record;
 };
 
-/* Also of a run that is not finished, where it is empty. */
+/* Reads the record, which is empty in the checkpoint of a run that is not finished. */
 static cml_status read_record(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;

@@ -101,7 +101,8 @@ static cml_status join_world(struct cml_error *err)
     return cml_service_start(err);
 }
 
-/* Without a launcher MPI is not even initialised. One rank under a launcher needs no service thread. */
+/* Begins the cluster of ranks; without a launcher MPI is not even initialised. One rank under a launcher
+ * needs no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     if (!cml_launcher_found()) return CML_OK;
@@ -197,7 +198,7 @@ cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
     return (cml_status)worst.status;
 }
 
-/* In slices for the count of MPI, an int. */
+/* Shares data in slices, as MPI counts with an int. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;

@@ -36,7 +36,8 @@ static cml_status close_text(FILE *out, const size_t *size, struct cml_error *er
     return cml_fail_memory(err, (double)*size, "the run's identity");
 }
 
-/* Of all files that were read, in the order in which they were: a mesh that was changed makes another run. */
+/* The identity of all files that were read, in the order in which they were: a mesh that was changed makes
+ * another run. */
 cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
 {
     size_t size = 0;

@@ -13,8 +13,8 @@
 CML_NODISCARD cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text,
                                              struct cml_error *err);
 
-/* Of a run as it is set up; flat: shapes are ignored. The one place that knows where the options of the table
- * stand. */
+/* The provenance of a run as it is set up; flat: shapes are ignored. The one place that knows where the
+ * options of the table stand. */
 struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat);
 

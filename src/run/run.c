@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Of all threads of this process, s. */
+/* Processor time of all threads of this process, s. */
 static double processor_seconds(void)
 {
     return (double)clock() / CLOCKS_PER_SEC;
@@ -64,7 +64,7 @@ static uint64_t room_of_tallies(const struct cml_tally_grid *grid)
     return grid->facets || grid->marks > 0 ? MOST_AGAIN : CML_TALLY_MAX_PHOTONS;
 }
 
-/* Of the range in hand. */
+/* How many photons of the range in hand are flown. */
 static uint64_t flown_of(const struct hand *hand)
 {
     return hand->range.count - hand->left.count;

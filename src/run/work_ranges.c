@@ -43,7 +43,7 @@ static struct cml_range take(struct cml_work_ranges *work, int rank, uint64_t wa
     return range;
 }
 
-/* In rank 0's service thread, for another rank. */
+/* Replies to another rank's request, in rank 0's service thread. */
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
                      struct cml_work_reply *reply)
 {

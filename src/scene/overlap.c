@@ -98,7 +98,7 @@ static struct phrase name_part(uint32_t triangle, int boundary)
     return phrase;
 }
 
-/* Of the lower boundary, or of the upper one where that is a plane without one. */
+/* The line of the .mci of the lower boundary, or of the upper one where that is a plane without one. */
 static int line_of(const struct shape *upper, const struct shape *lower)
 {
     return lower->boundary->line > 0 ? lower->boundary->line : upper->boundary->line;
@@ -197,7 +197,7 @@ static void find_sample(const struct cml_boundary *boundary, double z, double at
     at[1] = tile->y0 + (double)(i / nx) * tile->dy;
 }
 
-/* Of a tile and a plane, or of two tiles; false where only their depths are known. */
+/* Where a tile and a plane, or two tiles, come closest; false where only their depths are known. */
 static bool find_closest(const struct shape *upper, const struct shape *lower, double *gap, double at[3])
 {
     if (upper->is_tile && lower->is_tile)

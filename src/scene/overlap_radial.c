@@ -55,7 +55,7 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* Bisection. */
+/* Finds the sample by bisection. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;

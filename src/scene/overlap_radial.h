@@ -26,7 +26,8 @@ struct cml_closest {
                      * and an interpolated height, some 4 roundings of half an epsilon; twice that */
 };
 
-/* Both piecewise linear in r, so the least gap is at a radius of one of them. */
+/* Where two radial surfaces come closest: both are piecewise linear in r, so the least gap is at a radius of
+ * one of them. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest);
 

@@ -83,7 +83,8 @@ static double table_mean(const struct cml_phase *phase)
 
 /* ---- closed forms ---- */
 
-/* With a = 1 - g and b = sqrt(a^2 + 2 g x): (1 - g^2) / (2 g) (1 / a - 1 / b), without the difference. */
+/* Henyey and Greenstein's share below the deflection x: with a = 1 - g and b = sqrt(a^2 + 2 g x) it is (1 -
+ * g^2) / (2 g) (1 / a - 1 / b), computed without the difference. */
 static double hg_below(double g, double x)
 {
     const double a = 1 - g, b = sqrt(a * a + 2 * g * x);

@@ -45,18 +45,19 @@ const char *cml_phase_name(enum cml_phase_kind kind);
 /* The names of its numbers, then NULL. */
 const char *const *cml_phase_numbers(enum cml_phase_kind kind);
 
-/* Of a table, whose deflections and densities the caller has filled in, in any scale: makes `below`, which is
- * [rows] already, the scale and the checksum. False when all densities are 0 or the sum overflows. */
+/* Makes a table ready, whose deflections and densities the caller has filled in, in any scale: makes `below`,
+ * which is [rows] already, the scale and the checksum. False when all densities are 0 or the sum overflows.
+ * */
 bool cml_phase_scale_table(struct cml_phase *phase);
 
 /* Share of the light that is scattered with 1 - c < deflection, 0 <= deflection <= 2. Nothing cancels near
  * the forward direction. */
 double cml_phase_below(const struct cml_phase *phase, double deflection);
 
-/* Its density p(1 - deflection). */
+/* The density p(1 - deflection) of a phase function, which integrates to 1 over deflections 0 to 2. */
 double cml_phase_density(const struct cml_phase *phase, double deflection);
 
-/* The mean cosine. Error < 1e-9. */
+/* The mean cosine of a phase function. Error < 1e-9. */
 double cml_phase_mean(const struct cml_phase *phase);
 
 /* Whether light is scattered by the same function. */
@@ -66,7 +67,7 @@ bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b);
  * file is left out. */
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums);
 
-/* Frees the whole list. */
+/* Frees the phase function `first` and all that follow it. */
 void cml_phases_free(struct cml_phase *first);
 
 #endif

@@ -154,7 +154,7 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
-/* Of a table up to where the last part ends that is not dark. */
+/* The widest angle of a light; of a table, where its last part ends that is not dark. */
 double cml_light_widest(const struct cml_light *light, double medium_n)
 {
     int last = light->rows - 1;
@@ -219,7 +219,7 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Bisection for the segment, then linear. */
+/* Finds the segment by bisection, and is linear in it. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;

@@ -143,7 +143,7 @@ struct cml_directions_def {
     int line;   /* of the .mci */
 };
 
-/* Fluence, in the bins of A_rz. */
+/* Whether the scene asks for fluence, in the bins of A_rz. */
 struct cml_fluence_def {
     int line; /* of the .mci; 0: no fluence line */
 };
@@ -175,7 +175,7 @@ struct cml_detector_def {
     int row;
 };
 
-/* Of light in vacuum, cm/ps. */
+/* The speed of light in vacuum, cm/ps. */
 #define CML_LIGHT_CM_PER_PS 0.0299792458
 
 struct cml_scene {

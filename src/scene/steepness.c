@@ -36,8 +36,9 @@ static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_
     return CML_OK;
 }
 
-/* Of a heightmap every facet. Those of an .obj may be as steep as they are, for a pit has upright walls, and
- * no facet tells whether another one faces it closely; but no sheet is that much higher than it is wide. */
+/* Checks every facet of a heightmap. Those of an .obj may be as steep as they are, for a pit has upright
+ * walls, and no facet tells whether another one faces it closely; but no sheet is that much higher than it is
+ * wide. */
 static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &scene->boundaries[b].mesh;

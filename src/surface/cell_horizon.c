@@ -21,7 +21,7 @@ struct view {
                                * it, too */
 };
 
-/* [row][column] of a level. */
+/* The number of a cell of a level that has `size` rows and columns. */
 static size_t cell_at(int size, int x, int y)
 {
     return (size_t)y * (size_t)size + (size_t)x;
@@ -112,7 +112,7 @@ static size_t all_cells(const struct cml_depth_pyramid *pyramid)
     return cells;
 }
 
-/* Of each 2 x 2 cells of the level below. */
+/* The steepest slope of each cell, from the 2 x 2 cells of the level below. */
 static void join_steepest(const struct view *below, const struct view *view)
 {
     for (int y = 0; y < view->size; y++)

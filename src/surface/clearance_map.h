@@ -20,20 +20,20 @@ struct cml_clearance_map {
     size_t horizon_cells;
 };
 
-/* Of a mesh in its boundary's frame, x and y from the scene's axis; of a field of n rings (z = depth at r).
- * The size follows from the number of triangles or rings, at most 512 x 512 cells or 1024 in a row.
- * CML_E_INPUT when memory runs out. */
+/* Bounds of a mesh in its boundary's frame, x and y from the scene's axis, or of a field of n rings (z =
+ * depth at r). The size follows from the number of triangles or rings, at most 512 x 512 cells or 1024 in a
+ * row. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
                                                struct cml_error *err);
 CML_NODISCARD cml_status cml_clearance_of_rings(const double *r, const double *z, int n,
                                                 struct cml_clearance_map *map, struct cml_error *err);
 
-/* Of a tile, whose heights count up from z = 0: over one period, or over as many along the shorter axis as
- * make the cells about square. */
+/* Bounds of a tile, whose heights count up from z = 0: over one period, or over as many along the shorter
+ * axis as make the cells about square. */
 CML_NODISCARD cml_status cml_clearance_of_tile(const struct cml_heightmap *tile,
                                                struct cml_clearance_map *map, struct cml_error *err);
 
-/* Cells of one level. */
+/* The number of cells of one level. */
 size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level);
 
 void cml_clearance_clear(struct cml_clearance_map *map);

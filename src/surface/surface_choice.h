@@ -37,7 +37,7 @@ struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options
 struct cml_expectation cml_choice_expect_cones(int rings);
 struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_options *options);
 
-/* Of a triangle mesh as the user gave it. */
+/* What to expect of a triangle mesh as the user gave it. */
 struct cml_expectation cml_choice_expect_mesh(void);
 
 #endif

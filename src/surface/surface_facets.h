@@ -7,10 +7,10 @@
 
 #include "surface/surface.h"
 
-/* With the last one. */
+/* How many facets a boundary has, with the last one. */
 size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_map_def *map);
 
-/* cm2; infinite for the last one. */
+/* The area of a facet, cm2; infinite for the last one. */
 double cml_surface_facet_area(const struct cml_surface_def *def, const struct cml_map_def *map, size_t facet);
 
 #endif

@@ -64,13 +64,13 @@ static cml_status sum_numbers(const struct cml_deal *deal, uint64_t photons, uin
     return CML_OK;
 }
 
-/* Of photons 0 to photons - 1 those of a batch. */
+/* How many of photons 0 to photons - 1 are of a batch. */
 static uint64_t in_batch(uint64_t photons, uint64_t batch)
 {
     return photons / CML_NUM_BATCHES + (batch < photons % CML_NUM_BATCHES);
 }
 
-/* Those of beam k. */
+/* How many photons of a batch are of beam k, by sums of those of all beams. */
 static uint64_t of_beam(const uint64_t *sums, int k, uint64_t batch)
 {
     return in_batch(sums[k + 1], batch) - in_batch(sums[k], batch);

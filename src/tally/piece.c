@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/piece.h"
 
-/* Of photons 0 to photons - 1: how many are in batches below this one. */
+/* How many of photons 0 to photons - 1 are in batches below this one. */
 static uint64_t in_batches_below(uint64_t photons, uint64_t batch)
 {
     const uint64_t rest = photons % CML_NUM_BATCHES;

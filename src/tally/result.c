@@ -33,7 +33,7 @@ static size_t cells_detected(const struct cml_tally_grid *grid)
            (1 + (grid->gates ? (size_t)grid->gates + 1 : 0) + cml_tally_moments(grid));
 }
 
-/* phi_rz and phi_z. */
+/* Cells of phi_rz, of which phi_z is made. */
 static size_t cells_phi(const struct cml_tally_grid *grid)
 {
     return grid->marks > 0 ? ((size_t)grid->nr + 1) * (size_t)grid->nz : 0;
@@ -53,7 +53,7 @@ static size_t cells_batched(const struct cml_tally_grid *grid)
     return CML_NUM_BATCHES * bins;
 }
 
-/* Of all arrays that are not kept apart by batch. */
+/* Cells of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_tally_grid *grid)
 {
     return cells_A(grid) + 2 * cells_ra(grid) + grid->row_cells + cml_cells_maps(grid);
@@ -71,7 +71,7 @@ double cml_result_bytes(const struct cml_tally_grid *grid)
            cml_saved_bytes(&grid->saved);
 }
 
-/* These come before expected values and fluence, which are last. */
+/* Where detectors' sums begin, which stand before expected values and fluence, the last. */
 static void set_detectors(struct cml_result *result)
 {
     const struct cml_tally_grid *grid = &result->grid;
@@ -88,7 +88,7 @@ static void set_detectors(struct cml_result *result)
     result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
 }
 
-/* These stand before them. */
+/* Where gates of time begin, which stand before what detectors have seen. */
 static void set_gates(struct cml_result *result)
 {
     const struct cml_tally_grid *grid = &result->grid;
@@ -160,7 +160,7 @@ static void add_gates(cml_u128 *profile, cml_u128 *later, size_t gates, size_t b
     later[batch] += brought[gates];
 }
 
-/* A moment of its parts. */
+/* A moment from the parts of which tallies keep it (CML_MOMENT_CELLS). */
 static cml_u128 moment_of(const uint64_t *parts)
 {
     cml_u128 sum = 0;
@@ -168,7 +168,7 @@ static cml_u128 moment_of(const uint64_t *parts)
     return sum;
 }
 
-/* Those of detector k; brought: its parts. */
+/* Adds the moments of detector k; brought: their parts, as tallies keep them. */
 static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
@@ -194,7 +194,7 @@ static void add_detected(struct cml_result *result, size_t batch, const struct c
                   brought + at->detector_t + k * (gates + 1));
 }
 
-/* Of scores in units of 2^6 2^-exponent to those of a batch. */
+/* Adds scores, which a tally has in units of 2^6 2^-exponent, to those of a batch. */
 static void add_expected(struct cml_result *result, size_t batch, const uint64_t *brought)
 {
     const size_t n = (size_t)result->grid.scores;
@@ -283,8 +283,8 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
     }
 }
 
-/* Of a large map, or of rows, few cells are hit in one range: reading zeros is cheaper than adding them to
- * 128 bits. Rows that are scores may be negative. */
+/* Adds cells of a large map, or of rows. Few of them are hit in one range: reading zeros is cheaper than
+ * adding them to 128 bits. Rows that are scores may be negative. */
 static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++) {
@@ -359,7 +359,7 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* Both sides of all facets: what arrives minus what leaves, or a backing keeps. */
+/* The imbalance of all facets, both sides together: what arrives minus what leaves, or a backing keeps. */
 static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;

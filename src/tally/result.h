@@ -46,7 +46,7 @@ struct cml_result {
     struct cml_saved *saved; /* packets one by one, or NULL */
 };
 
-/* That of expected values, in one of weight: 2^-48, so that a Tt of 1e-15 has digits. As no expectation is
+/* The unit of expected values in one of weight: 2^-48, so that a Tt of 1e-15 has digits. As no expectation is
  * above 1, 2^48 packets fit. */
 #define CML_EXPECTED_UNIT 0x1p-48
 #define CML_EXPECTED_SHIFT 54 /* of a score whose exponent is 0: 48, and 6 of its unit */
@@ -111,14 +111,14 @@ double cml_result_relative_error(const struct cml_result *result, enum cml_total
  * (lattice.h) they may fall faster: longer runs then take less, shorter ones more. */
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error);
 
-/* Of bin i of a profile [64][n]: the sum over its batches, units of weight; and the standard error of the
- * weight per photon, as a share of a packet, from the spread of the batches (method of batch means). One
- * packet alone has none: NaN. */
+/* Bin i of a profile [64][n]: the sum over its batches, units of weight; and the standard error of the weight
+ * per photon, as a share of a packet, from the spread of the batches (method of batch means). One packet
+ * alone has none: NaN. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
 
-/* The same of what groups of photons have in cells `step` apart, of which this is the first: the sum of so
- * many of them; and the error by CML_NUM_GROUPS. */
+/* A cell that each group of photons has, `step` apart, of which this is the first: the sum of so many of
+ * them; and the error by CML_NUM_GROUPS. */
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step);
 double cml_result_cell_error(const struct cml_result *result, const cml_u128 *cell, size_t step);
 

@@ -14,7 +14,7 @@
 /* Rows that are summed together, in vectors, are rounded up to whole ones. */
 #define CML_ROW_GROUP 16
 
-/* Of so many interactions of a packet one is a sample of A_z and A_rz, and stands for all. */
+/* One of so many interactions of a packet is a sample of A_z and A_rz, and stands for all. */
 #define CML_ROW_SAMPLING 8
 
 /* Places of a bin: those of the other rows follow. */
@@ -79,13 +79,13 @@ static inline size_t cml_row_cells_ra(const struct cml_tally_grid *grid)
     return grid->derivatives ? 0 : ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
 }
 
-/* Of Rd_dir, as many as of Tt_dir and of the squares of each. */
+/* Cells of Rd_dir of all rows, as many as of Tt_dir and of the squares of each. */
 static inline size_t cml_row_cells_dir(const struct cml_tally_grid *grid)
 {
     return grid->derivatives ? 0 : (size_t)grid->nt * (size_t)grid->np * cml_row_stride(grid);
 }
 
-/* Of A_rz, behind Rd_ra and Tt_ra. */
+/* Cells of A_rz of all rows, which stand behind those of Rd_ra and Tt_ra. */
 static inline size_t cml_row_cells_rz(const struct cml_tally_grid *grid)
 {
     return grid->row_depths ? cml_rz_cells(grid) * cml_row_stride(grid) : 0;

@@ -3,7 +3,7 @@
 
 #include "tally/row_cells.h"
 
-/* One row of the flight's. */
+/* One row of those that come of a flight. */
 struct row {
     const struct cml_result *flight;
     struct cml_row_bins at;

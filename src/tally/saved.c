@@ -11,7 +11,7 @@ struct turn {
     uint64_t index;
 };
 
-/* Of a row: where it lies before rows are moved. */
+/* Where a row lies before rows are moved. */
 struct key {
     struct turn turn;
     uint64_t at;
@@ -90,7 +90,7 @@ void cml_saved_free(struct cml_saved *saved)
 
 /* ---- order ---- */
 
-/* The first word of a row. */
+/* The index of a packet, which is the first word of its row. */
 static uint64_t index_at(const struct cml_saved *saved, size_t i)
 {
     return saved->row[i * saved->words];
@@ -161,7 +161,7 @@ static void move_rows(struct cml_saved *saved)
     }
 }
 
-/* Of all rows. Returns whether they are in order as they are. */
+/* Makes the keys of all rows. Returns whether they are in order as they are. */
 static bool make_keys(struct cml_saved *saved, bool by_turn)
 {
     bool sorted = true;

@@ -68,7 +68,7 @@ static size_t num_t(const struct cml_tally_grid *grid)
     return grid->absorption || grid->depths ? 3 : 2;
 }
 
-/* Of what detectors have seen: sums, gates, and moments. */
+/* Cells of what detectors have seen: sums, gates, and moments. */
 static size_t tally_cells_detected(const struct cml_tally_grid *grid)
 {
     return (size_t)grid->detectors * (1 + tally_cells_t(grid) + CML_MOMENT_CELLS * cml_tally_moments(grid));
@@ -81,7 +81,7 @@ static size_t trail_cells(const struct cml_tally_grid *grid)
     return grid->detectors || grid->saved.limit || timed ? CML_TRAILS * cml_tally_media(grid) : 0;
 }
 
-/* Of the arrays that every tally has, whose cells are in the same order in all. */
+/* Cells of the arrays that every tally has, in the same order in all. */
 static size_t cells_in_common(const struct cml_tally_grid *grid)
 {
     return 2 * tally_cells_ra(grid) + cml_tally_media(grid) + num_t(grid) * tally_cells_t(grid) +

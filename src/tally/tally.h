@@ -85,7 +85,7 @@ struct cml_late {
 #define CML_MOMENT_BITS 27
 #define CML_MOMENT_MOST 281474976710656.0 /* 2^48 */
 
-/* Moments of a detector. */
+/* The number of moments of a detector (struct cml_profile_offsets). */
 static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 {
     return 2 * cml_tally_media(grid) + 1;
@@ -93,8 +93,9 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 
 #define CML_TRAILS 64 /* packets that a thread has in flight */
 
-/* Its grids have cells of their own for what lies beyond them (P7), which a result adds to the last and first
- * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
+/* The sums of one thread, or of several. Profiles and grids have cells of their own for what lies beyond them
+ * (P7), which a result adds to the last and first bins: radial row nr, depth column 0 for z < 0 and nz + 1
+ * for what lies too deep. */
 struct cml_tally {
     struct cml_tally_grid grid;
     uint64_t *A_rz;              /* [cml_cell_groups][nr + 1][nz + 2] or NULL */

@@ -62,7 +62,7 @@ static void print_option(FILE *stream, const struct cml_option *option, bool own
     print_item(stream, typed, text);
 }
 
-/* Those of one command, or of all with the names of their commands. */
+/* Prints the options of one command, or those of all with the names of their commands. */
 static void print_options(FILE *stream, enum cml_command command)
 {
     const bool all = command == CML_NUM_COMMANDS;

@@ -177,7 +177,7 @@ static int place_in(double at, int count)
     return (int)fmax(0, fmin(at * count, count - 1));
 }
 
-/* Of the beam whose light is worth most, from its middle. */
+/* What the light is worth that starts at the middle of a beam, of the beam whose light is worth most. */
 static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media,
                              const struct cml_window_table *windows, const double *importance)
 {
@@ -440,7 +440,8 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_window_table_clear(&aim->windows);
 }
 
-/* Of splitting alone. */
+/* What splitting alone gains: V, the variance of one packet over the square of its mean, becomes about log(V)^2.
+ * Nothing where more than 5e-3 of the light arrives. */
 static double gain_of(double V, double worth)
 {
     const double least = 7.4; /* below that the rule turns */

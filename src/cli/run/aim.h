@@ -35,14 +35,14 @@ struct cml_aim {
     struct cml_window_table windows;
 };
 
-/* Of the names NAME[,NAME...] Tt, Tt_r, A_l:N and those of detectors: the tail is for what lies below the
+/* The aim at NAME[,NAME...], of Tt, Tt_r, A_l:N and names of detectors: the tail is for what lies below the
  * level, windows for the rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC:
  * adding-doubling has no answer. On success the caller clears *to. */
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
                                         struct cml_error *err);
 
-/* That of the options, nothing without --aim. CML_E_INPUT also where adding-doubling has no answer, and for
+/* The aim that --aim asks for, none without it. CML_E_INPUT also where adding-doubling has no answer, and for
  * windows beside an option that knows none. */
 CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
                                          const struct cml_surface_set *surfaces, struct cml_aim *to,

@@ -106,7 +106,7 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* What scores are not made for. */
+/* Refuses --derivatives beside what scores are not made for. */
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"

@@ -112,7 +112,7 @@ static void note_no_checkpoint(const char *path)
     cml_show_note(NULL, text);
 }
 
-/* It will be overwritten, which may not be what the user wants. */
+/* Notes a checkpoint that will be overwritten, which may not be what the user wants. */
 static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
 {
     char text[512];
@@ -126,7 +126,7 @@ static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
     cml_show_note(NULL, text);
 }
 
-/* Of a run that was finished before. */
+/* Takes over the record of a run that was finished before. */
 static cml_status take_record(const struct cml_run_call *call, const struct cml_record *before,
                               struct cml_record *record, struct cml_error *err)
 {
@@ -283,7 +283,8 @@ static cml_status result_path(const struct cml_options *options, const struct cm
     return status;
 }
 
-/* With the photons that are lost, as they cost time; what cannot be read is no result of ours. */
+/* Notes a result that is replaced with its number of photons, as they cost time; what cannot be read is no
+ * result of ours. */
 static void note_replaced(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_outcome before;
@@ -357,7 +358,7 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
     return status;
 }
 
-/* Of what is written to a device there is nothing to continue. */
+/* Whether the run has checkpoints: of what is written to a device there is nothing to continue. */
 static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
 {
     return (options->checkpoint_interval > 0 || options->resume || options->keep) &&

@@ -159,7 +159,7 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
     }
 }
 
-/* Of A(r,z) of all rows together, for each thread. */
+/* The most cells that A(r,z) of all rows together may have in a thread. */
 #define MOST_DEPTH_CELLS 5e7
 
 /* Whether the rows have A(z); says why, where they cannot. */

@@ -35,7 +35,7 @@ CML_NODISCARD cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep,
 CML_NODISCARD cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,
                                               struct cml_error *err);
 
-/* Of a row all but the seed and labels, for the scene. */
+/* The settings of a row for its scene: all columns but the seed and labels. */
 CML_NODISCARD cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row,
                                                 struct cml_settings *settings, struct cml_error *err);
 CML_NODISCARD cml_status cml_sweep_row_seed(const struct cml_sweep_run *sweep, int row, uint64_t *seed,

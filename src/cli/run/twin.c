@@ -34,7 +34,7 @@ static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat,
     return CML_OK;
 }
 
-/* Of parallel light at normal incidence. */
+/* The share of the light that is parallel and at normal incidence. */
 static double normal_share(const struct cml_scene *scene)
 {
     double normal = 0, all = 0;

@@ -9,7 +9,7 @@
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Of each lane a region without surfaces of bodies (kernels/body.h): a step that begins and ends in it meets
+/* For each lane a region without surfaces of bodies (kernels/body.h): a step that begins and ends in it meets
  * none. medium: in whose frame, -1: of none, so that no lane is in it. It stays true for ever, whatever
  * becomes of the packet. */
 struct cml_regions {
@@ -19,7 +19,7 @@ struct cml_regions {
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES], least[CML_LANES];
 };
 
-/* Of the first media those that bodies lie in, a bit each; the last bit is for all others. */
+/* The media that bodies lie in, a bit for each of the first ones; the last bit is for all others. */
 static cml_u32 cml_media_with_bodies(const struct cml_world *world)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;

@@ -60,13 +60,13 @@ __attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_
     return any;
 }
 
-/* Where no boundary has safe distances. */
+/* cml_bundle_classify where no boundary has safe distances. */
 CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest)
 {
     return cml_bundle_classify(b, steepest, 0);
 }
 
-/* Where one has. */
+/* cml_bundle_classify where a boundary has safe distances, which `safe` has for each lane's path. */
 CML_LOOP int cml_bundle_classify_unsafe_lanes(struct cml_bundle *b, real steepest)
 {
     return cml_bundle_classify(b, steepest, 1);
@@ -217,14 +217,14 @@ static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_
     cml_gathered_boundary(f, medium, f->world->media[medium].span, -1, &gathered->below);
 }
 
-/* That of the k-th gathered lane. */
+/* The interval of the k-th gathered lane. */
 static struct cml_interval cml_interval_of(const struct cml_intervals *of, int k)
 {
     const struct cml_interval s = {of->meets[k], of->from[k], of->to[k]};
     return s;
 }
 
-/* Those of the lanes that are in a medium. */
+/* Of these lanes those that are in a medium. */
 static uint64_t cml_lanes_in_medium(const struct cml_bundle *b, uint64_t lanes, int medium)
 {
     uint64_t mask = 0;

@@ -166,7 +166,7 @@ CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struc
     }
 }
 
-/* Where absorption is tallied. */
+/* Moves lanes to their interactions, absorbs and turns them, where absorption is tallied. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 0);
@@ -183,7 +183,7 @@ CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle
     return low;
 }
 
-/* Both where lanes have trails. */
+/* cml_bundle_interact and cml_bundle_scatter where lanes have trails (P13). */
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 1);
@@ -198,7 +198,7 @@ CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, stru
     return low;
 }
 
-/* All where media have tables. */
+/* Interactions where media have tables of phase functions, with or without absorption tallied and trails. */
 CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct cml_bundle *b, int tally)
 {
     _Alignas(64) struct cml_phase_cell cell[CML_LANES];

@@ -65,7 +65,7 @@ static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
     return cml_row_packet_of(&f->world->setup, &f->rows, cml_lane_index(f->b, i), cml_lane_factors(f, i));
 }
 
-/* times: as in cml_rows_launch. */
+/* Launches the rows of the lane's packet; times: as in cml_rows_launch. */
 static void cml_launch_lane_rows(const struct cml_flight *f, int i, int times)
 {
     const struct cml_row_packet rows = cml_lane_rows(f, i);
@@ -116,7 +116,7 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     if (f->books_more || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
 }
 
-/* P13; empty where nobody wants it. */
+/* The trail of the lane's packet (P13); empty where nobody wants it. */
 static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
 {
     const struct cml_trail none = {0};

@@ -248,7 +248,7 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     }
 }
 
-/* Those of a group's lanes whose packets of the queue are transmitted at the first boundary. */
+/* Lanes of a group whose packets of the queue are transmitted at the first boundary. */
 static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue, cml_u32 lanes)
 {
     _Alignas(64) int through[CML_GROUP] = {0};

@@ -268,7 +268,7 @@ static uint64_t cml_lanes_into_tail(const struct cml_flight *f, int task, const 
     return mask & f->live & ~f->ended;
 }
 
-/* P15, before lanes interact. */
+/* Scores expected values (P15) of lanes that pass the level before they interact. */
 static void cml_score_tail_ahead(struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -320,7 +320,7 @@ static void cml_cross_planes(struct cml_flight *f)
     cml_bundle_fly_again(b);
 }
 
-/* Those of the lanes whose optical depth lies in the tail (P2): it is infinite until it is drawn. */
+/* Of these lanes those whose optical depth lies in the tail (P2): it is infinite until it is drawn. */
 static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 {
     uint64_t tails = 0;
@@ -405,8 +405,8 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         }
 }
 
-/* Those of late packets into A_z of their batches. Where groups have an A_rz each they go into that of their
- * own, and are gone then; else they are scattered with the others. */
+/* Adds absorptions of late packets to A_z of their batches. Where groups have an A_rz each they go into that
+ * of their own, and are gone then; else they are scattered with the others. */
 static void cml_scatter_late(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -488,11 +488,21 @@ static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 }
 
 /* One pass. Every lane that holds a packet comes to its next interaction, or waits at a boundary:
+ *
+ *   draw ---> fly ---> INTERACT ------------------------------------------------+---> interact ---> refill
+ *              |                                                                |
+ *              +-----> MAY_HIT ---> bodies ---> curved boundaries ---> planes --+  nothing in the way
+ *                         ^                                              |
+ *                         +---------- past a boundary: flies again ------+
+ *                                                                        |
+ *                                                      next pass <-------+  too few there: they wait
+ *
  *   draw        random words of the next interaction
  *   fly         the path to it, and which lanes may hit a boundary before
  *   boundaries  of those lanes: planes in vector loops, curved ones gathered by medium, rare cases singly
  *   interact    hop, drop, spin and roulette of all lanes that got there
  *   refill      lanes whose packet has ended
+ *
  * All lanes do the same at the same time, event by event: event-based or vectorised Monte Carlo [Brown &
  * Martin, Progress in Nuclear Energy 14 (1984) 269], on GPUs known as wavefront path tracing [Laine, Karras
  * & Aila, High Performance Graphics 2013]. Waiting at boundaries and refills keep the loops full. */

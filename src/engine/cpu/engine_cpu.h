@@ -6,7 +6,7 @@
 
 #include "engine/engine.h"
 
-/* Of the best level. */
+/* The engine for the best level of the processor that this machine has. */
 const struct cml_engine *cml_engine_cpu(void);
 
 #define CML_CPU_LEVELS 3

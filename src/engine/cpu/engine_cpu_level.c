@@ -71,7 +71,7 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
     return CML_OK;
 }
 
-/* Of the rows of one thread. */
+/* How many numbers the rows of one thread need for their factors. */
 static size_t num_factors(const struct cpu_engine *cpu)
 {
     const struct cml_row_sums rows = {.count = cpu->owned.world.rows.count};
@@ -261,7 +261,7 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
     return fates.status;
 }
 
-/* Without an engine: as many as one would take. */
+/* Threads of an engine; without one, as many as it would take. */
 static int cpu_threads(const void *self)
 {
     return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);

@@ -21,7 +21,7 @@ struct opencl_engine {
     struct cml_tally tally;            /* zero between calls of run */
 };
 
-/* Also of an engine that was opened in part. */
+/* Closes an engine, also one that was opened in part. */
 static void opencl_close(void *self)
 {
     struct opencl_engine *engine = self;

@@ -9,7 +9,7 @@
 enum { MOST_ROWS = 1000000 };
 static const char blanks[] = " \t\r";
 
-/* Without the blanks around it. */
+/* The text without the blanks around it; its end is cut. */
 static char *trim(char *text)
 {
     text += strspn(text, blanks);

@@ -76,8 +76,9 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
     }
 }
 
-/* Without times, so that the same fields give the same bytes. Shuffled (all first bytes, all second bytes,
- * ...) before deflate, which then finds what neighbouring numbers have in common; at level 1, the fastest. */
+/* Creates a data set without times, so that the same fields give the same bytes. Shuffled (all first bytes,
+ * all second bytes, ...) before deflate, which then finds what neighbouring numbers have in common; at level
+ * 1, the fastest. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];
@@ -168,7 +169,7 @@ static void describe(struct writer *w, hid_t dataset, const struct cml_field *fi
     if (field->errors) put_text(w, dataset, "ancillary_variables", field->errors);
 }
 
-/* Without axes there are no chunks. */
+/* Writes a field without axes, which has no chunks. */
 static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     const void *values = get_values(w, field, 0, 1);

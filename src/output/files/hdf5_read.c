@@ -324,7 +324,7 @@ static bool inflate_chunk(const struct cml_hdf5_dataset *dataset, haddr_t at, un
     return stored_size == size;
 }
 
-/* Holds the chunk that begins there. */
+/* Reads the chunk of a data set that begins at `start`, and holds it. */
 static cml_status hold_chunk(const struct cml_hdf5_dataset *dataset, const hsize_t *start,
                              struct cml_error *err)
 {
@@ -395,7 +395,7 @@ cml_status cml_hdf5_values(const struct cml_hdf5_dataset *dataset, size_t begin,
 
 /* ---- attributes ---- */
 
-/* -1: there is none. */
+/* Opens an attribute of a data set, or of the root; -1: there is none. */
 static hid_t open_attribute(const struct cml_hdf5 *file, const struct cml_hdf5_dataset *dataset,
                             const char *name)
 {

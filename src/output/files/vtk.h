@@ -24,8 +24,8 @@ struct cml_faces {
     uint32_t *corner;   /* [num_faces][corners] */
 };
 
-/* Both write atomically (atomic_file.h); CML_E_IO on failure. A field has as many values as there are cells,
- * or a multiple: then so many components per cell, the component fastest. */
+/* cml_vti_write and cml_vtp_write write atomically (atomic_file.h); CML_E_IO on failure. A field has as many
+ * values as there are cells, or a multiple: then so many components per cell, the component fastest. */
 CML_NODISCARD cml_status cml_vti_write(const char *path, const struct cml_image *image,
                                        const struct cml_field *fields, int num_fields, struct cml_error *err);
 CML_NODISCARD cml_status cml_vtp_write(const char *path, const struct cml_faces *faces,

@@ -41,7 +41,8 @@ struct cml_merge_arrays {
     struct cml_error err;
 };
 
-/* Of none where an input is no .h5 file. The caller closes them; on failure nothing is left open. */
+/* Opens the arrays of all inputs; those of none where an input is no .h5 file. The caller closes them; on
+ * failure nothing is left open. */
 CML_NODISCARD cml_status cml_merge_arrays_open(const struct cml_merge_input *inputs, int count,
                                                const struct cml_outcome *merged,
                                                struct cml_merge_arrays *arrays, struct cml_error *err);

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of every row anyway. */
+/* Whether this is the name of a number that every row has anyway. */
 static bool is_of_every_row(const char *name)
 {
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
@@ -25,7 +25,7 @@ static bool is_ending(const char *rest)
            strcmp(rest, "_expected_se") == 0;
 }
 
-/* Of flux_body, by side. */
+/* Names of the sides of flux_body, in their order. */
 static const char *const sides[CML_BODY_SIDES] = {"arrives_outside", "arrives_inside", "leaves_outside",
                                                   "leaves_inside"};
 
@@ -81,7 +81,7 @@ static void write_text(FILE *out, const char *name, bool label)
     if (quoted) fputc('"', out);
 }
 
-/* In the tables: the most that a row has. */
+/* How many expected values the tables have room for: the most that a row has. */
 static int count_expected(const struct cml_sweep_results *r)
 {
     int64_t most = 0;

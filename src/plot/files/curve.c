@@ -40,7 +40,7 @@ void cml_curve_free(struct cml_curve *curve)
 
 /* ---- lines and cells ---- */
 
-/* With file and line, as every reader of ours. */
+/* Fails with file and line, as every reader of ours does. */
 static cml_status fail(const struct table *t, const char *field, const char *value, const char *expected)
 {
     return cml_fail_field(t->err, t->text.path, t->text.line, field, value, expected);
@@ -128,7 +128,7 @@ static cml_status read_cell(const struct table *t, int column, char *const *cell
     return CML_OK;
 }
 
-/* Twice as many points as before. */
+/* Makes room for twice as many points as before. */
 static cml_status grow(struct table *t)
 {
     struct cml_curve *old = t->curve, larger;

@@ -80,14 +80,14 @@ static cml_status place_shapes(struct media *media, const char *path, struct cml
     return CML_OK;
 }
 
-/* Of medium m, 0 above and L + 1 below the layers. */
+/* The absorption of medium m, 1/cm; 0 is above, L + 1 below the layers. */
 static double mua_of(const struct cml_outcome *outcome, int m)
 {
     return m >= 1 && m <= outcome->num_layers ? outcome->value[CML_QUANTITY_layer_mua][m - 1] : 0;
 }
 
-/* Of each depth; the same for all radii. What is absorbed above z = 0 counts in the first bin, which is then
- * larger than the others. */
+/* The absorption at each depth, the same for all radii. What is absorbed above z = 0 counts in the first bin,
+ * which is then larger than the others. */
 static void fill_layers(const struct media *media, double *mua)
 {
     const struct cml_outcome *outcome = media->outcome;

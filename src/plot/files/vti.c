@@ -101,7 +101,7 @@ static cml_status expect(struct reader *r, const char *name, struct tag *tag)
     return strcmp(tag->name, name) == 0 ? CML_OK : fail(r, tag->line, "tag", tag->name, name);
 }
 
-/* NULL where there is none. */
+/* The value of a tag's attribute; NULL where it has none. */
 static const char *attribute(const struct tag *tag, const char *key)
 {
     for (int i = 0; i < tag->count; i++)

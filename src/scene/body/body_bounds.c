@@ -31,7 +31,8 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
                     e->at[0], e->at[1], e->at[2]);
 }
 
-/* Of the size of the coordinates, as of bodies among each other (convex.c). */
+/* What rounding may take of a gap, as a share of the size of the coordinates, as between bodies (convex.c).
+ * */
 static const double err_share = 64 * DBL_EPSILON;
 
 /* The place is the body's closest to the plane, or farthest beyond. */

@@ -194,8 +194,9 @@ static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *
     }
 }
 
-/* Of a sphere the middle of a face lies deepest, by 0.35 / n^2 of the radius below its corners at most (the
- * largest faces), of a cylinder the middle of a side, by pi^2 / (2 n^2); volume is preserved in between. */
+/* How many segments keep a tolerance. Of a sphere the middle of a face lies deepest, by 0.35 / n^2 of the
+ * radius below its corners at most (the largest faces), of a cylinder the middle of a side, by pi^2 / (2
+ * n^2); volume is preserved in between. */
 int cml_body_segments(enum cml_body_form form, double tolerance)
 {
     const double least = 3, most = 1000;

@@ -64,7 +64,7 @@ void cml_heightmap_centre(struct cml_heightmap *map);
  * (x, y, height; cm) is added. */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn);
 
-/* Of ny rows of nx values with these spacings. */
+/* Measures the relief of ny rows of nx values h with the map's spacings. */
 void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, struct cml_relief *relief);
 
 /* The prepared mesh in the boundary's frame, z = -height. tolerance: largest height error as a share of the

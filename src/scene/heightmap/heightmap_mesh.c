@@ -207,7 +207,7 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
-/* With those of the skirt. */
+/* The number of all triangles, with those of the skirt. */
 static size_t all_triangles(const struct builder *b)
 {
     return b->count + 2 * b->num_rim + 8;

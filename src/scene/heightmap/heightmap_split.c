@@ -75,7 +75,7 @@ static bool spans_rim(const struct cml_heightmap *map, struct point a, struct po
     return (upright || level) && abs(a.x - b.x) + abs(a.y - b.y) > CML_RIM_CELLS;
 }
 
-/* Infinite: must be bisected. */
+/* The error of a triangle as it is, without those it may be bisected into; infinite: it must be bisected. */
 static double own_error(const struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;

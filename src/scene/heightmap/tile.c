@@ -193,8 +193,8 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Both are linear over the same half cells or, where their diagonals differ, over the same quarters: the gap
- * is least at a corner or in the middle of a cell. */
+/* Both tiles are linear over the same half cells or, where their diagonals differ, over the same quarters:
+ * the gap is least at a corner or in the middle of a cell. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

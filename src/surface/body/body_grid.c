@@ -60,7 +60,7 @@ static void cell_range(const struct filling *f, const double lower[3], const dou
     }
 }
 
-/* Its number, x fastest. */
+/* The number of a cell among those of its layer, x fastest. */
 static size_t cell_at(const struct filling *f, int x, int y, int z)
 {
     return ((size_t)z * (size_t)f->cells->n[1] + (size_t)y) * (size_t)f->cells->n[0] + (size_t)x;

@@ -12,7 +12,7 @@
 static const double radii[] = {1.25, 1.75, 2.5, 4}; /* cells, rising */
 #define NUM_RADII (sizeof radii / sizeof *radii)
 
-/* Of a sphere or the side of a cylinder: r its radius, d the way from its centre or axis, D its length. */
+/* Adds a sphere or the side of a cylinder: r its radius, d the way from its centre or axis, D its length. */
 static void add_round(int body, const double d[3], double r, struct cml_body_patch *patch)
 {
     const double D = cml_vec3_length(d), h = CML_CELL_REACH;
@@ -89,7 +89,8 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
     cml_vec3_add_scaled(patch->normal, fmin(area, 1) / area, normal, patch->normal);
 }
 
-/* Of numbers, so that no library is called where most of the time of a grid goes. */
+/* The smaller and the larger of two numbers, without a call of the library where most of a grid's time goes.
+ * */
 static inline double smaller(double a, double b)
 {
     return a < b ? a : b;
@@ -116,7 +117,7 @@ static inline void tilt(double cosine, double distance, double lower, double upp
     range[1] = larger(cosine * lower, cosine * upper) + aside;
 }
 
-/* Of the whole facet, or if that is less, of what its plane has within reach. */
+/* Adds the heights of the whole facet, or, if that is less, of what its plane has within reach. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3], range[2], low = INFINITY, high = -INFINITY;
@@ -254,8 +255,8 @@ static struct cml_body_ball ball_of_view(const struct view *view, double radius)
     return ball;
 }
 
-/* Of balls with a surface the one that is large and leaves it little room; none if the largest without one is
- * as good. Large ones first: few are then worth a look. */
+/* Chooses, of balls with a surface, the one that is large and leaves it little room; none if the largest
+ * without one is as good. Large ones first: few are then worth a look. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3])
 {

@@ -37,7 +37,7 @@ CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene,
                                                   double tolerance, enum cml_mesh_search search,
                                                   struct cml_body_surfaces *surfaces, struct cml_error *err);
 
-/* Those of another scene that shares its bodies, in the same frames. */
+/* Shares the surfaces of another scene that shares its bodies, in the same frames. */
 void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces);
 
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);

@@ -2,11 +2,16 @@
  * rays of packets near a sheet or a regular grid (grid_mesh.h), many together in vector loops: where each of
  * them first crosses the mesh or its outer plane, or that it does not.
  *
- * A ray steep enough crosses a mesh once. What steep enough is, the horizon of a place says
- * (surface/cell_horizon.h): from there on packets that go away meet nothing. Turned round: a ray that comes
- * to that place as steeply has met nothing before. So it suffices to find a facet that the ray surely meets,
- * or that surely lies ahead where it ends, and to look up the horizon there. Where it is depends on the depth
- * of the mesh, which is guessed from that of the cell below the last guess.
+ *        o packet
+ *         \             A ray steep enough crosses a mesh once. What steep enough is, the horizon of a place
+ *          \      . '   says (surface/cell_horizon.h): from x on packets that go away above the dotted lines
+ *     ' .   \  . '      meet nothing. Turned round: a ray that comes to x from above them has met nothing
+ *     /\  ' .x'   /\    before.
+ *  __/  \____|___/  \   mesh
+ *
+ * So it suffices to find a facet that the ray surely meets, or that surely lies ahead where it ends, and to
+ * look up the horizon there. Where it is depends on the depth of the mesh, which is guessed from that of the
+ * cell below the last guess.
  *
  * Answers are those of the walk (grid_walk.h) to the last bit: the same arithmetic finds the crossing of the
  * ray with the facet's plane. What is not sure by more than rounding, or not steep enough, is left to it.

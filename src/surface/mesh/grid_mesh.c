@@ -258,7 +258,7 @@ cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct 
     return CML_OK;
 }
 
-/* Cells without facets. */
+/* Allocates the cells, none of which has a facet yet. */
 static cml_status allocate(struct cml_grid_mesh *grid, struct cml_error *err)
 {
     const size_t cells = cml_grid_mesh_slots(&grid->level[0]);

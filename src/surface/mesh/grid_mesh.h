@@ -87,7 +87,7 @@ static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
 }
 
-/* Of all levels together. */
+/* Slots of all levels together. */
 size_t cml_grid_mesh_all_slots(const struct cml_grid_mesh *grid);
 
 /* Lays out all levels above n[0] x n[1] cells, none of which has a depth yet. CML_E_INPUT for memory. */
@@ -106,7 +106,7 @@ CML_NODISCARD cml_status cml_grid_mesh_find(const struct cml_centred_mesh *centr
                                             struct cml_grid_mesh *grid, struct cml_error *err);
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
-/* Of all that *grid owns; 0 without cells. */
+/* Bytes of all that *grid owns; 0 without cells. */
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid);
 
 #endif

@@ -77,7 +77,7 @@ static double distance_to_segment(const double a[3], const double b[3], const do
     return cml_vec3_length(off);
 }
 
-/* That of the plane where p projects into the triangle, else of the nearest edge. */
+/* The distance of p from the plane where it projects into the triangle, else from the nearest edge. */
 double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive, const double p[3])
 {
     const double *normal = centred->plane[primitive];

@@ -30,7 +30,7 @@ struct cml_line_crossing {
     int primitive, part, way, around;
 };
 
-/* Of a union: crossings ahead, in their order. */
+/* The crossings ahead of a line through parts that unite, in their order. */
 struct cml_line_parts {
     struct cml_line_crossing item[64]; /* a lot of them */
     int count, lot;                    /* how many, and which lot, from 0 */

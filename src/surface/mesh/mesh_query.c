@@ -49,11 +49,12 @@ static bool is_ahead(struct cml_mesh_query *q, double t, double along)
     return false;
 }
 
-/* Of a vertex: the first rounds of SplitMix64. For each triangle that the ray hits, open_edges adds up start
- * less end of the edges that the ray is on but for rounding. Where the triangles around an edge or a vertex
- * have all been hit at one place, each such vertex has been added as often as subtracted, and the sum is 0:
- * then nothing is left between them that the ray could slip through, whatever rounding did. Else it is 0 by
- * chance once in 2^64. (Zobrist hashing of the boundary of a chain of triangles.) */
+/* A random number of a vertex: the first rounds of SplitMix64. For each triangle that the ray hits,
+ * open_edges adds up start less end of the edges that the ray is on but for rounding. Where the triangles
+ * around an edge or a vertex have all been hit at one place, each such vertex has been added as often as
+ * subtracted, and the sum is 0: then nothing is left between them that the ray could slip through, whatever
+ * rounding did. Else it is 0 by chance once in 2^64. (Zobrist hashing of the boundary of a chain of
+ * triangles.) */
 static uint64_t random_number(uint32_t vertex)
 {
     const uint64_t x = (vertex + UINT64_C(1)) * UINT64_C(0x9e3779b97f4a7c15);

@@ -264,7 +264,23 @@ static bool is_plain_miss(const struct cml_tree_answer *answer)
     return answer->facet < 0 && answer->doubts == 0 && !answer->blurred && !answer->re_enters;
 }
 
-/* Packets that stand near an edge go the exact way at once: the fast ones would only send them there. The
+/* Who is fast is asked first, and leaves to the next what it cannot decide for certain:
+ *
+ *   leaves named for the place (safe_map.h)  ------------------> a plain miss: nothing is crossed
+ *         |  anything else
+ *         v
+ *   the cells (grid_walk.h), else the tree (facet_tree.h), else Embree's boxes
+ *         |  undecided, or doubts
+ *         v
+ *   triangles in double (mesh_query.h): those in doubt, or all whose boxes the ray meets
+ *         |
+ *         v
+ *   the outer plane  ------------------------------------------> the crossing, or none
+ *         |  an edge, contact with a facet, the wrong side
+ *         v
+ *   the whole line by exact signs (mesh_line.h)  --------------> the crossing, or none
+ *
+ * Packets that stand near an edge go to the triangles at once: the fast ones would only send them there. The
  * outer plane is left out where the traversal has shown that the ray stays over the grid. */
 static inline int hit_mesh(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                            int below, double t_max, int exclude, int undeflected, int exact,

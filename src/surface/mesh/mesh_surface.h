@@ -81,13 +81,12 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch);
 
-/* Its cells, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *centred: its mesh.
- * Borrowed.
- */
+/* The cells of a surface, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *centred: its
+ * mesh. Borrowed. */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_centred_mesh **centred);
 
-/* Its safe distances, or NULL. Borrowed. */
+/* The safe distances of a surface, or NULL. Borrowed. */
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */

@@ -46,13 +46,13 @@ static double facet_square(const void *context, uint32_t i, const double p[3])
     return cml_flat_square((const struct cml_flat_facet *)context + i, p[0], p[1], p[2]);
 }
 
-/* In cm, centred frame. */
+/* A place of the map, in cells, in the centred frame, cm. */
 static void place_of(const struct filling *f, const double p[3], double at[3])
 {
     cml_vec3_add_scaled(f->map->corner, f->map->cell, p, at);
 }
 
-/* From a place to the closest facet, in cells. */
+/* The distance from a place to the closest facet, in cells. */
 static double closest_facet(const struct filling *f, const double p[3], uint32_t *facet)
 {
     double at[3];
@@ -125,7 +125,7 @@ static bool is_far(const struct block *block, double safe)
     return safe >= FAR * reach_of(block);
 }
 
-/* Of all parts, cm. */
+/* The middles of a block's parts in the centred frame, cm. */
 static void middles_of_parts(const struct filling *f, const struct block *block, double middle[3][CML_PLACES])
 {
     for (int i = 0; i < CML_PLACES; i++) {
@@ -192,7 +192,7 @@ static double without_outer_plane(const struct filling *f, const double p[3])
     return cml_smaller(most, fabs(at[2] - f->centred->mesh.z_border) / f->map->cell);
 }
 
-/* Of a block of 2 x 2 x 2 cells: each leaf is good up to the next one, or the outer plane. */
+/* Names the leaves of a block of 2 x 2 x 2 cells: each is good up to the next one, or the outer plane. */
 static void name_leaves(const struct filling *f, const struct block *block, const struct ranking *r)
 {
     const struct cml_safe_map *map = f->map;

@@ -30,8 +30,8 @@ struct cml_safe_map {
         *names; /* [blocks[2]][blocks[1]][blocks[0]]; NULL: facets are too small for any */
 };
 
-/* Of a mesh that is not repeated, its outer plane if it has one, and its tree. bytes: what may be taken,
- * about. CML_E_INPUT when memory runs out, and then there is nothing to clear. */
+/* Makes the map of a mesh that is not repeated, its outer plane if it has one, and its tree. bytes: what may
+ * be taken, about. CML_E_INPUT when memory runs out, and then there is nothing to clear. */
 CML_NODISCARD cml_status cml_safe_map_create(const struct cml_centred_mesh *centred,
                                              const struct cml_facet_tree *tree, double bytes,
                                              struct cml_safe_map *map, struct cml_error *err);

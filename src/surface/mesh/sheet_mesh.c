@@ -50,7 +50,7 @@ static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* See rounding.h. */
+/* err_apart of a sheet's cells, see rounding.h. */
 static double err_apart_of(const struct cml_grid_mesh *grid)
 {
     return 4 * grid->err_cell;
@@ -139,7 +139,7 @@ static void list_facet(const struct lists *l, const struct entry *entry)
     grid->listed[k] = entry->facet;
 }
 
-/* false: out of memory. */
+/* Adds an entry to the lists; false: out of memory. */
 static bool add_entry(struct lists *l, struct entry entry)
 {
     if (l->count == l->room) {

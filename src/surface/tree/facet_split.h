@@ -13,7 +13,7 @@ struct cml_facet_box {
     uint32_t facet;
 };
 
-/* A box around nothing. */
+/* The box around nothing, which joins with any other as that. */
 struct cml_facet_box cml_facet_box_none(void);
 
 /* Makes a box hold another one too. */

@@ -194,7 +194,7 @@ static cml_status add_node(struct builder *b, const struct group *group, int dep
     return CML_OK;
 }
 
-/* Rounded outwards. */
+/* The boxes of all facets, rounded outwards. */
 static void find_boxes(struct builder *b)
 {
     for (uint32_t i = 0; i < b->mesh->num_triangles; i++) {

@@ -75,7 +75,7 @@ CML_NODISCARD cml_status cml_facet_tree_create(const struct cml_mesh *mesh, cons
                                                struct cml_error *err);
 void cml_facet_tree_clear(struct cml_facet_tree *tree);
 
-/* Of all that it owns. */
+/* Bytes of all that a tree owns. */
 double cml_facet_tree_bytes(const struct cml_facet_tree *tree);
 
 #define CML_PLACES 8

@@ -1,4 +1,4 @@
-/* Arrays that grow one by one. SPDX-License-Identifier: MIT */
+/* Arrays that grow one by one, and their order by value. SPDX-License-Identifier: MIT */
 #ifndef CML_ARRAY_H
 #define CML_ARRAY_H
 
@@ -21,6 +21,13 @@ CML_NODISCARD static inline cml_status cml_array_grow(void *array, size_t count,
     if (!larger) return cml_fail_memory(err, (double)bytes, what);
     memcpy(array, &larger, sizeof larger);
     return CML_OK;
+}
+
+/* For qsort and bsearch: doubles that are numbers, rising. */
+static inline int cml_compare_doubles(const void *left, const void *right)
+{
+    const double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
 }
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/json_name.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,11 @@ json_t *cml_json_name(const char *name)
     string = json_string(escaped);
     free(escaped);
     return string;
+}
+
+json_t *cml_json_real(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
 }
 
 cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err)

@@ -64,15 +64,6 @@ cml_status cml_settings_text(const struct cml_settings *settings, char **text, s
     return fclose(out) == 0 && !failed ? CML_OK : cml_fail_memory(err, (double)size, "the settings");
 }
 
-void cml_settings_print(FILE *out, const char *prefix, const char *text)
-{
-    while (text && *text) {
-        const size_t length = strcspn(text, "\n");
-        fprintf(out, "%s%.*s\n", prefix, (int)length, text);
-        text += length + (text[length] == '\n');
-    }
-}
-
 const char *cml_setting_unit(const char *name)
 {
     static const char *const lengths[] = {"d", "radius", "x", "y", "z", "r1", "r2", "w", "h", "dx", "dy"};

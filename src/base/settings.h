@@ -7,7 +7,6 @@
 #include "base/status.h"
 
 #include <stddef.h>
-#include <stdio.h>
 
 enum { CML_MOST_SETTINGS = 256, CML_SETTING_NAME = 64 };
 
@@ -42,9 +41,6 @@ const struct cml_setting *cml_settings_find(const struct cml_settings *settings,
 /* All of them as a text, a "NAME = VALUE" a line, the caller's to free; NULL where there are none. */
 CML_NODISCARD cml_status cml_settings_text(const struct cml_settings *settings, char **text,
                                            struct cml_error *err);
-
-/* The lines of such a text, each behind the prefix and ended by a line feed. text NULL: none. */
-void cml_settings_print(FILE *out, const char *prefix, const char *text);
 
 /* "SOURCE: NAME = VALUE (expected EXPECTED)", with line and column of a table behind the source; CML_E_INPUT.
  */

@@ -189,6 +189,15 @@ cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
     return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
 }
 
+void cml_text_print(FILE *out, const char *prefix, const char *text)
+{
+    while (text && *text) {
+        const size_t length = strcspn(text, "\n");
+        fprintf(out, "%s%.*s\n", prefix, (int)length, text);
+        text += length + (text[length] == '\n');
+    }
+}
+
 cml_status cml_path_beside(const char *beside, const char *name, char **path, struct cml_error *err)
 {
     const char *slash = strrchr(beside, '/');

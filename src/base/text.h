@@ -70,6 +70,9 @@ bool cml_parse_int(const char *word, int *value);
 /* strdup that reports through err. */
 CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
 
+/* The lines of a text, each behind the prefix and ended by a line feed. text NULL: none. */
+void cml_text_print(FILE *out, const char *prefix, const char *text);
+
 /* Joins the directory of `beside` with `name`, unless name is absolute: how a file named inside another is
  * found. */
 CML_NODISCARD cml_status cml_path_beside(const char *beside, const char *name, char **path,

@@ -83,12 +83,6 @@ static void print_all(const struct cml_check_setup *setup, const struct cml_chec
 
 /* ---- JSON ---- */
 
-/* A number for JSON, which cannot say NaN, the error of one packet, nor infinity: null. */
-static json_t *real_json(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 /* What a side found, and how that differs from the first side. */
 static json_t *side_json(const struct cml_check_setup *setup, int s, const struct cml_check_result *result)
 {
@@ -103,19 +97,20 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
         const struct cml_check_total *total = &pair->total[t];
         char error[32];
         snprintf(error, sizeof error, "%s_se", name);
-        json_object_set_new(side, name, real_json(cml_result_total(sums, (enum cml_total)t)));
-        json_object_set_new(side, error, real_json(cml_result_error(sums, (enum cml_total)t)));
+        json_object_set_new(side, name, cml_json_real(cml_result_total(sums, (enum cml_total)t)));
+        json_object_set_new(side, error, cml_json_real(cml_result_error(sums, (enum cml_total)t)));
         json_object_set_new(differences, name,
-                            json_pack("{s:o, s:o, s:o}", "mean", real_json(total->mean), "error",
-                                      real_json(total->error), "z", real_json(total->z)));
+                            json_pack("{s:o, s:o, s:o}", "mean", cml_json_real(total->mean), "error",
+                                      cml_json_real(total->error), "z", cml_json_real(total->z)));
     }
     if (s == 0) {
         json_decref(differences);
         return side;
     }
-    json_t *worst = !pair->worst_profile ? json_null()
-                                         : json_pack("{s:s, s:i, s:o}", "quantity", pair->worst_profile,
-                                                     "bin", pair->worst_bin, "z", real_json(pair->worst_z));
+    json_t *worst = !pair->worst_profile
+                        ? json_null()
+                        : json_pack("{s:s, s:i, s:o}", "quantity", pair->worst_profile, "bin",
+                                    pair->worst_bin, "z", cml_json_real(pair->worst_z));
     json_t *more =
         json_pack("{s:b, s:I, s:i, s:o, s:o}", "agree", pair->agrees, "equal", (json_int_t)pair->equal,
                   "values", pair->values, "differences", differences, "worst", worst);

@@ -174,12 +174,6 @@ static void print_plan(const struct plan *plan)
     print_windows(plan);
 }
 
-/* null where a pilot saw nothing. */
-static json_t *number_json(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *row_json(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
@@ -188,8 +182,8 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     for (int goal = 0; goal < num_goals(plan, engine); goal++) {
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
         json_object_set_new(row, goal_name(goal),
-                            json_pack("{s:o, s:o}", "photons", number_json(photons), "seconds",
-                                      number_json(photons / speed)));
+                            json_pack("{s:o, s:o}", "photons", cml_json_real(photons), "seconds",
+                                      cml_json_real(photons / speed)));
     }
     return row;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/directions.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 
 #include <math.h>
@@ -29,18 +30,12 @@ double cml_gauss_node(int n, int i, double *weight)
     return x;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The indices of the stack, rising, each once. Returns how many. */
 static int sort_indices(const struct cml_medium_def *media, int count, double *index)
 {
     int distinct = 0;
     for (int m = 0; m < count; m++) index[m] = media[m].n;
-    qsort(index, (size_t)count, sizeof *index, compare_numbers);
+    qsort(index, (size_t)count, sizeof *index, cml_compare_doubles);
     for (int m = 0; m < count; m++)
         if (m == 0 || index[m] > index[distinct - 1]) index[distinct++] = index[m];
     return distinct;

@@ -4,6 +4,7 @@
  * Chebyshev nodes. SPDX-License-Identifier: MIT */
 #include "exact/tail_response.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "exact/stack.h"
 
@@ -24,19 +25,13 @@ static int nodes_of(const struct cml_flat_tail *tail, int interval)
     return 12 + (int)ceil(24 * acos(share) / (CML_PI / 2));
 }
 
-static int compare_indices(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The indices of the media from the level's on that are no larger than its own, each once. */
 static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
 {
     int distinct = 0;
     for (int m = 0; m < count; m++)
         if (media[m].n <= media[0].n) tail->index[tail->intervals++] = media[m].n;
-    qsort(tail->index, (size_t)tail->intervals, sizeof *tail->index, compare_indices);
+    qsort(tail->index, (size_t)tail->intervals, sizeof *tail->index, cml_compare_doubles);
     for (int k = 0; k < tail->intervals; k++)
         if (k == 0 || tail->index[k] > tail->index[distinct - 1]) tail->index[distinct++] = tail->index[k];
     tail->intervals = distinct;

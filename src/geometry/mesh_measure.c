@@ -1,6 +1,7 @@
 /* Vertex normals and statistics of a mesh. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "geometry/vec3.h"
 
@@ -79,12 +80,6 @@ cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
     return CML_OK;
 }
 
-static int compare_doubles(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
 {
     double along[3];
@@ -114,7 +109,7 @@ static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary
     summary->edge_median = summary->edge_min = NAN;
     if (!lengths) return;
     const size_t count = list_lengths(mesh, lengths);
-    qsort(lengths, count, sizeof *lengths, compare_doubles);
+    qsort(lengths, count, sizeof *lengths, cml_compare_doubles);
     summary->edge_min = lengths[0];
     summary->edge_median = 0.5 * (lengths[(count - 1) / 2] + lengths[count / 2]);
     free(lengths);

@@ -15,15 +15,9 @@
 #include <string.h>
 
 /* Keys keep the order in which they are set (jansson 2.8 and later). */
-/* JSON cannot say NaN, the error of one packet: null. */
-static json_t *real_json(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static void set_real(json_t *object, const char *key, double value)
 {
-    json_object_set_new(object, key, real_json(value));
+    json_object_set_new(object, key, cml_json_real(value));
 }
 
 /* What lists are about; sums NULL: nothing has been flown. */
@@ -43,16 +37,15 @@ struct list {
     json_t *(*element)(const struct subject *subject, int i);
 };
 
-/* An unknown bias is infinite, which JSON cannot say: null. */
+/* How a boundary is represented. An unknown bias is infinite. */
 static json_t *boundary_json(const struct subject *subject, int b)
 {
     const struct cml_surface_def *def = &subject->surfaces->item[b];
     const struct cml_expectation *expect = &def->expectation;
-    json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
     return json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind", cml_surface_kind_name(def->kind),
                      "reason", def->reason, "primitives", (json_int_t)def->primitives, "build_s",
-                     def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias, "query_ns",
-                     expect->query_ns, "deviation", expect->deviation);
+                     def->build_seconds, "MiB", def->bytes / 1048576, "bias", cml_json_real(expect->bias),
+                     "query_ns", expect->query_ns, "deviation", expect->deviation);
 }
 
 /* Key `phase` of a medium that has one: the words of its line. */
@@ -169,10 +162,10 @@ static json_t *part_json(const struct cml_outcome *o, enum cml_quantity quantity
 {
     const bool one =
         cml_quantities[quantity].axis[0] == CML_AXIS_NONE || cml_quantity_is_of_detector(quantity);
-    if (one) return real_json(values[part]);
+    if (one) return cml_json_real(values[part]);
     json_t *list = json_array();
     for (size_t i = 0; i < cml_outcome_size(o, quantity); i++)
-        json_array_append_new(list, real_json(values[i]));
+        json_array_append_new(list, cml_json_real(values[i]));
     return list;
 }
 

@@ -239,19 +239,13 @@ void cml_swept_clear(struct cml_swept *swept)
 
 /* ---- maps ---- */
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double one = *(const double *)a, other = *(const double *)b;
-    return (one > other) - (one < other);
-}
-
 /* The different values of a column, rising; returns how many. */
 static size_t find_values(const struct columns *c, int column, double *values)
 {
     const size_t rows = (size_t)c->table->num_rows;
     size_t n = 0;
     for (size_t i = 0; i < rows; i++) values[i] = number_of(c, (int)i, column);
-    qsort(values, rows, sizeof *values, compare_numbers);
+    qsort(values, rows, sizeof *values, cml_compare_doubles);
     for (size_t i = 0; i < rows; i++)
         if (n == 0 || values[i] != values[n - 1]) values[n++] = values[i];
     return n;
@@ -279,8 +273,9 @@ static cml_status fill_map(const struct columns *c, const int over[2], const dou
         size_t at[2];
         for (int a = 0; a < 2; a++) {
             const double value = number_of(c, (int)row, over[a]), *all = values + (size_t)a * rows;
-            at[a] = (size_t)((const double *)bsearch(&value, all, map->n[a], sizeof value, compare_numbers) -
-                             all);
+            at[a] =
+                (size_t)((const double *)bsearch(&value, all, map->n[a], sizeof value, cml_compare_doubles) -
+                         all);
         }
         float *pixel = &map->value[at[1] * map->n[0] + at[0]];
         if (!isnan(*pixel))

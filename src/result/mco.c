@@ -2,6 +2,7 @@
 #include "result/mco.h"
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "result/mco_sections.h"
 
 #include <inttypes.h>
@@ -98,16 +99,6 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
 
 /* ---- what is ours ---- */
 
-/* Lines of a text, each behind the prefix. */
-static void write_lines(FILE *out, const char *prefix, const char *text)
-{
-    while (text && *text) {
-        const size_t length = strcspn(text, "\n");
-        fprintf(out, "%s%.*s\n", prefix, (int)length, text);
-        text += length + (text[length] == '\n');
-    }
-}
-
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
@@ -115,12 +106,12 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
         fprintf(out, "# merged %s: seed %" PRIu64 ", run %" PRIu64 "\n", o->stream[i].file, o->stream[i].seed,
                 o->stream[i].run);
     cml_provenance_print(out, &o->provenance, o->merged);
-    write_lines(out, "# set ", o->settings);
-    write_lines(out, "# ", o->beam);
-    write_lines(out, "# ", o->phases);
-    write_lines(out, "# ", o->detectors);
-    write_lines(out, "# ", o->shapes);
-    write_lines(out, "# scene ", o->scene);
+    cml_text_print(out, "# set ", o->settings);
+    cml_text_print(out, "# ", o->beam);
+    cml_text_print(out, "# ", o->phases);
+    cml_text_print(out, "# ", o->detectors);
+    cml_text_print(out, "# ", o->shapes);
+    cml_text_print(out, "# scene ", o->scene);
     if (o->nt > 0)
         fprintf(out, "\ndirections # bins of the angle and of the azimuth\n%d\n%d\n", o->nt, o->np);
     if (o->num_gates > 0)

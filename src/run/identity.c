@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/identity.h"
 
-#include "base/settings.h"
+#include "base/text.h"
 #include "base/version.h"
 
 #include <stdlib.h>
@@ -57,7 +57,7 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     if (!out) return cml_fail_memory(err, 1, "the run's identity");
     fprintf(out, "program %s\n", cml_version());
     cml_provenance_identify(out, provenance);
-    cml_settings_print(out, "set ", settings);
+    cml_text_print(out, "set ", settings);
     fputs(inputs, out);
     return close_text(out, &size, err);
 }

@@ -74,12 +74,6 @@ static cml_status cut_triangles(const struct cml_mesh *mesh, double z, struct cm
     return CML_OK;
 }
 
-static int compare_numbers(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 /* The outer plane ends where the border passes, begins at the next passage, and so on: from x_low, which lies
  * outside, to x_high. x holds one number more than the border has edges. */
 static cml_status cut_outside(const struct cml_boundary *boundary, double x_low, double x_high, double *x,
@@ -94,7 +88,7 @@ static cml_status cut_outside(const struct cml_boundary *boundary, double x_low,
         if (passes(a, mesh->vertex[mesh->border[(i + 1) % mesh->num_border]], point))
             x[passages++] = point[0];
     }
-    qsort(x, passages, sizeof *x, compare_numbers);
+    qsort(x, passages, sizeof *x, cml_compare_doubles);
     x[passages] = x_high;
     double from = x_low;
     for (size_t i = 0; i <= passages; i += 2) {

@@ -276,7 +276,8 @@ static cml_status allocate_period(const struct cml_heightmap *tile, const int pe
     return CML_OK;
 }
 
-/* Covers the cells below a triangle; one that lies beside the map has nothing to say, but within rounding of its ends. */
+/* Covers the cells below a triangle; one that lies beside the map has nothing to say, but within rounding of
+ * its ends. */
 static void cover_if_inside(struct cml_clearance_map *map, const double *corner[3], float *steepest)
 {
     const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);

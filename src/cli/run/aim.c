@@ -440,8 +440,8 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_window_table_clear(&aim->windows);
 }
 
-/* What splitting alone gains: V, the variance of one packet over the square of its mean, becomes about log(V)^2.
- * Nothing where more than 5e-3 of the light arrives. */
+/* What splitting alone gains: V, the variance of one packet over the square of its mean, becomes about
+ * log(V)^2. Nothing where more than 5e-3 of the light arrives. */
 static double gain_of(double V, double worth)
 {
     const double least = 7.4; /* below that the rule turns */

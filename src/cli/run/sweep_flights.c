@@ -131,7 +131,7 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
     for (int i = 0; i < group->count; i++) {
         char prefix[40];
         snprintf(prefix, sizeof prefix, "row %d set ", group->row[i] + 1);
-        cml_settings_print(out, prefix, group->scene[i]->settings);
+        cml_text_print(out, prefix, group->scene[i]->settings);
     }
     fputs(sweep->identity, out);
     const int failed = ferror(out);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/study/sweep_files.h"
 
+#include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/settings.h"
 #include "base/text.h"
@@ -179,19 +180,13 @@ struct grid {
     int *row;            /* [num_rows] the row at each place of the array */
 };
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double one = *(const double *)a, other = *(const double *)b;
-    return (one > other) - (one < other);
-}
-
 /* The different values of a column, rising. Returns how many. */
 static size_t find_values(const struct grid *grid, int column, double *values)
 {
     const size_t rows = (size_t)grid->results->num_rows, columns = (size_t)grid->results->num_columns;
     size_t n = 0;
     for (size_t i = 0; i < rows; i++) values[i] = grid->value[i * columns + (size_t)column];
-    qsort(values, rows, sizeof *values, compare_numbers);
+    qsort(values, rows, sizeof *values, cml_compare_doubles);
     for (size_t i = 0; i < rows; i++)
         if (n == 0 || values[i] != values[n - 1]) values[n++] = values[i];
     return n;
@@ -227,7 +222,7 @@ static bool place_rows(struct grid *grid)
         for (int a = 0; a < grid->num_axes; a++) {
             const struct cml_axis *axis = &grid->axis[a];
             const double *cell = &grid->value[(size_t)row * (size_t)r->num_columns + (size_t)grid->column[a]];
-            const double *at = bsearch(cell, axis->values, axis->n, sizeof *cell, compare_numbers);
+            const double *at = bsearch(cell, axis->values, axis->n, sizeof *cell, cml_compare_doubles);
             cell_at = cell_at * axis->n + (size_t)(at - axis->values);
         }
         if (grid->row[cell_at] >= 0) return false;

@@ -117,33 +117,44 @@ CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_la
     }
 }
 
-/* Photons of the queue that are transmitted at the plane below them, z = 0 of the first layer, start there:
- * P5, as cml_bundle_reach_planes and cml_bundle_reflect_or_refract have it. z: where all start, cm. The
- * medium above is clear. */
-CML_LOOP void cml_queue_enter(const struct cml_world *world, real z, struct cml_launch_queue *queue)
+/* matched: constant; no index step, so that nothing is drawn. */
+static inline void cml_queue_cross(const struct cml_world *world, real z, struct cml_launch_queue *queue,
+                                   const int matched)
 {
     const struct cml_stream stream = world->setup.stream;
     const struct cml_queue_crossing entry = cml_queue_crossing_of(&world->setup, queue, 0);
     const real n1 = world->media[0].n, n2 = world->media[1].n;
-    const int matched = n1 == n2;
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
         const struct cml_vec p = {queue->x[i], queue->y[i], z},
                              u = {queue->ux[i], queue->uy[i], queue->uz[i]};
         const real t = -z / u.z, ahead = t > 0 ? t : (real)0;
         const struct cml_vec q = cml_along(p, ahead, u);
-        const cml_u32 word = cml_queue_reflection(stream, queue, i, entry);
-        int transmitted;
-        const struct cml_vec v = cml_plane_direction(u, n1, n2, cml_uniform(word), &transmitted);
-        const int through = (matched | transmitted) & (u.z > 0) & (t < CML_INFINITY),
-                  bent = through & !matched;
+        struct cml_vec v = u;
+        int transmitted = 1;
+        if (!matched) {
+            const cml_u32 word = cml_queue_reflection(stream, queue, i, entry);
+            v = cml_plane_direction(u, n1, n2, cml_uniform(word), &transmitted);
+        }
+        const int through = transmitted & (u.z > 0) & (t < CML_INFINITY);
         queue->through[i] = through;
         queue->x[i] = cml_pick(through, q.x, p.x);
         queue->y[i] = cml_pick(through, q.y, p.y);
-        queue->ux[i] = cml_pick(bent, v.x, u.x);
-        queue->uy[i] = cml_pick(bent, v.y, u.y);
-        queue->uz[i] = cml_pick(bent, v.z, u.z);
+        queue->ux[i] = cml_pick(through, v.x, u.x);
+        queue->uy[i] = cml_pick(through, v.y, u.y);
+        queue->uz[i] = cml_pick(through, v.z, u.z);
     }
+}
+
+/* Photons of the queue that are transmitted at the plane below them, z = 0 of the first layer, start there:
+ * P5, as cml_bundle_reach_planes and cml_bundle_reflect_or_refract have it. z: where all start, cm. The
+ * medium above is clear. */
+CML_LOOP void cml_queue_enter(const struct cml_world *world, real z, struct cml_launch_queue *queue)
+{
+    if (world->media[0].n == world->media[1].n)
+        cml_queue_cross(world, z, queue, 1);
+    else
+        cml_queue_cross(world, z, queue, 0);
 }
 
 /* All photons of the queue, whose indices and points of the lattice are there. */

@@ -20,10 +20,10 @@ if test $# -gt 0; then
     exec ctest --test-dir build $by "^$1\$" --no-tests=error --output-on-failure -j2
 fi
 cmake --build build --parallel 2 --target benches
-ctest --test-dir build -LE long --output-on-failure -j2
+ctest --test-dir build -LE long --output-on-failure -j3 # many wait for files
 
-CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
-cmake --build build-asan --parallel 2 --target clustermcml units
+CC=clang CXX=clang++ cmake --preset asan >/dev/null
+cmake --build build-asan --parallel 2 --target clustermcml units fuzzers
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 ctest --test-dir build-asan -L unit --output-on-failure -j2
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
@@ -34,5 +34,6 @@ bash tests/fuzz/run.sh runs=8000 fly mco
 bash tests/fuzz/run.sh runs=100000 mci obj heightmap vti csv options checkpoint merge sweep
 bash tests/fuzz/run.sh runs=2000 h5
 
-# The fuzzers' program is built without MPI.
-CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-fuzz/clustermcml sh tests/cluster/alone.sh
+# The program of the thread sanitizer is built without MPI.
+export TSAN_OPTIONS=ignore_noninstrumented_modules=1
+CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-tsan/clustermcml sh tests/cluster/alone.sh

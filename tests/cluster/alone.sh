@@ -1,6 +1,6 @@
 #!/bin/sh
-# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE; run.sh gives the fuzzers' build, by another compiler
-# with sanitizers, which is slow: few packets): the same bits, checkpoints and resume; refused where
+# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE; run.sh gives the thread sanitizer's build, by another
+# compiler, which is slow: few packets): the same bits, checkpoints and resume; refused where
 # several copies were started, which would all write the same files.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh

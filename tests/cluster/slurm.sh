@@ -89,19 +89,19 @@ trap 'stop_slurm 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' INT TERM HUP
 start_slurm || { complain "Slurm does not start: $(tail -n 5 "$work"/*.log)"; finish; }
 
-# ---- the undisturbed run: half a minute on this machine, as busy as it is now
+# ---- the undisturbed run: twenty seconds on this machine, as busy as it is now
 
 scene=$PWD/samples/thick.mci
 script=$PWD/samples/slurm.sh
 mkdir "$work/run" "$work/undisturbed"
 speed=$("$program" "$scene" --threads 2 --photons 1e6 --json -o "$work" | sed 's/.*"photons_per_s": *\([0-9]*\).*/\1/')
-photons=$((speed * 30))
+photons=$((speed * 20))
 expect_code 0 "$scene" --threads 2 --photons $photons --quiet -o "$work/undisturbed"
 
 # ---- the job, which is stopped twice
 
 # Slurm looks at time limits every 30 s and sends the signal of --signal=USR2@45 when less than 75 s are left: with a
-# limit of a minute at its first look. Submitted ten seconds before one, the job has flown a third.
+# limit of a minute at its first look. Submitted ten seconds before one, the job has flown half.
 until test $((($(date +%s) - began) % 30)) -eq 20; do sleep 0.2; done
 job=$(cd "$work/run" && CLUSTERMCML=$program sbatch --parsable --output=log --nodes=1 --ntasks-per-node=2 \
     --cpus-per-task=1 --time=00:01:00 --signal=USR2@45 "$script" "$scene" --photons $photons) || { complain "sbatch fails"; finish; }
@@ -116,7 +116,7 @@ cores_of_ranks() {
 
 asked=
 cores=
-patience=$(($(date +%s) + 120))
+patience=$(($(date +%s) + 300))
 while test "$(date +%s)" -lt $patience; do
     state=$(scontrol show job "$job")
     case $state in

@@ -1,13 +1,13 @@
 #!/bin/bash
 # The fuzzers, built and run one after the other: run.sh TIME [TARGET ...] with a time per target like 30 (seconds), 90s,
 # 10m or 2h, or a number of executions like runs=1000000. Prints one line a target; exit code 1 when one crashed, hung or
-# leaked, and then the input is kept below build-fuzz/found. The seed is 1 unless FUZZ_SEED is set.
+# leaked, and then the input is kept below build-asan/found. The seed is 1 unless FUZZ_SEED is set.
 # With one seed and a number of executions the inputs are the same each time; with a time, how many there are differs.
 # SPDX-License-Identifier: MIT
 set -eu
 cd "$(dirname "$0")/../.."
 root=$PWD
-build=$root/build-fuzz
+build=$root/build-asan
 usage="usage: tests/fuzz/run.sh SECONDS|TIME{s,m,h}|runs=N [TARGET ...]"
 limit=${1:?$usage}
 shift
@@ -21,8 +21,8 @@ case $limit in
 esac
 command -v clang >/dev/null || { echo "clang is missing"; exit 77; }
 
-CC=clang CXX=clang++ cmake --preset fuzz >/dev/null
-cmake --build "$build" --parallel 2 >"$build/build.log" 2>&1 || { cat "$build/build.log"; exit 1; }
+CC=clang CXX=clang++ cmake --preset asan >/dev/null
+cmake --build "$build" --parallel 2 --target clustermcml fuzzers >"$build/build.log" 2>&1 || { cat "$build/build.log"; exit 1; }
 
 # A small quarantine: freed blocks stay poisoned for long enough, and memory stays in the cache.
 export ASAN_OPTIONS=quarantine_size_mb=8:malloc_context_size=8:allocator_may_return_null=1:detect_leaks=1

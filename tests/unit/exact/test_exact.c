@@ -7,6 +7,7 @@
 
 #include "lib/dice.h"
 #include "lib/require.h"
+#include "lib/sanitized.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,12 +44,13 @@ static struct stack slab(double n, double mua, double mus, double g, double d)
     return stack;
 }
 
-/* The caller clears it. */
+/* The caller clears it. With sanitizers no error below 1e-5 is asked for, which takes a fraction of the
+ * time. */
 static struct cml_exact solve(const struct stack *stack, bool diffuse, double angle, double tolerance)
 {
     struct cml_exact_ray beam = {cos(angle), 1};
     const struct cml_exact_light light = {.diffuse = diffuse, .num_beams = !diffuse, .beam = &beam};
-    const struct cml_exact_options options = {tolerance, 1e11, NULL};
+    const struct cml_exact_options options = {SANITIZED ? fmax(tolerance, 1e-5) : tolerance, 1e11, NULL};
     struct cml_exact exact;
     struct cml_error err;
     require_ok(cml_exact_solve(stack->media, stack->layers, &light, &options, &exact, &err), &err);
@@ -341,6 +343,7 @@ static long double diffusion_exponent(long double w, long double g)
 static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
 {
     (void)state;
+    if (SANITIZED) skip(); /* it needs a small error */
     const double g[] = {0, 0.9, -0.5}, lengths[] = {14, 20, 40, 300};
     for (int i = 0; i < 3; i++) {
         const double exponent = (double)diffusion_exponent(100 / 100.5L, g[i]) * 100.5;

@@ -26,11 +26,12 @@ def medium(mua, mus, g, unit):
                          "phase": {"type": "hg", "g": g}})
 
 
-def load(scene, photons):
+def load(scene, photons, lights=None):
+    """lights: parts of the scene in place of the constant light."""
     unit = scene["unit"]
     media = {name: medium(*numbers, unit) for name, numbers in scene["media"].items()}
     parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": LATE},
-             "light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}},
+             **(lights or {"light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}}),
              "sensor": {"type": "radiancemeter", "origin": [0, 0, HEIGHT * unit], "direction": [0, 0, -1],
                         "film": {"type": "hdrfilm", "width": 1, "height": 1, "rfilter": {"type": "box"}, "component_format": "float32"},
                         "sampler": {"type": "independent", "sample_count": photons}}}
@@ -49,4 +50,5 @@ def main():
     print(json.dumps({"seconds": time.process_time() - begin, "absorbed": 1 - seen, "version": mi.__version__}))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -36,7 +36,7 @@ done
 for script in $(grep -l '^import command$' bench/*/*.py); do
     scripts=$((scripts + 1))
     peer=
-    case $script in bench/peers/*) peer="--mmc $program" ;; esac
+    case $script in */views.py) ;; bench/peers/*) peer="--mmc $program" ;; esac
     expect_refusal "unrecognized arguments: --nonsense" "$script" --program "$program" $peer --nonsense
     expect_refusal "--program: expected one argument" "$script" --program
     expect_refusal "$work/none is no program" "$script" --program "$work/none"

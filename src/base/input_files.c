@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* data[size] and a final NUL, copied. */
+/* A copy of data[size] with a final NUL; NULL when memory runs out. */
 static char *copy_data(const char *data, size_t size)
 {
     char *copy = malloc(size + 1);

@@ -25,7 +25,7 @@ cml_status cml_fail(struct cml_error *err, cml_status status, const char *format
     return status;
 }
 
-/* "x,y" is one value. */
+/* Whether the value that is expected may hold commas: "x,y" is one value. */
 static bool takes_commas(const char *expected)
 {
     const char *comma = strchr(expected, ',');

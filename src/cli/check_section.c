@@ -166,7 +166,7 @@ static double half_angle(const struct cml_light *light)
            (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
 }
 
-/* medium: that its middle starts in. */
+/* Describes beam k for the picture; medium: the one that its middle starts in. */
 static void describe_beam(const struct cml_scene *scene, int k, int medium, struct cml_section_beam *drawn)
 {
     const struct cml_beam *beam = &scene->beams[k];

@@ -57,7 +57,7 @@ static cml_status compare(const struct cml_options *options, const struct cml_ou
     return status;
 }
 
-/* Both are read before anything is said of either. */
+/* The command `compare`. Both results are read before anything is said of either. */
 cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_outcome outcome[2];

@@ -94,7 +94,7 @@ static void print_time(double seconds)
     printf(" %7.2g %-3s", seconds / units[unit].seconds, units[unit].name);
 }
 
-/* OpenCL devices have no expected values. */
+/* How many goals an engine has: OpenCL devices have no expected values. */
 static int num_goals(const struct plan *plan, int engine)
 {
     return plan->aim.tail.scores > 0 && engine < ENGINES - 1 ? CML_PILOT_GOALS : CML_NUM_GOALS;

@@ -16,7 +16,7 @@
 /* What the operands are drawn as. */
 enum kind { CURVES, GRIDS, MAPS, SWEEPS };
 
-/* For plot --output is the picture, not a folder. */
+/* The path of the picture: of `plot`, --output is that, not a folder. */
 static const char *picture_path(const struct cml_options *options)
 {
     return options->output ? options->output : "plot.svg";

@@ -209,7 +209,7 @@ static double most_through(const struct cml_layer_response *layer)
     return most;
 }
 
-/* From T = 1 + U to T. */
+/* Counts what goes straight through with the rest: U becomes T. */
 static void count_all_through(struct cml_layer_response *layer)
 {
     for (int j = 0; j < layer->count; j++) layer->U[j * layer->count + j] += layer->through;
@@ -232,7 +232,7 @@ static void fill_scattering(struct work *w, struct cml_layer_response *to)
     if (most <= CML_LEAST_THROUGH) memset(to->U, 0, (size_t)w->n * (size_t)w->n * sizeof *to->U);
 }
 
-/* Nothing changes its direction. */
+/* Fills the response of a layer without scattering, where no light changes its direction. */
 static void fill_absorbing(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;

@@ -164,7 +164,7 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
     return CML_OK;
 }
 
-/* Quoted names may hold a '#'. */
+/* Cuts a comment off a line; quoted names may hold a '#'. */
 void cml_mci_cut_comment(char *text)
 {
     bool quoted = false;

@@ -51,7 +51,7 @@ static const struct cml_mci_field *phase_field(const char *name)
     return field;
 }
 
-/* owner: "layer 2: phase". */
+/* Reads the numbers of a phase function; owner: as in "layer 2: phase". */
 static cml_status read_phase_numbers(struct cml_mci_reader *reader, const char *owner,
                                      struct cml_phase *phase)
 {

@@ -7,7 +7,7 @@
 
 const char *const cml_mci_up_names[6] = {"z", "-z", "y", "-y", "x", "-x"};
 
-/* One case per key. */
+/* Reads an option of a mesh: one case for each key. */
 cml_status cml_mci_mesh_option(const struct cml_mci_line_options *options, struct cml_obj_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};

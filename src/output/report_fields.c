@@ -241,7 +241,8 @@ static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, con
     cml_add_error_field(c, angles ? angle_errors : pixel_errors);
 }
 
-/* With angles there is both, the sum and its parts: most users look at the sum. */
+/* Adds the fields of the map. With angles there is both, the sum and its parts: most users look at the sum.
+ */
 void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = c->report->sums;
@@ -299,7 +300,8 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
     }
 }
 
-/* With them the sums of map and volume are the totals, which is how a reader can check them. */
+/* Adds what lies outside map and volume: with that their sums are the totals, which is how a reader can check
+ * them. */
 void cml_add_outside_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = c->report->sums;

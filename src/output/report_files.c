@@ -123,7 +123,7 @@ static cml_status write_h5(const struct cml_report *report, struct cml_outcome *
     return status;
 }
 
-/* The facets of planes are pixels. */
+/* Fills the fields of maps, with those of facets of planes, which are pixels. */
 static void fill_map(struct cml_field_list *list)
 {
     const struct cml_surface_set *surfaces = list->report->surfaces;
@@ -206,7 +206,7 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     return status;
 }
 
-/* Planes are in the map's image. */
+/* Writes a file for each boundary that is no plane: planes are in the map's image. */
 static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
 {
     char suffix[64];
@@ -245,8 +245,8 @@ static cml_status write_saved(struct cml_report *report, const char *path, struc
     return cml_report_write_saved(report, outcome, last_file(report), err);
 }
 
-/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
- * program without HDF5 writes what it can; that was announced before the run. */
+/* Writes .mco and .h5. With format B instead of A the .h5 takes the place of the .mco; with maps or facets
+ * there are both. A program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, struct cml_outcome *outcome,
                                struct cml_error *err)
 {

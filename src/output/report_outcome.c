@@ -115,7 +115,7 @@ cml_status cml_report_words(const struct cml_report *report, enum cml_report_rea
     return failed ? cml_fail_memory(err, (double)size, "the scene in words") : CML_OK;
 }
 
-/* What may fail comes first. */
+/* Fills the result; what may fail comes first. */
 static cml_status fill(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
 {
     const char *settings = report->scene->settings;

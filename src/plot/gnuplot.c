@@ -72,7 +72,7 @@ void cml_page_panel(const struct cml_page *page, double left, double right, doub
             top / page->height);
 }
 
-/* Small letters are grey. */
+/* Writes a text at a place of the page; small letters are grey. */
 void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text)
 {
     static const char *const aligns[] = {"left", "center", "right", "center rotate"};

@@ -251,7 +251,7 @@ static size_t find_values(const struct columns *c, int column, double *values)
     return n;
 }
 
-/* As many as have room. */
+/* Writes as many ticks as have room. */
 static void write_ticks(const double *values, size_t n, char ticks[CML_SWEPT_TICKS])
 {
     const size_t most = 12, step = (n + most - 1) / most;

@@ -124,7 +124,7 @@ static bool leading_number(const char *line, bool error, double *value)
     return true;
 }
 
-/* The first damage counts. */
+/* Says what is damaged; the first damage counts. */
 __attribute__((format(printf, 2, 3))) static void damaged(const struct reader *r, const char *format, ...)
 {
     char text[512];

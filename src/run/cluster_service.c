@@ -283,7 +283,7 @@ bool cml_cluster_sync_requested(void)
 
 /* Waits until all ranks have come. A synchronisation counts as requested here as well, since another rank may
  * have asked without this one having heard. The barrier is the only wait; what follows is collective anyway.
- * */
+ */
 cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     MPI_Request call;

@@ -129,7 +129,7 @@ static cml_status compare_beams(struct fates *fates, struct cml_error *err)
     return status;
 }
 
-/* Fates and totals. */
+/* Compares fates and totals of a pair. */
 static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_check_pair *pairs,
                                 struct cml_error *err)
 {

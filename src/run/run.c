@@ -201,7 +201,7 @@ static void add_tally(void *context, struct cml_tally *tally)
     cml_tally_zero(tally);
 }
 
-/* For struct cml_saved_taker. */
+/* Takes saved packets into the result, for struct cml_saved_taker. */
 static void take_saved(void *context, const void *rows, size_t count)
 {
     struct flight *flight = context;

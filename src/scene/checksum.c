@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-/* Zero has one sign here. */
+/* Adds numbers to a checksum, in which zero has one sign. */
 static uLong add_numbers(uLong sum, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

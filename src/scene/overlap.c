@@ -32,7 +32,7 @@ static void make_plane(struct shape *shape, double z)
     shape->top = shape->bottom = z;
 }
 
-/* Heights count up, depths down. */
+/* Makes a shape of a radial field: heights count up, depths down. */
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
     shape->field = (struct cml_radial_surface){radial, z};

@@ -44,7 +44,7 @@ void cml_show_note(void *context, const char *text)
     fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
 }
 
-/* All ranks read the same. */
+/* Shows a note of the reader on rank 0 alone, as all ranks read the same. */
 static void note_input(void *context, const char *text)
 {
     if (cml_cluster_rank() == 0) cml_show_note(context, text);

@@ -135,7 +135,7 @@ cml_status cml_read_sampling(const struct cml_option *option, const char *value,
     return CML_OK;
 }
 
-/* "A,B". */
+/* Reads two numbers, "A,B". */
 static bool parse_pair(const char *value, double *a, double *b)
 {
     char first[32];
@@ -265,7 +265,7 @@ cml_status cml_read_mesh_search(const struct cml_option *option, const char *val
 
 /* ---- comparing and plotting ---- */
 
-/* 0 would never differ, 1 always. */
+/* Reads --alpha: with 0 results would never differ, with 1 always. */
 cml_status cml_read_alpha(const struct cml_option *option, const char *value, struct cml_options *options,
                           struct cml_error *err)
 {
@@ -329,7 +329,7 @@ cml_status cml_read_percentile(const struct cml_option *option, const char *valu
     return fail(err, option, value, "a number above 0, up to 100");
 }
 
-/* Each is the next one. */
+/* Reads --label: each is that of the next operand. */
 cml_status cml_read_label(const struct cml_option *option, const char *value, struct cml_options *options,
                           struct cml_error *err)
 {

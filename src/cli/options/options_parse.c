@@ -131,7 +131,7 @@ static const char *misspelt_command(const struct cml_options *options)
     return is_scene ? NULL : cml_command_guess(word);
 }
 
-/* Two scenes are the usual mistake. */
+/* Refuses operands that are too many: two scenes are the usual mistake. */
 static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
 {
     const struct cml_command_def *command = &cml_commands[options->which];
@@ -151,7 +151,7 @@ static cml_status refuse_operands(const struct cml_options *options, struct cml_
 
 /* ---- reading ---- */
 
-/* Whatever is not zero. */
+/* Sets options whose default is not zero. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};

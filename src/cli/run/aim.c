@@ -292,8 +292,9 @@ static double area_of(double inner, double outer)
     return outer * outer - inner * inner;
 }
 
-/* Of a rectangle the middle is the aim, so a narrow one gains less than a square of its area: at 1 cm on
- * skin five of 1:1 to 1:1300 gained 4.5 times the root of that, within a factor of 1.6. */
+/* The share of a detector's gain that its spread about the aim leaves. Of a rectangle the middle is the aim,
+ * so a narrow one gains less than a square of its area: at 1 cm on skin five of 1:1 to 1:1300 gained 4.5
+ * times the root of that, within a factor of 1.6. */
 static double spread_of(const struct cml_detector_def *detector)
 {
     const double *size = detector->size, narrow = fmin(size[0], size[1]) / fmax(size[0], size[1]);
@@ -336,7 +337,7 @@ static cml_status aim_at_detector(const char *aim, const struct cml_scene *scene
     return status;
 }
 
-/* What splits packets. */
+/* Makes the windows, which split packets, for the aim. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                               const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                               struct wanted wanted, struct cml_window_table *windows, struct cml_error *err)
@@ -395,7 +396,8 @@ cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
     return create_of(aim, scene, surfaces, true, to, err);
 }
 
-/* Without adding-doubling's answer nothing flies, so it is the scene that is refused. */
+/* Makes the aim of a run. Without adding-doubling's answer nothing flies, so it is the scene that is refused.
+ */
 static cml_status create_for(const struct cml_options *options, const struct cml_scene *scene,
                              const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                              struct cml_error *err)

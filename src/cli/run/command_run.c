@@ -46,7 +46,7 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     return cml_cluster_agree(status, err);
 }
 
-/* A finished run needs no checkpoint. */
+/* Removes the checkpoints of a session: a finished run needs none. */
 static void remove_checkpoints(const struct session *session)
 {
     struct cml_error ignored;
@@ -88,7 +88,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
-/* An ending is the result's format. */
+/* Refuses a name of a result whose ending is no format of ours. */
 static cml_status check_output(const char *name, struct cml_error *err)
 {
     const char *slash = name ? strrchr(name, '/') : NULL,

@@ -271,7 +271,7 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-/* The file that the scene names. */
+/* The path of the result, from the file that the scene names. */
 static cml_status result_path(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {

@@ -269,7 +269,8 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
-/* With --resume the result of a finished run stays, and --more goes on from what is there. */
+/* Whether a result that is there stays. With --resume that of a finished run does, and --more goes on from
+ * what is there. */
 static bool stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;

@@ -171,7 +171,7 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 
 /* ---- flying ---- */
 
-/* A cml_sweep_fly_function. */
+/* Flies and publishes one row: a cml_sweep_fly_function. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;

@@ -51,7 +51,7 @@ void cml_sweep_rows_print(struct cml_sweep_rows *rows, bool json)
     for (int row = 0; row < rows->count; row++) print_json(&rows->record[row], json);
 }
 
-/* Row after row, on all ranks. */
+/* Flies row after row, each on all ranks. */
 static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                                void *context, struct cml_error *err)
 {

@@ -94,7 +94,8 @@ void cml_find_entry(struct cml_flight *f)
                 cml_transmit_like(world, &packet, &hit, &f->inside);
 }
 
-/* Those that begin alike inside, at a mesh: their way on. Its hit is that of a path without an end. */
+/* Finds the way on of packets that begin alike inside, at a mesh. Its hit is that of a path without an end.
+ */
 void cml_find_known_path(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;

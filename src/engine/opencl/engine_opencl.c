@@ -290,7 +290,7 @@ static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work 
     return CML_OK;
 }
 
-/* Devices share each piece. */
+/* Flies all pieces of the work: devices share each of them. */
 static cml_status opencl_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     struct opencl_engine *engine = self;
@@ -391,7 +391,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
     return CML_OK;
 }
 
-/* Without a listener a trace is a record like any other. */
+/* Traces a packet; without a listener that is a record like any other. */
 static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                struct cml_fate_record *record, struct cml_error *err)
 {

@@ -88,7 +88,7 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
-/* Without memory for a key the program is built and not kept. */
+/* The program for a device, from the cache or built; without memory for a key it is built and not kept. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {

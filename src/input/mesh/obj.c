@@ -195,7 +195,7 @@ static void write_comment(FILE *stream, const char *comment)
     fputc('\n', stream);
 }
 
-/* 17 digits give every double back. */
+/* Writes a mesh as .obj; 17 digits give every double back. */
 cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                          struct cml_error *err)
 {

@@ -278,7 +278,7 @@ static double decode(const unsigned char *bytes, size_t stride, bool is_single)
     return is_single ? (double)single : number;
 }
 
-/* Shuffled, all first bytes come first. */
+/* Number i of the chunk that is held; shuffled, all first bytes come first. */
 static double value_of(const struct cml_hdf5_dataset *dataset, size_t i)
 {
     const struct cml_hdf5_chunks *chunks = dataset->chunks;
@@ -292,7 +292,7 @@ static bool read_bytes(const struct cml_hdf5 *file, haddr_t at, unsigned char *b
            pread(file->descriptor, bytes, size, (off_t)at) == (ssize_t)size;
 }
 
-/* Of values that lie in one piece. */
+/* Reads values that lie in one piece. */
 static cml_status read_piece(const struct cml_hdf5_dataset *dataset, size_t begin, size_t count, double *out,
                              struct cml_error *err)
 {

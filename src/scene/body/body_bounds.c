@@ -32,7 +32,7 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
 }
 
 /* What rounding may take of a gap, as a share of the size of the coordinates, as between bodies (convex.c).
- * */
+ */
 static const double err_share = 64 * DBL_EPSILON;
 
 /* The place is the body's closest to the plane, or farthest beyond. */
@@ -84,7 +84,7 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
     return fail_encounter(e, apart ? "lies beyond" : "meets", err);
 }
 
-/* Gap and side at once (overlap_radial.h). */
+/* Compares a body's mesh with a radial field: gap and side at once (overlap_radial.h). */
 static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -103,7 +103,7 @@ struct facets {
     bool meets;
 };
 
-/* A cml_boxtree_visit. */
+/* Compares the body with one facet of the boundary: a cml_boxtree_visit. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;

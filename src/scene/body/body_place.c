@@ -169,7 +169,7 @@ static void sort(struct placing *p, int (*compare)(const void *, const void *))
     for (size_t i = 0; i < p->count; i++) cml_body_box(p->solid[i].body, p->box[i][0], p->box[i][1]);
 }
 
-/* A cml_boxtree_accept. */
+/* Whether body i lies in body j: a cml_boxtree_accept. */
 static bool lies_in(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -182,7 +182,7 @@ static bool lies_in(void *context, uint32_t i, uint32_t j)
     return order == CML_CONVEX_FIRST_INSIDE || fails;
 }
 
-/* A cml_boxtree_pair. */
+/* Whether two bodies that lie beside each other fail: a cml_boxtree_pair. */
 static bool fails_beside(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;

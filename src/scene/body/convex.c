@@ -9,7 +9,7 @@
 
 /* What rounding may take of a gap, as a share of the size of the coordinates: gaps up to this are none. A
  * distance goes through some 20 operations, each of which rounds by half an epsilon of that size: 10 of 64.
- * */
+ */
 static const double err_share = 64 * DBL_EPSILON;
 
 /* Coordinates along and across the axis of a cylinder. */

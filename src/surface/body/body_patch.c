@@ -90,7 +90,7 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
 }
 
 /* The smaller and the larger of two numbers, without a call of the library where most of a grid's time goes.
- * */
+ */
 static inline double smaller(double a, double b)
 {
     return a < b ? a : b;

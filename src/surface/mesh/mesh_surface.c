@@ -92,7 +92,7 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-/* From the entry point to distance `leave`. */
+/* Fills Embree's ray from the entry point to distance `leave`. */
 static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
     *rayhit = (struct RTCRayHit){.ray.mask = 0xffffffffu};
@@ -116,7 +116,7 @@ static bool make_ray(struct cml_mesh_query *q, double back, struct RTCRayHit *ra
     return true;
 }
 
-/* The whole line, ahead and behind. */
+/* Makes Embree's ray of the whole line, ahead and behind. */
 static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
 {
     double leave;
@@ -125,7 +125,7 @@ static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
     return true;
 }
 
-/* Where versions 3 and 4 differ. */
+/* Asks Embree, where its versions 3 and 4 differ. */
 static void intersect_boxes(const struct cml_mesh_surface *surface, struct query *query,
                             struct RTCRayHit *rayhit)
 {

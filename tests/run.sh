@@ -14,12 +14,12 @@ cd "$root"
 sh samples/packages.sh test
 
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
-cmake --build build --parallel 2
 if test $# -gt 0; then
+    cmake --build build --parallel 2
     case $1 in *.*) by=-R ;; *) by=-L ;; esac
     exec ctest --test-dir build $by "^$1\$" --no-tests=error --output-on-failure -j2
 fi
-cmake --build build --parallel 2 --target benches
+cmake --build build --parallel 2 --target all benches
 ctest --test-dir build -LE long --output-on-failure -j3 # many wait for files
 
 CC=clang CXX=clang++ cmake --preset asan >/dev/null

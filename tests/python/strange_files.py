@@ -13,7 +13,7 @@ import warnings
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import h5py, mc, np, xr  # noqa: E402
 
-MANGLED = 1000
+MANGLED = 400
 WORDS = "0 -1 1 2 1e999 nan 2000000000 99999999999999999999 1e-320 # A RAT InParm se_RAT A_z body \x00 \u2028 ;".split(" ")
 SECRET = 12345.678
 

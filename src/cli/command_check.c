@@ -239,8 +239,8 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
         starts = NULL;
     }
     if (status == CML_OK && sweep.rows > 0 && !options->json)
-        printf("  %d rows of %s: %d flight%s\n", sweep.rows, options->sweep, sweep.flights,
-               sweep.flights == 1 ? "" : "s");
+        printf("  %d row%s of %s: %d flight%s\n", sweep.rows, sweep.rows == 1 ? "" : "s", options->sweep,
+               sweep.flights, sweep.flights == 1 ? "" : "s");
     if (status == CML_OK) status = cml_draw_section(options, &list, drawn, picture, err);
     free(drawn);
     cml_scene_list_clear(&list);

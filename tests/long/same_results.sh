@@ -71,6 +71,7 @@ mask='/^# User time:/s/:.*/: TIME/
 s/clustermcml [0-9][0-9.]*( \([^)]*\))?/clustermcml VERSION/
 s/"version":"[^"]*"/"version":VERSION/
 s/^(\/ @version = ).*/\1VERSION/
+/^\/ @identity = /d
 /^call(\/|$| )/d
 s/built in [^ ]* s, [^ ]* MiB/built in TIME, MEASURED/
 s/^  [^ ]* s, [^ ]* photons\/s, /  TIME, /
@@ -243,7 +244,7 @@ END
 add_maps() {
     lines=
     grep -q '^map' "$scene" || lines='/# nz, nr, na/a map 40 30 0.05 0.05 angles volume\nfacets'
-    sed -E -e 's/^([^ #]+\.mco) A/\1 B/' -e "s#m \"([^/])#m \"$(dirname "$scene")/\1#" -e "$lines" "$scene" \
+    sed -E -e 's/^([^ #]+\.mco) A/\1 B/' -e "s#^((i|m|beam|phase) [^\"]*)\"([^/])#\1\"$(dirname "$scene")/\3#" -e "$lines" "$scene" \
         >"$work/scenes/$(basename "$scene")"
 }
 

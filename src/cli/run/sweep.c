@@ -286,8 +286,9 @@ static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, st
 
 static void announce(const struct cml_sweep_run *sweep)
 {
-    printf("clustermcml %s, %d rank%s: %d rows of %s", cml_version(), cml_cluster_size(),
-           cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, sweep->options->sweep);
+    printf("clustermcml %s, %d rank%s: %d row%s of %s", cml_version(), cml_cluster_size(),
+           cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, sweep->table.num_rows == 1 ? "" : "s",
+           sweep->options->sweep);
     if (sweep->group) printf(" in %d flight%s", sweep->num_groups, sweep->num_groups == 1 ? "" : "s");
     printf("\n");
 }

@@ -23,7 +23,10 @@ static cml_status read_pixel_axis(const struct cml_hdf5 *file, const char *name,
     double *middle;
     CML_TRY(cml_h5_numbers(file, name, n, &middle, NULL, err));
     if (!middle)
-        return cml_fail(err, CML_E_INPUT, "%.400s: %.80s has 0 numbers (expected %zu)", file->path, name, n);
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%.400s: %.80s is not there (expected an array of a map, with the middles of its %zu pixels)",
+            file->path, name, n);
     if (n > 1) *width = (middle[n - 1] - middle[0]) / (double)(n - 1);
     *origin = middle[0] - *width / 2;
     free(middle);

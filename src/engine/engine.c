@@ -82,8 +82,7 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
         .derivatives = options->derivatives,
         .row_depths = options->rows.depths,
         .saved = {scene->saved.limit, scene->saved.detected,
-                  (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies, (uint64_t)scene->num_beams,
-                  scene->num_beams > 1 ? scene->shares : NULL}};
+                  (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies, (uint64_t)scene->num_beams}};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->shape == CML_DETECTOR_MAP)

@@ -86,9 +86,10 @@ cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, s
     for (int k = 0; k < deal->count; k++)
         for (uint64_t batch = 0; batch < CML_NUM_BATCHES; batch++)
             if (of_beam(deal->before, k, batch) > of_beam(deal->after, k, batch))
-                return cml_fail(err, CML_E_INPUT,
-                                "%llu photons beside %llu (expected more: beam %d would have fewer of them)",
-                                (unsigned long long)(end - begin), (unsigned long long)begin, k + 1);
+                return cml_fail(
+                    err, CML_E_INPUT,
+                    "%llu photons beside %llu (expected another number: of beam %d a batch would have fewer)",
+                    (unsigned long long)(end - begin), (unsigned long long)begin, k + 1);
     return CML_OK;
 }
 
@@ -98,17 +99,6 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
     if (deal->count == 1) return photon < deal->end;
     return beam < (uint64_t)deal->count &&
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
-}
-
-uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own)
-{
-    uint64_t count = 0;
-    if (deal->count == 1) return own < deal->end ? own : deal->end;
-    for (uint64_t batch = 0; batch < CML_NUM_BATCHES; batch++) {
-        const uint64_t first = in_batch(own, batch), all = of_beam(deal->after, beam, batch);
-        count += first < all ? first : all;
-    }
-    return count;
 }
 
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)

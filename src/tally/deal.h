@@ -30,16 +30,13 @@ CML_NODISCARD cml_status cml_deal_create(const double *share, int count, struct 
 void cml_deal_clear(struct cml_deal *deal);
 
 /* From here on turns are those of the round with the photons begin to end - 1. CML_E_INPUT when memory runs
- * out, and where a beam has more photons of `begin` than of `end` in a batch: then so few more cannot be
+ * out, and where a beam has more photons of `begin` than of `end` in a batch: then so many more cannot be
  * flown. */
 CML_NODISCARD cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end,
                                         struct cml_error *err);
 
 /* Whether a photon is among the round's, or those before it. */
 bool cml_deal_has(const struct cml_deal *deal, uint64_t photon);
-
-/* How many of these are the first `own` of a beam. */
-uint64_t cml_deal_count(const struct cml_deal *deal, int beam, uint64_t own);
 
 /* cml_piece_at of the round, of one beam. */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn);

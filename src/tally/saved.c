@@ -1,32 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/saved.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* When a packet is due if beams take turns by their shares; of equal times the smaller index comes first. */
-struct turn {
-    double time;
-    uint64_t index;
-};
-
-/* Where a row lies before rows are moved. */
+/* Where a row lies before rows are moved. Rows of the smallest orders stay. */
 struct key {
-    struct turn turn;
-    uint64_t at;
+    uint64_t order, at;
 };
 
 struct cml_saved {
     size_t media, words, limit, capacity, count;
     uint64_t beams, found;
-    const double *share; /* as in its kind */
-    struct turn below;   /* rows of earlier turns may still be wanted */
-    uint64_t *row;       /* [capacity + 1][words], the last one is spare */
-    struct key *key;     /* [capacity] */
+    uint64_t last;   /* rows behind it in order are not wanted */
+    uint64_t *row;   /* [capacity + 1][words], the last one is spare */
+    struct key *key; /* [capacity] */
 };
-
-static const struct turn never = {INFINITY, 0};
 
 #define PART_WORDS ((size_t)1 << 13) /* of a thread's buffer, but one row at least */
 
@@ -66,8 +55,7 @@ cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved 
                                .limit = kind->limit,
                                .capacity = capacity_of(kind),
                                .beams = kind->beams,
-                               .share = kind->share,
-                               .below = never};
+                               .last = UINT64_MAX};
     made->row = calloc(made->capacity + 1, made->words * sizeof *made->row);
     made->key = calloc(made->capacity, sizeof *made->key);
     if (!made->row || !made->key) {
@@ -96,16 +84,20 @@ static uint64_t index_at(const struct cml_saved *saved, size_t i)
     return saved->row[i * saved->words];
 }
 
-static bool is_before(struct turn one, struct turn other)
+/* Spread evenly over all 2^64 numbers, no two alike: the finaliser of splitmix64 (G. L. Steele, D. Lea, C. H.
+ * Flood, OOPSLA 2014; variant 13 of D. Stafford). */
+static uint64_t mixed(uint64_t index)
 {
-    return one.time < other.time || (one.time == other.time && one.index < other.index);
+    index = (index ^ index >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    index = (index ^ index >> 27) * UINT64_C(0x94d049bb133111eb);
+    return index ^ index >> 31;
 }
 
-/* Of one beam in the order of indices. */
-static struct turn turn_of(const struct cml_saved *saved, uint64_t index)
+/* Of one beam the index. Which indices those of several have depends on how many photons are flown, so no
+ * order of them is fair to all. */
+static uint64_t order_of(const struct cml_saved *saved, uint64_t index)
 {
-    const uint64_t beam = index >> CML_SOURCE_SHIFT, own = index - (beam << CML_SOURCE_SHIFT);
-    return (struct turn){saved->share ? ((double)own + 0.5) / saved->share[beam] : (double)index, index};
+    return saved->beams > 1 ? mixed(index) : index;
 }
 
 static void swap_keys(struct key *one, struct key *other)
@@ -119,10 +111,10 @@ static void swap_keys(struct key *one, struct key *other)
  * first key and not behind the last (Hoare). */
 static size_t part_keys(struct key *key, size_t begin, size_t end)
 {
-    const struct turn pivot = key[begin + (end - begin - 1) / 2].turn;
+    const uint64_t pivot = key[begin + (end - begin - 1) / 2].order;
     for (size_t i = begin, j = end - 1;; i++, j--) {
-        while (is_before(key[i].turn, pivot)) i++;
-        while (is_before(pivot, key[j].turn)) j--;
+        while (key[i].order < pivot) i++;
+        while (pivot < key[j].order) j--;
         if (i >= j) return j + 1;
         swap_keys(&key[i], &key[j]);
     }
@@ -162,33 +154,33 @@ static void move_rows(struct cml_saved *saved)
 }
 
 /* Makes the keys of all rows. Returns whether they are in order as they are. */
-static bool make_keys(struct cml_saved *saved, bool by_turn)
+static bool make_keys(struct cml_saved *saved, bool by_index)
 {
     bool sorted = true;
     for (size_t i = 0; i < saved->count; i++) {
         const uint64_t index = index_at(saved, i);
-        saved->key[i] = (struct key){by_turn ? turn_of(saved, index) : (struct turn){0, index}, i};
-        sorted = sorted && (i == 0 || !is_before(saved->key[i].turn, saved->key[i - 1].turn));
+        saved->key[i] = (struct key){by_index ? index : order_of(saved, index), i};
+        sorted = sorted && (i == 0 || saved->key[i].order >= saved->key[i - 1].order);
     }
     return sorted;
 }
 
-/* By turns, or indices: as many as may stay. */
-static void arrange(struct cml_saved *saved, bool by_turn)
+/* As many as may stay. */
+static void arrange(struct cml_saved *saved, bool by_index)
 {
-    if (make_keys(saved, by_turn)) return;
+    if (make_keys(saved, by_index)) return;
     sort_keys(saved->key, 0, saved->count, saved->limit);
     move_rows(saved);
 }
 
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 {
-    arrange(saved, true);
     if (saved->count >= saved->limit) {
+        arrange(saved, false);
         saved->count = saved->limit;
-        saved->below = turn_of(saved, index_at(saved, saved->limit - 1));
+        saved->last = order_of(saved, index_at(saved, saved->limit - 1));
     }
-    if (saved->share) arrange(saved, false);
+    arrange(saved, true);
     return (struct cml_saved_sums){saved->found, saved->count};
 }
 
@@ -199,7 +191,7 @@ void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
     const uint64_t *from = rows;
     saved->found += count;
     for (size_t i = 0; i < count; i++, from += saved->words) {
-        if (!is_before(turn_of(saved, *from), saved->below)) continue;
+        if (order_of(saved, *from) > saved->last) continue;
         if (saved->count == saved->capacity) cml_saved_sort(saved);
         memcpy(saved->row + saved->count++ * saved->words, from, saved->words * sizeof *from);
     }
@@ -221,25 +213,17 @@ size_t cml_saved_media(const struct cml_saved *saved)
     return saved->media;
 }
 
-/* Of a beam's photons the first that comes behind a turn. */
-static uint64_t first_behind(const struct cml_saved *saved, int beam, struct turn turn)
-{
-    const double about = saved->share ? turn.time * saved->share[beam] - 0.5 : turn.time;
-    uint64_t own = about > 1 ? (uint64_t)about - 1 : 0;
-    while (!is_before(turn, turn_of(saved, ((uint64_t)beam << CML_SOURCE_SHIFT) + own))) own++;
-    return own;
-}
-
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run)
 {
-    struct turn last = {0};
+    struct cml_piece piece;
     uint64_t covers = 0;
     if (saved->found == saved->count) return run->end;
-    for (size_t i = 0; i < saved->count; i++) {
-        const struct turn turn = turn_of(saved, index_at(saved, i));
-        if (is_before(last, turn)) last = turn;
+    if (saved->beams < 2) return saved->last + 1;
+    for (uint64_t turn = 0; turn < run->end; turn += piece.count) {
+        piece = cml_deal_piece_at(run, turn);
+        for (uint64_t i = 0; i < piece.count; i++)
+            covers += mixed(piece.first + CML_NUM_BATCHES * i) <= saved->last;
     }
-    for (int k = 0; k < run->count; k++) covers += cml_deal_count(run, k, first_behind(saved, k, last));
     return covers;
 }
 
@@ -247,7 +231,7 @@ void cml_saved_clear(struct cml_saved *saved)
 {
     saved->count = 0;
     saved->found = 0;
-    saved->below = never;
+    saved->last = UINT64_MAX;
 }
 
 void cml_saved_find(struct cml_saved *saved, uint64_t more)

@@ -1,6 +1,6 @@
 /* Packets that have left, saved one by one (P18). Of all that come those with the smallest indices stay, or
- * of several beams those that would fly first if beams took turns by their shares, as many as the limit
- * allows: so which these are depends on no order, and threads, ranks, restarts and longer runs agree. Threads
+ * of several beams those whose indices have the smallest hashes, as many as the limit allows: so which these
+ * are depends on no order, and threads, ranks, restarts and longer runs agree. Threads
  * collect rows in a buffer of their own and hand them in when it is full. All memory is there before the
  * first packet flies. SPDX-License-Identifier: MIT */
 #ifndef CML_SAVED_H
@@ -34,7 +34,6 @@ struct cml_saved_kind {
     bool detected;  /* only what a detector has seen */
     size_t media;
     uint64_t beams;
-    const double *share; /* [beams] of the light; NULL: of one beam. Borrowed */
 };
 
 struct cml_saved;
@@ -66,8 +65,9 @@ bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t 
 const struct cml_saved_row *cml_saved_row(const struct cml_saved *saved, size_t i);
 size_t cml_saved_media(const struct cml_saved *saved);
 
-/* How many photons of a run, whose round this is, none of which would have a row and has not, after
- * cml_saved_sort: its first ones, of several beams of each the first, as many as its share. */
+/* How many photons of a run, whose round from photon 0 on this is, none of which would have a row and has
+ * not, after cml_saved_sort: its first ones, of several beams a sample of all, which are counted one by one.
+ */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run);
 
 /* For those who move or store them, after cml_saved_sort: forgets all; says that `more` packets were found

@@ -78,7 +78,6 @@ static void rounds_are_one_run(void **state)
         for (int k = 0; k < count; k++) {
             uint64_t flown = 0;
             for (int i = 0; i < SPAN; i++) {
-                assert_int_equal(cml_deal_count(&deal, k, (uint64_t)i), flown);
                 flown += whole[k][i];
                 assert_int_equal(cml_deal_has(&deal, ((uint64_t)k << CML_SOURCE_SHIFT) + (uint64_t)i),
                                  whole[k][i]);
@@ -98,7 +97,7 @@ static void too_few_more_are_refused(void **state)
     struct cml_error err;
     assert_int_equal(cml_deal_create(share, 3, &deal, &err), CML_OK);
     assert_int_equal(cml_deal_round(&deal, 100003, 100006, &err), CML_E_INPUT);
-    assert_non_null(strstr(err.text, "3 photons beside 100003 (expected more"));
+    assert_non_null(strstr(err.text, "3 photons beside 100003 (expected another number"));
     cml_deal_clear(&deal);
 }
 

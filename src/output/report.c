@@ -194,9 +194,9 @@ static void print_saved(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  saved: %.0f packets that %s", (double)kept.kept,
             report->scene->saved.detected ? "were detected" : "left");
     if (kept.found > kept.kept)
-        fprintf(stream, ", the first of %.0f (limit=): all of the first %.0f photons%s, none of later ones",
-                (double)kept.found, (double)cml_report_covers(report),
-                report->scene->num_beams > 1 ? ", of each beam its share" : "");
+        fprintf(stream, ", of %.0f (limit=): all of %s %.0f photons, none of others", (double)kept.found,
+                report->scene->num_beams > 1 ? "a sample of" : "the first",
+                (double)cml_report_covers(report));
     fputc('\n', stream);
 }
 

@@ -186,7 +186,7 @@ def hashes(index):
 def several_beams(verdict, photons=10000, limit=2000):
     """Under a limit a sample of all rows stays, also of beams with fewer photons than there are batches: they estimate what all rows say."""
     pencils = [f"beam pencil at={0.001 * k},0 share={w}" for k, w in [(0, 3), (1, 0.01)]]
-    beams = [*pencils, "beam pencil z=0.09 light=isotropic share=1", *(f"beam pencil z=0.09 at={k},0 light=isotropic share=0.01" for k in range(50))]
+    beams = [*pencils, "beam pencil z=0.09 light=isotropic share=1", *(f"beam pencil z=0.09 at={k},0 light=isotropic share=0.01" for k in range(25))]
     order(verdict, limit, photons, ("more",), ["beam disk 0.1 share=3", beams[2]])
     part = order(verdict, limit, photons, ("three", "ranks"), beams)
     with tempfile.TemporaryDirectory() as folder:
@@ -241,7 +241,30 @@ def merged(verdict):
                             ([paths[0], "1/out.h5"], "1/out.h5 (expected files of saved packets"), ([paths[0], "exits.photons.h5"], "scene = set layer1.mua = 2 (expected detector near")):
             done = subprocess.run([cml.PROGRAM, "merge", *words, "-o", "no.photons.h5"], capture_output=True, text=True, check=False)
             verdict.check("merge", done.returncode == 2 and said in done.stderr and not os.path.exists("no.photons.h5"), done.stderr)
+        merged_strange(verdict, paths[0])
         os.chdir("/")
+
+
+def merged_strange(verdict, sound):
+    """A rare detector that has seen nothing is merged; packets that a detector has seen beside all, and what no run writes, are not."""
+    for seed in (5, 6):
+        os.mkdir(str(seed))
+        cml.run(scene(50 if seed == 5 else 20000, 'photons "exits" detected', extra=["detector disk 0.02 at=0.3,0 name=far"]), "--seed", seed, keep=str(seed))
+    rare = ["5/exits.photons.h5", "6/exits.photons.h5"]
+    done = subprocess.run([cml.PROGRAM, "merge", *rare, "-o", "rare.photons.h5", "--json"], capture_output=True, text=True, check=False)
+    verdict.check("no rows", done.returncode == 0 and json.loads(done.stdout)["covers"] == 20050, done.stderr)
+    changes = {"detected = 1 (expected 0": lambda file: file.attrs.modify("detected", 1.0),
+               "covers = 1e+18 (expected a whole number from 1": lambda file: file.attrs.modify("covers", 1e18),
+               "found = 3 (expected a whole number from 1": lambda file: file.attrs.modify("found", 3.0),
+               "weight[2] = nan (expected a number of a packet)": lambda file: file["weight"].write_direct(np.array([np.nan]), dest_sel=np.s_[2:3]),
+               "has no seed": lambda file: file.attrs.__delitem__("seed"),
+               "index[1] = 0 (expected numbers that rise)": lambda file: file["index"].write_direct(np.array([5.0, 0.0]), dest_sel=np.s_[:2])}
+    for said, change in changes.items():
+        shutil.copy(sound, "strange.photons.h5")
+        with h5py.File("strange.photons.h5", "r+") as file:
+            change(file)
+        done = subprocess.run([cml.PROGRAM, "merge", "2/exits.photons.h5", "strange.photons.h5", "-o", "no.photons.h5"], capture_output=True, text=True, check=False)
+        verdict.check("merge", done.returncode == 2 and said in done.stderr and not os.path.exists("no.photons.h5"), f"{said}: {done.stderr}")
 
 
 def swept(verdict):

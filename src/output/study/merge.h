@@ -37,7 +37,7 @@ CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_o
 /* Of joined files of saved packets: rows, packets that were to be rows, and packets of which no row is
  * missing (cml_saved_covers); the sum of the limits. */
 struct cml_merge_saved {
-    double rows, found, covers, limit;
+    double rows, found, covers, limit, detected;
 };
 
 /* Joins files of saved packets of one scene, count >= 2, whose outcomes are heads (cml_h5_read_head): the

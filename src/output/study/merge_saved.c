@@ -13,14 +13,16 @@
 
 /* A file, and where its rows come among all. */
 struct part {
-    struct cml_hdf5_arrays arrays;
+    const struct cml_outcome *of;
+    struct cml_hdf5_arrays arrays; /* none of a file without rows */
     size_t begin, count;
     int results; /* before it: a file may have been merged itself */
 };
 
 struct joined {
     int num_parts;
-    struct part *part; /* [num_parts] */
+    struct part *part;        /* [num_parts] */
+    const struct part *model; /* the first that has rows, and so arrays */
     size_t rows;
     double *index; /* [rows] */
     struct cml_axis axis;
@@ -37,12 +39,28 @@ struct column {
 
 /* ---- values ---- */
 
+/* A number of a row, or what no run writes. Where a packet has touched nothing there is no place. */
+static bool is_sound(const char *name, double value, int results)
+{
+    const char *const places[] = {"x", "y", "z", "deepest"}, *const directions[] = {"ux", "uy", "uz"};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (strcmp(name, places[i]) == 0) return !isinf(value);
+    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++)
+        if (strcmp(name, directions[i]) == 0) return fabs(value) <= 1 + 1e-6;
+    if (strcmp(name, RESULT) == 0) return value >= 1 && value <= results && value == floor(value);
+    return value >= 0 && value < INFINITY;
+}
+
 static cml_status read_piece(const struct column *column, struct part *part, size_t begin, size_t count,
                              double *out, struct cml_error *err)
 {
     struct cml_hdf5_array *array = cml_hdf5_arrays_find(&part->arrays, column->name);
     const bool result = strcmp(column->name, RESULT) == 0;
     if (array) CML_TRY(cml_hdf5_array_read(&part->arrays, array, begin, count, out, err));
+    for (size_t i = 0; array && i < count; i++)
+        if (!is_sound(column->name, out[i], part->of->num_streams))
+            return cml_fail(err, CML_E_INPUT, "%.400s: %s[%zu] = %g (expected a number of a packet)",
+                            part->arrays.file.path, column->name, begin + i, out[i]);
     for (size_t i = 0; result && i < count; i++) out[i] = part->results + (array ? out[i] : 1);
     return CML_OK;
 }
@@ -73,30 +91,48 @@ static bool same_shape(const struct cml_field *one, const struct cml_field *othe
 static cml_status check_arrays(const struct joined *all, const struct part *part, struct cml_error *err)
 {
     const char *path = part->arrays.file.path;
-    for (int i = 0; i < all->part[0].arrays.count; i++) {
-        const struct cml_field *field = &all->part[0].arrays.item[i].field;
+    for (int i = 0; i < all->model->arrays.count; i++) {
+        const struct cml_field *field = &all->model->arrays.item[i].field;
         const struct cml_hdf5_array *array = cml_hdf5_arrays_find(&part->arrays, field->name);
         if (strcmp(field->name, RESULT) == 0) continue;
         if (!array || !same_shape(field, &array->field) || array->field.axis[0]->n != part->count)
             return cml_fail(err, CML_E_INPUT, "%.400s: %s (expected one of every row, as in %.400s)", path,
-                            field->name, all->part[0].arrays.file.path);
+                            field->name, all->model->arrays.file.path);
     }
-    return CML_OK;
+    if (part->of->num_streams == 1 || cml_hdf5_arrays_find(&part->arrays, RESULT)) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%.400s: no array " RESULT " (expected that of %d merged results)",
+                    path, part->of->num_streams);
+}
+
+/* A file has arrays where it has rows. */
+static cml_status open_arrays(const char *name, struct part *part, struct cml_error *err)
+{
+    double found = -1;
+    CML_TRY(cml_hdf5_open(name, &part->arrays.file, err));
+    CML_TRY(cml_hdf5_number(&part->arrays.file, "found", &found, err));
+    if (found == 0) return CML_OK;
+    cml_hdf5_close(&part->arrays.file);
+    return cml_hdf5_arrays_open(name, &part->arrays, err);
 }
 
 static cml_status open_part(const struct cml_merge_input *input, struct joined *all, struct cml_error *err)
 {
-    struct part *part = &all->part[all->num_parts];
-    CML_TRY(cml_hdf5_arrays_open(input->name, &part->arrays, err));
-    const struct part *before = part - 1;
     const int k = all->num_parts++;
+    struct part *part = &all->part[k];
+    const struct part *before = part - 1;
+    part->of = input->outcome;
+    CML_TRY(open_arrays(input->name, part, err));
+    part->begin = all->rows;
+    part->results = k > 0 ? before->results + input[-1].outcome->num_streams : 0;
+    if (part->of->num_streams < 1)
+        return cml_fail(err, CML_E_INPUT, "%.400s: has no seed (expected that of its run)", input->name);
+    if (part->arrays.count == 0) return CML_OK;
+    if (!all->model) all->model = part;
     const struct cml_hdf5_array *weight = cml_hdf5_arrays_find(&part->arrays, "weight");
     if (!weight || weight->field.num_axes != 1)
         return cml_fail(err, CML_E_INPUT, "%.400s: no array weight (expected a file of saved packets)",
                         input->name);
-    part->begin = all->rows;
     part->count = weight->field.axis[0]->n;
-    part->results = k > 0 ? before->results + input[-1].outcome->num_streams : 0;
     all->rows += part->count;
     return check_arrays(all, part, err);
 }
@@ -107,7 +143,13 @@ static cml_status join_indices(struct joined *all, struct cml_error *err)
     if (!all->index) return cml_fail_memory(err, 8.0 * (double)all->rows, "saved packets");
     for (int k = 0; k < all->num_parts; k++) {
         const struct part *part = &all->part[k];
+        if (part->count == 0) continue;
         const struct cml_axis *axis = cml_hdf5_arrays_find(&part->arrays, "weight")->field.axis[0];
+        for (size_t i = 0; i < part->count; i++)
+            if (!(axis->values[i] >= 0 && axis->values[i] < 0x1p63) ||
+                (i > 0 && part->of->num_streams == 1 && !(axis->values[i] >= axis->values[i - 1])))
+                return cml_fail(err, CML_E_INPUT, "%.400s: index[%zu] = %g (expected numbers that rise)",
+                                part->arrays.file.path, i, axis->values[i]);
         memcpy(all->index + part->begin, axis->values, part->count * sizeof *all->index);
         all->axis = *axis;
     }
@@ -122,6 +164,9 @@ static cml_status open_all(const struct cml_merge_input *inputs, int count, stru
     all->part = calloc((size_t)count, sizeof *all->part);
     if (!all->part) return cml_fail_memory(err, 1, "saved packets");
     for (int k = 0; k < count; k++) CML_TRY(open_part(&inputs[k], all, err));
+    if (!all->model)
+        return cml_fail(err, CML_E_INPUT, "%.400s: none of the %d files has a packet (expected one that has)",
+                        inputs[0].name, count);
     return join_indices(all, err);
 }
 
@@ -134,21 +179,37 @@ static void close_all(struct joined *all)
 
 /* ---- all of it ---- */
 
-/* A file that does not say how many packets it covers can estimate nothing. */
+/* A whole number that the file says of its rows. */
+static cml_status read_count(const struct part *part, const char *name, double least, double most,
+                             double *number, struct cml_error *err)
+{
+    *number = -1;
+    CML_TRY(cml_hdf5_number(&part->arrays.file, name, number, err));
+    if (*number >= least && *number <= most && *number == floor(*number)) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%.400s: %s = %.17g (expected a whole number from %g to %.17g)",
+                    part->arrays.file.path, name, *number, least, most);
+}
+
+/* A file that does not say how many packets it covers can estimate nothing, nor can packets that a detector
+ * has seen beside all. */
 static cml_status add_counts(const struct joined *all, struct cml_merge_saved *saved, struct cml_error *err)
 {
-    const char *const names[] = {"covers", "found", "limit"};
-    double *const to[] = {&saved->covers, &saved->found, &saved->limit};
-    for (int k = 0; k < all->num_parts; k++)
-        for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-            const struct cml_hdf5 *file = &all->part[k].arrays.file;
-            double number = 0;
-            CML_TRY(cml_hdf5_number(file, names[i], &number, err));
-            if (!(number >= (i == 1 ? 0 : 1) && number <= 0x1p53 && number == floor(number)))
-                return cml_fail(err, CML_E_INPUT, "%.400s: %s = %g (expected a whole number of 1 or more)",
-                                file->path, names[i], number);
-            *to[i] += number;
-        }
+    for (int k = 0; k < all->num_parts; k++) {
+        const struct part *part = &all->part[k];
+        const double rows = (double)part->count, photons = (double)part->of->photons, some = fmax(rows, 1);
+        double covers, found, limit, detected;
+        CML_TRY(read_count(part, "covers", some, photons, &covers, err));
+        CML_TRY(read_count(part, "found", rows, photons, &found, err));
+        CML_TRY(read_count(part, "limit", some, 0x1p53, &limit, err));
+        CML_TRY(read_count(part, "detected", 0, 1, &detected, err));
+        if (k > 0 && detected != saved->detected)
+            return cml_fail(err, CML_E_INPUT, "%.400s: detected = %g (expected %g, as in %.400s)",
+                            part->arrays.file.path, detected, saved->detected, all->part[0].arrays.file.path);
+        saved->covers += covers;
+        saved->found += found;
+        saved->limit += limit;
+        saved->detected = detected;
+    }
     saved->rows = (double)all->rows;
     return CML_OK;
 }
@@ -158,8 +219,7 @@ static cml_status write(const char *path, const struct cml_outcome *merged, stru
                         const struct cml_merge_saved *saved, const struct cml_hdf5_call *call,
                         struct column *column, struct cml_field *field, struct cml_error *err)
 {
-    const struct cml_hdf5_arrays *first = &all->part[0].arrays;
-    double detected = 0;
+    const struct cml_hdf5_arrays *first = &all->model->arrays;
     int n = 0;
     for (int i = 0; i < first->count; i++) {
         const struct cml_field *of = &first->item[i].field;
@@ -180,11 +240,10 @@ static cml_status write(const char *path, const struct cml_outcome *merged, stru
         field[i].context = &column[i];
         field[i].broken = &all->broken;
     }
-    CML_TRY(cml_hdf5_number(&first->file, "detected", &detected, err));
     const struct cml_attribute attributes[] = {{"covers", NULL, saved->covers},
                                                {"found", NULL, saved->found},
                                                {"limit", NULL, saved->limit},
-                                               {"detected", NULL, detected}};
+                                               {"detected", NULL, saved->detected}};
     const struct cml_h5_more more = {.field = field,
                                      .num_fields = n + 1,
                                      .attribute = attributes,
@@ -199,7 +258,7 @@ static cml_status write_all(const char *path, const struct cml_outcome *merged, 
                             const struct cml_merge_saved *saved, const struct cml_hdf5_call *call,
                             struct cml_error *err)
 {
-    const size_t most = (size_t)all->part[0].arrays.count + 1;
+    const size_t most = (size_t)all->model->arrays.count + 1;
     struct column *column = calloc(most, sizeof *column);
     struct cml_field *field = calloc(most, sizeof *field);
     const cml_status status = column && field ? write(path, merged, all, saved, call, column, field, err)

@@ -36,8 +36,8 @@ struct cml_hdf5_use {
     int axis;
 };
 
-/* `path` must outlive the file. The caller closes it. A program without HDF5 refuses every file, and has none
- * of the other functions. */
+/* `path` must outlive the file. The caller closes it. A program without HDF5 refuses every file, and has
+ * cml_hdf5_close and cml_hdf5_number alone of the other functions. */
 CML_NODISCARD cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_error *err);
 void cml_hdf5_close(struct cml_hdf5 *file);
 

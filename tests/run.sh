@@ -30,9 +30,9 @@ CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
 sh tests/sanitize/threads.sh
 
 # By number, not by time, so that a change is judged by the same inputs on any machine.
-bash tests/fuzz/run.sh runs=8000 fly mco
+bash tests/fuzz/run.sh runs=8000 fly
 bash tests/fuzz/run.sh runs=100000 mci obj heightmap vti csv options checkpoint merge sweep
-bash tests/fuzz/run.sh runs=2000 h5
+bash tests/fuzz/run.sh runs=2500 mco h5
 
 # The program of the thread sanitizer is built without MPI.
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1

@@ -2,7 +2,7 @@
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
 # all tests but the long ones; then the unit tests and all samples again under clang with the address and undefined
 # behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some five seconds, and the program
-# without MPI. 20 to 25 minutes on two cores.
+# without MPI. 20 to 35 minutes on two cores.
 #
 #     sh tests/run.sh          all of that
 #     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)

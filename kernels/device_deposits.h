@@ -121,7 +121,7 @@ CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
     cml_add_to_balance(to, CML_BALANCE_SPECULAR, w);
 }
 
-CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u32 amount)
+CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u64 amount)
 {
     if (amount) cml_add_local(to->local_cells + CML_CELL_COUNT + (cml_u32)count, amount);
 }

@@ -54,6 +54,8 @@ for _by in ("mua", "mus"):
     for _name in ("Rd", "A", "Tt", "A_backing", "A_l", "A_body", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
         QUANTITIES[f"d{_name}_d{_by}"] = ((*QUANTITIES[_name][0], "inside"), {"1/cm2": "1/cm", "sr-1": "cm/sr"}.get(QUANTITIES[_name][1], "cm"),
                                           f"derivative of {_name} by {_by}")
+# a section of one number: its name, what it is, its unit
+NUMBER = re.compile(r"^([A-Za-z]\w*) # (.+) \[([^]]+)\]\n *\S+\n(?=\n|\Z)", re.MULTILINE)
 # of every detector, behind detector_NAME
 OF_DETECTORS = {
     "": ((), "1", "detected"),
@@ -157,9 +159,11 @@ def _provenance(text: str) -> dict[str, Any]:
 
 
 def _known(text: str) -> dict[str, Any]:
-    """All quantities that the file may have, those of its detectors too."""
+    """All quantities that the file may have, those of its detectors too, and numbers that only the file's own comments know."""
     names = re.findall(r"^# detector (\w+): ", text, re.MULTILINE)
-    return {**QUANTITIES, **{f"detector_{name}{ending}": what for name in names for ending, what in OF_DETECTORS.items()}}
+    known = {**QUANTITIES, **{f"detector_{name}{ending}": what for name in names for ending, what in OF_DETECTORS.items()}}
+    numbers = {name: ((), {"-": "1"}.get(unit, unit), meaning) for name, meaning, unit in NUMBER.findall(text)}
+    return {**known, **{name: what for name, what in numbers.items() if name not in known}}
 
 
 def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], words: list[str]) -> xr.DataArray:

@@ -322,6 +322,16 @@ static void what_is_ours_is_read(void **state)
     cml_outcome_clear(&o);
 }
 
+/* What a head does not say is not known, and merge refuses nothing for it. */
+static void options_that_tell_results_apart_stand_in_heads(void **state)
+{
+    (void)state;
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const struct cml_option_info *info = &cml_options_of_bits[i];
+        if (info->apart && info->before) assert_true(info->zero[0] && info->other[0]);
+    }
+}
+
 /* A name is a whole word, with something behind it, at the start of a line. */
 static void sections_that_are_none(void **state)
 {
@@ -445,6 +455,7 @@ int main(void)
         cmocka_unit_test(a_reader_that_counts_lines),
         cmocka_unit_test(a_reader_that_searches_keys),
         cmocka_unit_test(what_is_ours_is_read),
+        cmocka_unit_test(options_that_tell_results_apart_stand_in_heads),
         cmocka_unit_test(sections_that_are_none),
         cmocka_unit_test(sections_that_are_not_whole),
         cmocka_unit_test(an_error_may_be_no_number),

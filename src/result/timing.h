@@ -42,12 +42,12 @@ struct cml_record {
     double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA]; /* layers, then bodies */
     int64_t num_expected; /* of the following: 0, 1, or 1 + num_layers; the others are as counted */
     double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA]; /* Tt, then layers */
-    char *json; /* its object, as --json prints it, with the line feed; owned */
     int64_t
         num_detectors; /* of the following, in the order of the scene's; 0: of none, or of more than that */
     double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
     int64_t num_fluxes; /* of the following, flux_body: CML_BODY_SIDES for each body, or 0 without facets */
     double flux[CML_BODY_SIDES * CML_RECORD_MEDIA], flux_error[CML_BODY_SIDES * CML_RECORD_MEDIA];
+    char *json; /* its object, as --json prints it, with the line feed; owned */
 };
 
 void cml_record_clear(struct cml_record *record);

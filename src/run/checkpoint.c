@@ -22,20 +22,11 @@ struct head {
     uint64_t num_saved, found; /* saved packets, and how many there were to be saved */
     uint64_t begin, end;
     double seconds;
-    uint64_t photons, lost; /* from here on those of the record */
-    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS];
-    int num_layers, num_bodies;
-    double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA];
-    int64_t num_expected;
-    double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA];
-    int64_t num_detectors;
-    double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
-    int64_t num_fluxes;
-    double flux[CML_BODY_SIDES * CML_RECORD_MEDIA], flux_error[CML_BODY_SIDES * CML_RECORD_MEDIA];
+    struct cml_record record; /* its JSON stands behind the head */
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 11u               /* of this layout; a program refuses what it does not know */
+#define VERSION 12u               /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
@@ -92,23 +83,8 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     head.num_saved = sums.kept;
     head.found = sums.found;
     head.json_size = record->json ? strlen(record->json) : 0;
-    head.photons = record->photons;
-    head.lost = record->lost;
-    memcpy(head.value, record->value, sizeof head.value);
-    memcpy(head.error, record->error, sizeof head.error);
-    head.num_layers = record->num_layers;
-    head.num_bodies = record->num_bodies;
-    memcpy(head.absorbed, record->absorbed, sizeof head.absorbed);
-    memcpy(head.absorbed_error, record->absorbed_error, sizeof head.absorbed_error);
-    head.num_expected = record->num_expected;
-    memcpy(head.expected, record->expected, sizeof head.expected);
-    memcpy(head.expected_error, record->expected_error, sizeof head.expected_error);
-    head.num_detectors = record->num_detectors;
-    memcpy(head.detected, record->detected, sizeof head.detected);
-    memcpy(head.detected_error, record->detected_error, sizeof head.detected_error);
-    head.num_fluxes = record->num_fluxes;
-    memcpy(head.flux, record->flux, sizeof head.flux);
-    memcpy(head.flux_error, record->flux_error, sizeof head.flux_error);
+    head.record = *record;
+    head.record.json = NULL;
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, record->json, head.json_size);
@@ -364,37 +340,25 @@ struct wanted {
     struct cml_record *record;
 };
 
+static bool is_record(const struct cml_record *r)
+{
+    return r->num_layers >= 0 && r->num_bodies >= 0 && r->num_layers <= CML_RECORD_MEDIA &&
+           r->num_bodies <= CML_RECORD_MEDIA - r->num_layers && r->num_expected >= 0 &&
+           r->num_expected <= 1 + r->num_layers && r->num_detectors >= 0 &&
+           r->num_detectors <= CML_RECORD_MEDIA &&
+           (r->num_fluxes == 0 || r->num_fluxes == CML_BODY_SIDES * r->num_bodies);
+}
+
 /* Reads the record, which is empty in the checkpoint of a run that is not finished. */
 static cml_status read_record(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;
     cml_record_clear(record);
-    if (head->json_size > source->left) return fail_damaged(source, "its record", err);
+    if (head->json_size > source->left || !is_record(&head->record))
+        return fail_damaged(source, "its record", err);
+    *record = head->record;
     record->json = calloc(head->json_size + 1, 1);
     if (!record->json) return cml_fail_memory(err, (double)head->json_size, "a checkpoint");
-    record->photons = head->photons;
-    record->lost = head->lost;
-    memcpy(record->value, head->value, sizeof head->value);
-    memcpy(record->error, head->error, sizeof head->error);
-    if (head->num_layers < 0 || head->num_bodies < 0 || head->num_layers > CML_RECORD_MEDIA ||
-        head->num_bodies > CML_RECORD_MEDIA - head->num_layers || head->num_expected < 0 ||
-        head->num_expected > 1 + head->num_layers || head->num_detectors < 0 ||
-        head->num_detectors > CML_RECORD_MEDIA ||
-        (head->num_fluxes != 0 && head->num_fluxes != CML_BODY_SIDES * head->num_bodies))
-        return fail_damaged(source, "its record", err);
-    record->num_layers = head->num_layers;
-    record->num_bodies = head->num_bodies;
-    memcpy(record->absorbed, head->absorbed, sizeof head->absorbed);
-    memcpy(record->absorbed_error, head->absorbed_error, sizeof head->absorbed_error);
-    record->num_expected = head->num_expected;
-    memcpy(record->expected, head->expected, sizeof head->expected);
-    memcpy(record->expected_error, head->expected_error, sizeof head->expected_error);
-    record->num_detectors = head->num_detectors;
-    memcpy(record->detected, head->detected, sizeof head->detected);
-    memcpy(record->detected_error, head->detected_error, sizeof head->detected_error);
-    record->num_fluxes = head->num_fluxes;
-    memcpy(record->flux, head->flux, sizeof head->flux);
-    memcpy(record->flux_error, head->flux_error, sizeof head->flux_error);
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 

@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <zlib.h>
 
-/* Bytes: of a file, of its head, which ends with the numbers of a record. */
-enum { MOST = 1 << 16, HEAD = 160 + 16 * (CML_NUM_TOTALS + 1 + 3 * CML_RECORD_MEDIA) };
+/* Bytes: of a file, of its head, which ends with a record. */
+enum { MOST = 1 << 16, HEAD = 120 + sizeof(struct cml_record) };
 enum {
     IDENTITY_SIZE = 48,
     JSON_SIZE = 56,

@@ -173,16 +173,6 @@ class Files(unittest.TestCase):
         self.assertEqual(data.version, mc.read(two).version)
         np.testing.assert_array_equal(data.body_mua, [3, 4])
 
-    def test_a_number_of_a_later_program(self):
-        """Its own comment says what it is."""
-        path = os.path.join(self.folder.name, "later.mco")
-        with open(self.mco, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as later:
-            later.write(file.read() + "\nmirrored # light that a mirror sends back [1/ps]\n  1.25E-03\n\nse_mirrored # [1/ps]\n0.001\n")
-        data = mc.read(path)
-        self.assertEqual((data.mirrored.item(), data.mirrored_se.item(), data.mirrored.units, data.mirrored.dims), (1.25e-3, 1e-3, "1/ps", ()))
-        self.assertEqual(data.mirrored.long_name, "light that a mirror sends back")
-        xr.testing.assert_equal(data.drop_vars(["mirrored", "mirrored_se"]), mc.read(self.mco))
-
     def test_original_mcml(self):
         """Its files end behind Tt_ra, and have no errors."""
         path = os.path.join(self.folder.name, "old.mco")

@@ -50,14 +50,14 @@ draw figure10 "$kernel, crossings were missed, and light that left could not com
 times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
     "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"
 draw skinmap "Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, ${photons}0 packets; ridges are up to 0.01 cm high. \
-Pixels of 0.12 mm: the tenth of them that faces the light most is 2.3 times as bright as the tenth that turns away most." skinmap.map.vti --percentile 99.9 --linear \
+Pixels of 0.12 mm: the tenth of them that faces the light most is 2.3 times as bright as the tenth that turns away most." skinmap.h5 --of Rd --percentile 99.9 --linear \
     --label "Ridges of skin, grazing light"
 draw furrows "Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm in radius from the left, 15 degrees \
-above it, $photons packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter brighter than those that turn away." furrows.map.vti --percentile 99.9 --linear --label "Furrows of skin, slanting light"
+above it, $photons packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter brighter than those that turn away." furrows.h5 --of Rd --percentile 99.9 --linear --label "Furrows of skin, slanting light"
 draw vein "Diffuse reflectance of skin at 532 nm over a winding vein, 0.012 cm in radius and 0.014 to 0.034 cm below the surface, under a disk \
-of light of 0.35 cm in radius, $photons packets." vein.map.vti --percentile 99.9 --linear --label "A vein under skin"
-draw pattern "Diffuse reflectance of a turbid plate under a projected pattern of stripes, $photons packets." pattern.map.vti \
-    --percentile 99.9 --linear --label "Stripes on a turbid plate"
+of light of 0.35 cm in radius, $photons packets." vein.h5 --of Rd --percentile 99.9 --linear --label "A vein under skin"
+draw pattern "Diffuse reflectance of a turbid plate under a projected pattern of stripes, $photons packets." pattern.h5 \
+    --of Rd --percentile 99.9 --linear --label "Stripes on a turbid plate"
 for scene in fibre lamp glow; do "$program" check "$root/samples/$scene.mci" -o "$out/$scene.svg" >"$out/$scene.txt"; done
 draw hill "A slab with and without a hill, $photons packets each." two_runs_hill.mco two_runs_flat.mco --label "with a hill" --label "flat"
 draw pulse "Diffuse reflectance of a pulse by time, $photons packets each, over a layer five times as dark from 0.8 cm down, and over none." \

@@ -27,11 +27,6 @@ static bool is_curve(const char *path)
     return cml_file_ends_in(path, ".csv");
 }
 
-static bool is_map(const char *path)
-{
-    return cml_file_ends_in(path, ".vti");
-}
-
 static bool is_sweep(const char *path)
 {
     static const char ending[] = ".sweep.csv";
@@ -153,14 +148,13 @@ static const struct cml_map_axes *axes_of(const struct cml_options *options)
     return across == 'x' ? &cml_map_yz : across == 'y' ? &cml_map_xz : &cml_map_xy;
 }
 
-/* The map of one operand, and what stands beside its colours. Images know no units: all that ours hold are
- * shares of the light per area. */
+/* The map of one operand, and what stands beside its colours. */
 static cml_status read_map(const struct cml_options *options, const char *path, const struct cml_shown *shown,
                            struct cml_pixels *map, char quantity[QUANTITY], struct cml_error *err)
 {
     const char *of = options->of, *array = array_of(of);
     const struct cml_voxel_cut cut = cut_of(options);
-    char unit[CML_HDF5_UNIT] = "1/cm2";
+    char unit[CML_HDF5_UNIT];
     struct cml_outcome outcome;
     if (shown) {
         snprintf(quantity, QUANTITY, "%s", shown->map);
@@ -169,8 +163,7 @@ static cml_status read_map(const struct cml_options *options, const char *path, 
         cml_outcome_clear(&outcome);
         return status;
     }
-    CML_TRY(is_map(path) ? cml_vti_read(path, array, map, err)
-                         : cml_hdf5_read_map(path, array, &cut, map, unit, err));
+    CML_TRY(cml_hdf5_read_map(path, array, &cut, map, unit, err));
     if (array != of)
         snprintf(quantity, QUANTITY, "%.2s(x,y)  [1/cm²]", array);
     else
@@ -220,22 +213,23 @@ static cml_status check_operand(const struct cml_options *options, int i, enum k
                                 struct cml_error *err)
 {
     const char *path = options->operands[i], *first = options->operands[0];
-    const bool table = cml_file_ends_in(path, ".h5") && options->of;
+    if (cml_file_ends_in(path, ".vti"))
+        return cml_fail(err, CML_E_INPUT, "%s (expected the .h5 beside it, which has the same map, and --of)",
+                        path);
     if (kind == SWEEPS || is_sweep(path))
         return kind == SWEEPS && is_sweep(path)
                    ? CML_OK
                    : cml_fail(err, CML_E_INPUT, "%s (expected %s, like %s)", path,
                               kind == SWEEPS ? "the table of a sweep" : "no table of a sweep", first);
-    if (kind == MAPS ? is_map(path) || table : !is_map(path) && (kind == CURVES || !is_curve(path)))
-        return CML_OK;
+    if (kind == MAPS ? cml_file_ends_in(path, ".h5") : kind == CURVES || !is_curve(path)) return CML_OK;
     if (kind == GRIDS)
         return cml_fail(err, CML_E_INPUT, "%s (expected a result, for --of %s)", path, options->of);
     return cml_fail(err, CML_E_INPUT, "%s (expected %s, like %s)", path,
                     kind == MAPS ? "a map" : "a result or a curve", first);
 }
 
-/* .vti files are maps, .sweep.csv files sweeps, other .csv files curves; what .mco and .h5 files are, --of
- * says: what it does not know of results can only be an array of a map. */
+/* .sweep.csv files are sweeps, other .csv files curves; what .mco and .h5 files are, --of says: what it does
+ * not know of results can only be an array of a map. */
 static cml_status find_kind(const struct cml_options *options, enum kind *kind,
                             const struct cml_shown **shown, struct cml_error *err)
 {
@@ -243,7 +237,7 @@ static cml_status find_kind(const struct cml_options *options, enum kind *kind,
     const cml_status known = cml_shown_find(options->of, shown, err);
     if (is_sweep(first))
         *kind = SWEEPS;
-    else if (is_map(first) || (known != CML_OK && cml_file_ends_in(first, ".h5")))
+    else if (known != CML_OK && cml_file_ends_in(first, ".h5"))
         *kind = MAPS;
     else if (known != CML_OK)
         return known;

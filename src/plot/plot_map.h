@@ -5,7 +5,7 @@
 #define CML_PLOT_MAP_H
 
 #include "plot/plot_parts.h"
-#include "plot/files/vti.h"
+#include "plot/files/map_h5.h"
 
 #include <stdbool.h>
 

@@ -6,7 +6,7 @@
 #define CML_SHOWN_H
 
 #include "plot/files/curve.h"
-#include "plot/files/vti.h"
+#include "plot/files/map_h5.h"
 #include "result/outcome.h"
 
 /* What becomes of a value before it is drawn; of a map its standard error may stand in its place. */

@@ -5,7 +5,7 @@
 #define CML_SWEPT_H
 
 #include "plot/files/curve.h"
-#include "plot/files/vti.h"
+#include "plot/files/map_h5.h"
 
 /* Names of columns; NULL: chosen. */
 struct cml_swept_names {

@@ -51,7 +51,7 @@ COMMANDS = {
     "trace": ["trace", "scene.mci", "3"],
     "compare": ["compare", "a.mco", "b.mco", "-o", "OUT/z.svg"],
     "plot": ["plot", "a.mco", "b.mco", "c.csv", "-o", "OUT/r.svg"],
-    "plot a map": ["plot", "first.map.vti", "-o", "OUT/map.svg"],
+    "plot a map": ["plot", "first.h5", "--of", "Rd", "-o", "OUT/map.svg"],
 }
 
 

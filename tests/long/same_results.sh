@@ -304,9 +304,9 @@ judge() {
         alone plot "$mco" "$other" -o got/picture.svg --caption "two seeds"
         alone plot "$mco" -o got/picture.svg --linear
     done
-    for map in "$work"/kept/one/*.map.vti; do
-        [ -f "$map" ] || continue
-        alone plot "$map" -o got/picture.svg
+    for map in "$work"/kept/one/*.h5; do
+        [ -f "$map" ] && [ -f "${map%.h5}.map.vti" ] || continue
+        alone plot "$map" -o got/picture.svg --of Rd
         alone plot "$map" -o got/picture.svg --of Tt --log
     done
 }

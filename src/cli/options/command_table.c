@@ -67,18 +67,17 @@ const struct cml_command_def cml_commands[] = {
                            "means weighted by photons, "
                            "and their standard errors. Equal seeds and different scenes are refused.",
                            "clustermcml merge part-1/skin.mco part-2/skin.mco -o skin.mco\n"},
-    [CML_COMMAND_PLOT] =
-        {"plot", "FILE ...", 1, 64,
-         "draw results and curves (.mco, .h5, .csv), maps (.map.vti, .h5) or sweeps (.sweep.csv)",
-         "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, "
-         ".h5), with bands of one standard error, heightfields dotted and the curves of "
-         "others (.csv: place, value, standard error) dashed; or Rd(x,y) of one or more "
-         "maps (.map.vti; .h5 with --of) in colours, side by side; or columns of the tables of sweeps "
-         "(.sweep.csv) over each other. Needs gnuplot.",
-         "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
-         "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
-         "clustermcml plot skinmap.map.vti --of Tt --percentile 99.9 -o map.png\n"
-         "clustermcml plot a.sweep.csv --of A --over layer1.mua --by layer1.mus -o a.svg\n"},
+    [CML_COMMAND_PLOT] = {"plot", "FILE ...", 1, 64,
+                          "draw results and curves (.mco, .h5, .csv), maps (.h5) or sweeps (.sweep.csv)",
+                          "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, "
+                          ".h5), with bands of one standard error, heightfields dotted and the curves of "
+                          "others (.csv: place, value, standard error) dashed; or Rd(x,y) of one or more "
+                          "maps (.h5 with --of) in colours, side by side; or columns of the tables of sweeps "
+                          "(.sweep.csv) over each other. Needs gnuplot.",
+                          "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
+                          "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
+                          "clustermcml plot skinmap.h5 --of Tt --percentile 99.9 -o map.png\n"
+                          "clustermcml plot a.sweep.csv --of A --over layer1.mua --by layer1.mus -o a.svg\n"},
     [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
                              "Lists what photons can be flown on: cores and their vector instructions, "
                              "OpenCL devices with the numbers that "

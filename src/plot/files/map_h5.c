@@ -7,6 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+void cml_pixels_clear(struct cml_pixels *pixels)
+{
+    free(pixels->value);
+    *pixels = (struct cml_pixels){0};
+}
+
 bool cml_hdf5_is_volume(const char *name)
 {
     return strncmp(name, "A_xyz", 5) == 0 || strncmp(name, "phi_xyz", 7) == 0;

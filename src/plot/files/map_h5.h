@@ -2,11 +2,21 @@
 #ifndef CML_MAP_H5_H
 #define CML_MAP_H5_H
 
-#include "plot/files/vti.h"
+#include "base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 enum { CML_HDF5_UNIT = 32 };
+
+/* n[0] x n[1] pixels along x and y, x fastest; lengths in cm. */
+struct cml_pixels {
+    size_t n[2];
+    double origin[2], spacing[2]; /* corner of the first pixel, size of a pixel */
+    float *value;                 /* [n[1]][n[0]], finite, >= 0, owned */
+};
+
+void cml_pixels_clear(struct cml_pixels *pixels);
 
 /* A level cut through voxels, across `axis`: 'x', 'y' or 'z', or 0 for none. */
 struct cml_voxel_cut {

@@ -69,7 +69,7 @@ static void heights_far_from_zero(void **state)
 /* The script for a map of two pixels; the caller frees it. */
 static char *script_of_map(float first, float second, enum cml_scale scale)
 {
-    static const char *const names[1] = {"a.map.vti"};
+    static const char *const names[1] = {"a.h5"};
     float value[2] = {first, second};
     const struct cml_pixels map = {.n = {2, 1}, .spacing = {1, 1}, .value = value};
     const struct cml_map_plot plot = {.count = 1,

@@ -5,8 +5,9 @@
 #define CML_COMMAND_H
 
 #include "cli/load/scenes.h"
-#include "cli/run/command_run.h"
 
+/* Flies all runs of the file that is the operand, and writes their results. Collective. */
+CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_plan(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err);

@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "cli/load/scenes.h"
+#include "cli/run/before.h"
 #include "cli/run/outputs.h"
 #include "output/report.h"
 #include "output/study/merge.h"
@@ -134,9 +135,12 @@ static cml_status read_and_merge(const struct cml_options *options, struct cml_e
 cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_outputs outputs;
+    char replaced[CML_REPLACED];
     CML_TRY(check_output(options, err));
     CML_TRY(cml_output_claim(options->output, &outputs, err));
+    const bool there = cml_describe_replaced(options->output, replaced);
     const cml_status status = read_and_merge(options, err);
+    if (status == CML_OK && there && !options->quiet) cml_show_note(NULL, replaced);
     cml_outputs_release(&outputs);
     return status;
 }

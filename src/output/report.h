@@ -28,11 +28,35 @@ struct cml_report {
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
 };
 
-/* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
- * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.detector_<name>.vti,
- * STEM.boundary<b>.vtp, STEM.bodies.vtp; and where packets are saved NAME.photons.h5. Each file is the old or
- * the complete new one at any moment. report->files lists them. CML_E_IO when one could not be written; those
- * before it are then there. */
+/* What a file of a run holds, and of which detector or boundary, from 0. */
+enum cml_report_content {
+    CML_FILE_TABLE,    /* `path` (.mco) */
+    CML_FILE_FIELDS,   /* STEM.h5 */
+    CML_FILE_SAVED,    /* NAME.photons.h5 */
+    CML_FILE_MAP,      /* STEM.map.vti */
+    CML_FILE_VOLUME,   /* STEM.volume.vti */
+    CML_FILE_DETECTOR, /* STEM.detector_<name>.vti */
+    CML_FILE_BOUNDARY, /* STEM.boundary<b>.vtp */
+    CML_FILE_BODIES,   /* STEM.bodies.vtp */
+};
+struct cml_report_file {
+    enum cml_report_content content;
+    int of;
+    const char *path;
+};
+typedef cml_status cml_report_file_function(void *context, const struct cml_report_file *file,
+                                            struct cml_error *err);
+
+/* Calls `each` for the files that a run leaves beside `path`, the main result first, until one fails.
+ * absorption: it is tallied by place; surfaces: those that are planes have no file; NULL: not known, and all
+ * boundaries count. A program without HDF5 leaves none of that kind. */
+CML_NODISCARD cml_status cml_report_each_file(const struct cml_scene *scene,
+                                              const struct cml_surface_set *surfaces, bool absorption,
+                                              const char *path, cml_report_file_function *each, void *context,
+                                              struct cml_error *err);
+
+/* Writes all of them. Each file is the old or the complete new one at any moment. report->files lists them.
+ * CML_E_IO when one could not be written; those before it are then there. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
 void cml_report_clear(struct cml_report *report);

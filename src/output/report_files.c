@@ -59,28 +59,80 @@ void cml_report_clear(struct cml_report *report)
     report->files = NULL;
 }
 
-/* The name of the next file; it counts as written, for a run that fails says so anyway. */
-static cml_status make_room(struct cml_report *report, struct cml_error *err)
+/* ---- their names ---- */
+
+struct visit {
+    const char *path;
+    cml_report_file_function *each;
+    void *context;
+};
+
+static cml_status visit(const struct visit *v, enum cml_report_content content, int of, const char *suffix,
+                        struct cml_error *err)
 {
-    return cml_array_grow(&report->files, (size_t)report->num_files, sizeof *report->files, "a list of files",
-                          err);
+    struct cml_report_file file = {content, of, v->path};
+    char *name = NULL;
+    if (suffix) CML_TRY(cml_report_path(v->path, suffix, &name, err));
+    if (name) file.path = name;
+    const cml_status status = v->each(v->context, &file, err);
+    free(name);
+    return status;
 }
 
-static cml_status next_file(struct cml_report *report, const char *path, const char *suffix,
-                            struct cml_error *err)
+/* Beside the result, under a name of its own. */
+static cml_status visit_saved(const struct visit *v, const struct cml_scene *scene, struct cml_error *err)
 {
-    CML_TRY(make_room(report, err));
-    char **const name = &report->files[report->num_files];
-    CML_TRY(suffix ? cml_report_path(path, suffix, name, err) : cml_text_copy(path, name, err));
-    report->num_files++;
-    return CML_OK;
+    char *name = NULL;
+    CML_TRY(cml_report_saved_path(scene, v->path, &name, err));
+    const struct visit here = {name, v->each, v->context};
+    const cml_status status = visit(&here, CML_FILE_SAVED, 0, NULL, err);
+    free(name);
+    return status;
 }
 
-/* The path of the file that was written last: it stays where it is when the list grows. */
-static const char *last_file(const struct cml_report *report)
+/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
+ * program without HDF5 writes what it can; that was announced before the run. The tables first, for they are
+ * what a user without pictures waits for. */
+static cml_status visit_tables(const struct visit *v, const struct cml_scene *scene, struct cml_error *err)
 {
-    return report->files[report->num_files - 1];
+    if (scene->format == 'A') CML_TRY(visit(v, CML_FILE_TABLE, 0, NULL, err));
+    if (!cml_hdf5_available()) return CML_OK;
+    if (cml_report_wants_fields(scene)) CML_TRY(visit(v, CML_FILE_FIELDS, 0, ".h5", err));
+    return scene->saved.limit ? visit_saved(v, scene, err) : CML_OK;
 }
+
+/* A file for each boundary that is no plane: planes are in the map's image. */
+static cml_status visit_facets(const struct visit *v, const struct cml_scene *scene,
+                               const struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    char suffix[64];
+    for (int b = 0; b <= scene->num_layers; b++) {
+        if (surfaces && surfaces->item[b].kind == CML_SURFACE_PLANE) continue;
+        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
+        CML_TRY(visit(v, CML_FILE_BOUNDARY, b, suffix, err));
+    }
+    return scene->num_bodies > 0 ? visit(v, CML_FILE_BODIES, 0, ".bodies.vtp", err) : CML_OK;
+}
+
+cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                bool absorption, const char *path, cml_report_file_function *each,
+                                void *context, struct cml_error *err)
+{
+    const struct visit v = {path, each, context};
+    char suffix[64];
+    CML_TRY(visit_tables(&v, scene, err));
+    if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
+    if (scene->map.volume && (absorption || scene->fluence.line))
+        CML_TRY(visit(&v, CML_FILE_VOLUME, 0, ".volume.vti", err));
+    for (int k = 0; k < scene->num_detectors; k++) {
+        if (scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
+        snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
+        CML_TRY(visit(&v, CML_FILE_DETECTOR, k, suffix, err));
+    }
+    return scene->facets ? visit_facets(&v, scene, surfaces, err) : CML_OK;
+}
+
+/* ---- what stands in them ---- */
 
 enum { PREFIX = 32 };
 
@@ -176,18 +228,6 @@ static cml_status write_picture(const struct cml_report *report, int k, const ch
     return status;
 }
 
-static cml_status write_pictures(struct cml_report *report, const char *path, struct cml_error *err)
-{
-    char suffix[64];
-    for (int k = 0; k < report->scene->num_detectors; k++) {
-        if (report->scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
-        snprintf(suffix, sizeof suffix, ".detector_%s.vti", report->scene->detectors[k].name);
-        CML_TRY(next_file(report, path, suffix, err));
-        CML_TRY(write_picture(report, k, last_file(report), err));
-    }
-    return CML_OK;
-}
-
 /* Writes the faces of a boundary that is no plane, and what they received. */
 static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
                                  struct cml_error *err)
@@ -206,19 +246,6 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     return status;
 }
 
-/* Writes a file for each boundary that is no plane: planes are in the map's image. */
-static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
-{
-    char suffix[64];
-    for (int b = 0; report->scene->facets && b < report->surfaces->count; b++) {
-        if (report->surfaces->item[b].kind == CML_SURFACE_PLANE) continue;
-        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
-        CML_TRY(next_file(report, path, suffix, err));
-        CML_TRY(write_boundary(report, b, last_file(report), err));
-    }
-    return CML_OK;
-}
-
 static cml_status write_bodies(const struct cml_report *report, const char *path, struct cml_error *err)
 {
     struct cml_field_list list;
@@ -234,56 +261,58 @@ static cml_status write_bodies(const struct cml_report *report, const char *path
     return status;
 }
 
-/* Beside the result, under a name of its own. */
-static cml_status write_saved(struct cml_report *report, const char *path, struct cml_outcome *outcome,
-                              struct cml_error *err)
-{
-    if (!report->sums->saved || !cml_hdf5_available()) return CML_OK;
-    CML_TRY(make_room(report, err));
-    CML_TRY(cml_report_saved_path(report->scene, path, &report->files[report->num_files], err));
-    report->num_files++;
-    return cml_report_write_saved(report, outcome, last_file(report), err);
-}
+struct writing {
+    struct cml_report *report;
+    struct cml_outcome *outcome;
+};
 
-/* Writes .mco and .h5. With format B instead of A the .h5 takes the place of the .mco; with maps or facets
- * there are both. A program without HDF5 writes what it can; that was announced before the run. */
-static cml_status write_tables(struct cml_report *report, const char *path, struct cml_outcome *outcome,
-                               struct cml_error *err)
+static cml_status write_file(const struct writing *w, const struct cml_report_file *file, const char *path,
+                             struct cml_error *err)
 {
-    const bool ascii = report->scene->format == 'A';
-    if (ascii) {
-        CML_TRY(next_file(report, path, NULL, err));
-        CML_TRY(cml_mco_write(last_file(report), outcome, err));
+    switch (file->content) {
+    case CML_FILE_TABLE:
+        return cml_mco_write(path, w->outcome, err);
+    case CML_FILE_FIELDS:
+        return write_h5(w->report, w->outcome, path, err);
+    case CML_FILE_SAVED:
+        return cml_report_write_saved(w->report, w->outcome, path, err);
+    case CML_FILE_MAP:
+        return write_image(w->report, false, path, err);
+    case CML_FILE_VOLUME:
+        return write_image(w->report, true, path, err);
+    case CML_FILE_DETECTOR:
+        return write_picture(w->report, file->of, path, err);
+    case CML_FILE_BOUNDARY:
+        return write_boundary(w->report, file->of, path, err);
+    case CML_FILE_BODIES:
+        return write_bodies(w->report, path, err);
     }
-    if (!cml_report_wants_fields(report->scene) || !cml_hdf5_available()) return CML_OK;
-    CML_TRY(next_file(report, path, ".h5", err));
-    return write_h5(report, outcome, last_file(report), err);
+    return CML_OK;
 }
 
-/* The tables first, for they are what a user without pictures waits for. Each file is complete before the
- * next is begun. */
+/* Each file is complete before the next is begun. It counts as written, for a run that fails says so anyway.
+ */
+static cml_status write_next(void *context, const struct cml_report_file *file, struct cml_error *err)
+{
+    const struct writing *w = context;
+    struct cml_report *report = w->report;
+    CML_TRY(cml_array_grow(&report->files, (size_t)report->num_files, sizeof *report->files,
+                           "a list of files", err));
+    char **const name = &report->files[report->num_files];
+    CML_TRY(cml_text_copy(file->path, name, err));
+    report->num_files++;
+    return write_file(w, file, *name, err);
+}
+
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
-    const struct cml_tally_grid *grid = &report->sums->grid;
     struct cml_outcome outcome;
+    struct writing writing = {report, &outcome};
     CML_TRY(cml_report_outcome(report, &outcome, err));
-    cml_status status = write_tables(report, path, &outcome, err);
-    if (status == CML_OK) status = write_saved(report, path, &outcome, err);
+    const cml_status status = cml_report_each_file(
+        report->scene, report->surfaces, report->sums->grid.absorption, path, write_next, &writing, err);
     cml_outcome_clear(&outcome);
-    CML_TRY(status);
-    if (grid->nx > 0) {
-        CML_TRY(next_file(report, path, ".map.vti", err));
-        CML_TRY(write_image(report, false, last_file(report), err));
-    }
-    if (grid->volume || grid->phi_volume) {
-        CML_TRY(next_file(report, path, ".volume.vti", err));
-        CML_TRY(write_image(report, true, last_file(report), err));
-    }
-    CML_TRY(write_pictures(report, path, err));
-    CML_TRY(write_boundaries(report, path, err));
-    if (!report->scene->facets || report->scene->num_bodies == 0) return CML_OK;
-    CML_TRY(next_file(report, path, ".bodies.vtp", err));
-    return write_bodies(report, last_file(report), err);
+    return status;
 }
 
 /* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have

@@ -1,13 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
-enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found)
+/* Where files may be replaced. */
+static enum cml_run_intent intent_of(const struct cml_run_findings *found)
 {
-    if (found->extends) return CML_RUN_EXTEND;
     if (!found->resumes) return CML_RUN_FRESH;
     if (found->kind == CML_CHECKPOINT_NONE)
         return found->result_stands ? CML_RUN_NOTHING_LEFT : CML_RUN_FRESH;
     if (found->kind == CML_CHECKPOINT_PARTIAL) return CML_RUN_RESUME;
     if (!found->result_gone) return CML_RUN_NOTHING_LEFT;
     return found->tallies ? CML_RUN_REPUBLISH : CML_RUN_FRESH;
+}
+
+enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found)
+{
+    if (found->extends) return CML_RUN_EXTEND;
+    const enum cml_run_intent intent = intent_of(found);
+    return found->kept && intent != CML_RUN_NOTHING_LEFT ? CML_RUN_REFUSED : intent;
 }

@@ -14,6 +14,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 /* Processor time of all threads of this process, s. */
@@ -366,13 +367,14 @@ static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
     return end_of_round == end;
 }
 
-/* A checkpoint says that the run is finished, but somebody took its result away. */
+/* A checkpoint says that the run is finished, but somebody took a file of its result away. */
 static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_intent intent)
 {
+    const char *slash = strrchr(setup->gone, '/');
     char text[512];
     if (!setup->on_note) return;
     snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it %s",
-             setup->checkpoint, setup->scene->output,
+             setup->checkpoint, slash ? slash + 1 : setup->gone,
              intent == CML_RUN_REPUBLISH ? "is written again" : "begins anew");
     setup->on_note(setup->context, text);
 }
@@ -383,10 +385,10 @@ static cml_status restore(struct flight *flight, struct cml_error *err)
     const struct cml_run_setup *setup = flight->setup;
     struct cml_run_findings found = {.extends = setup->base > 0,
                                      .resumes = setup->resume,
-                                     .result_gone = setup->result_gone,
+                                     .result_gone = setup->gone != NULL,
                                      .result_stands = setup->result_stands};
     struct cml_error note = {CML_OK, ""};
-    if (setup->result_gone) found.tallies = cml_checkpoint_look(setup->checkpoint).tallies;
+    if (setup->gone) found.tallies = cml_checkpoint_look(setup->checkpoint).tallies;
     if (setup->resume)
         CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &found.kind, &flight->state,
                                     &flight->out->result, found.tallies, &flight->out->record, &note, err));

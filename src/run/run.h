@@ -35,8 +35,9 @@ struct cml_run_setup {
     bool controlled;    /* a flat twin is flown before it is published, so the complete result goes into the
                            checkpoint, too */
     bool resume;        /* continue from the checkpoint, if there is one */
-    bool result_gone;   /* what a finished run has written is no longer there: its tallies are the result, or
-                         * where the checkpoint has none, the run begins anew. Rank 0's word counts */
+    const char *gone;   /* a file that a finished run has written and that is no longer there: its tallies
+                         * are the result, or where the checkpoint has none, the run begins anew. Rank 0's
+                         * word counts; NULL: all are there */
     bool result_stands; /* without a checkpoint: the result that is there is of this run. Rank 0's word counts
                          */
     uint64_t base; /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from

@@ -16,6 +16,8 @@ done
 expect_code 0 merge part1/skinmap.mco part2/skinmap.mco part3/skinmap.mco -o all.mco --json
 grep -q '^{"output":"all.mco","inputs":\["part1/skinmap.mco",.*"photons":60000,"Rsp":.*"Tt_se":[0-9.e-]*,"version":' out || complain "--json: $(cat out)"
 expect_code 0 merge part1/skinmap.mco part2/skinmap.mco -o two.mco --quiet
+expect_code 0 merge part1/skinmap.mco part2/skinmap.mco -o two.mco
+test "$(cat err)" = "clustermcml: note: replaces two.mco of 30000 photons" || complain "no word of the result replaced: $(cat err)"
 expect_code 0 merge two.mco part3/skinmap.mco -o steps.mco --quiet
 # What a killed merge left goes, what is another file's stays.
 touch all.mco.123-0.tmp other.mco.123-0.tmp

@@ -107,6 +107,41 @@ for scene in samples/skinmap.mci samples/thick.mci; do
     expect_code 0 $scene --more 5 --quiet -o "$work/more"
 done
 
+# So it is where a file beside the result is gone, whichever, and every file has the bytes that it had.
+cat >"$work/many.mci" <<'EOF'
+1.0
+1
+many.mco A
+200
+0.02 0.02
+5 5 3
+fluence
+map 5 4 0.02 0.02 volume top=-0.01
+facets
+detector map 4 4 0.1 0.1 name=seen
+1
+1
+b 3  0.06 0.1  0.02 0.2  0 1
+1.4 1 50 0.8 0.1
+i sphere 0 0 0.05 0.01  1.4 1 50 0.8
+1
+EOF
+"$program" --version | grep -q 'HDF5 yes' && sed -i '6a photons "many_saved" limit=50' "$work/many.mci"
+mkdir "$work/many"
+expect_code 0 "$work/many.mci" --keep --quiet -o "$work/many"
+for path in "$work"/many/*; do
+    name=$(basename "$path")
+    case $name in many.mco | *.checkpoint) continue ;; esac
+    mv "$path" "$work/taken"
+    refused="--no-clobber: $work/many/many.mco is there (expected no result that would be replaced)"
+    expect_error 2 "$refused" "$work/many.mci" --resume --no-clobber --quiet -o "$work/many"
+    expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
+    grep -q "its result $name is gone: it is written again" "$work/err" || complain "no word of $name: $(cat "$work/err")"
+    cmp -s "$work/taken" "$path" || case $name in *.h5) test -s "$path" ;; *) false ;; esac || complain "$name: other bytes"
+done
+expect_code 0 "$work/many.mci" --resume -o "$work/many"
+grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"
+
 # The object of a finished run names files where they are now, in a folder that was moved, and is the same else.
 mkdir "$work/there"
 for output in thick.h5 thick.mco; do
@@ -136,8 +171,12 @@ grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew
 expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber --quiet -o "$work"
 test -s "$work/err" && complain "a finished run is noted: $(cat "$work/err")"
 expect_error 2 "$kept" samples/thick.mci --photons 300 --no-clobber -o "$work"
+# Without a checkpoint the result says whether it is of this run.
 rm "$work/thick.mco.checkpoint"
-expect_error 2 "$kept" samples/thick.mci --photons 300 --resume --no-clobber -o "$work"
+expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber -o "$work"
+test ! -s "$work/err" && grep -q '^  finished before$' "$work/out" || complain "--no-clobber, a result of this run: $(cat "$work/err")"
+expect_error 2 "$kept" samples/thick.mci --photons 301 --resume --no-clobber --quiet -o "$work"
+grep -q '^300 ' "$work/thick.mco" || complain "--no-clobber replaced a result"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
 expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two"
 grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"

@@ -228,6 +228,8 @@ def merged(verdict):
         for name, parts in (("all", paths), ("two", paths[:2]), ("steps", ["two.photons.h5", paths[2]])):
             done = subprocess.run([cml.PROGRAM, "merge", *parts, "-o", f"{name}.photons.h5", "--json"], capture_output=True, text=True, check=True)
             told = json.loads(done.stdout)
+        done = subprocess.run([cml.PROGRAM, "merge", *paths[:2], "-o", "two.photons.h5"], capture_output=True, text=True, check=True)
+        verdict.check("merge", done.stderr == "clustermcml: note: replaces two.photons.h5\n", f"replaced: {done.stderr}")
         all_, parts = mc.read_photons("all.photons.h5"), [mc.read_photons(path) for path in paths]
         verdict.check("merge", contents("all.photons.h5")[0] == contents("steps.photons.h5")[0], "two steps give other rows")
         for k, part in enumerate(parts):

@@ -2,25 +2,22 @@
 #include "cli/run/one_run.h"
 
 #include "base/atomic_file.h"
-#include "base/text.h"
 #include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
 #include "cli/run/aim.h"
+#include "cli/run/before.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
 #include "cli/run/unaimed.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
-#include "result/h5.h"
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
 #include "run/stop.h"
-#include "tally/deal.h"
 #include "tally/row_result.h"
 
 #include <inttypes.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,37 +90,6 @@ static void announce(const struct cml_options *options, const struct cml_run_set
         printf("  no file of saved photons: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
-}
-
-static bool has_checkpoint(const char *path)
-{
-    char older[PATH_MAX];
-    snprintf(older, sizeof older, "%s.old", path);
-    return access(path, F_OK) == 0 || access(older, F_OK) == 0;
-}
-
-/* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
- * have begun. */
-static void note_no_checkpoint(const char *path)
-{
-    char text[512];
-    if (has_checkpoint(path)) return;
-    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew", path);
-    cml_show_note(NULL, text);
-}
-
-/* Notes a checkpoint that will be overwritten, which may not be what the user wants. */
-static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
-{
-    char text[512];
-    if (kind == CML_CHECKPOINT_NONE) return;
-    if (kind == CML_CHECKPOINT_FINISHED)
-        snprintf(text, sizeof text, "%.400s is of a finished run; without --more or --resume it begins anew",
-                 path);
-    else
-        snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew",
-                 path);
-    cml_show_note(NULL, text);
 }
 
 /* Takes over the record of a run that was finished before. */
@@ -271,78 +237,27 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-/* The path of the result, from the file that the scene names. */
-static cml_status result_path(const struct cml_options *options, const struct cml_scene *scene, char **path,
-                              struct cml_error *err)
-{
-    char *name = NULL;
-    const bool only_fields = scene->format == 'B';
-    if (only_fields) CML_TRY(cml_report_path(scene->output, ".h5", &name, err));
-    const cml_status status = cml_output_path(options, only_fields ? name : scene->output, path, err);
-    free(name);
-    return status;
-}
-
-/* Notes a result that is replaced with its number of photons, as they cost time; what cannot be read is no
- * result of ours. */
-static void note_replaced(const struct cml_options *options, const struct cml_scene *scene)
-{
-    struct cml_outcome before;
-    struct cml_error ignored;
-    char *path = NULL, *saved = NULL, text[512];
-    if (result_path(options, scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
-        !cml_file_is_device(path)) {
-        const bool ours = cml_result_read(path, &before, &ignored) == CML_OK;
-        snprintf(text, sizeof text, ours ? "replaces %.400s of %g photons" : "replaces %.400s", path,
-                 ours ? (double)before.photons : 0);
-        cml_show_note(NULL, text);
-        if (ours) cml_outcome_clear(&before);
-    }
-    if (scene->saved.limit && path && cml_report_saved_path(scene, path, &saved, &ignored) == CML_OK &&
-        access(saved, F_OK) == 0) {
-        snprintf(text, sizeof text, "replaces %.400s", saved);
-        cml_show_note(NULL, text);
-    }
-    free(saved);
-    free(path);
-}
-
-/* Beams whose share is too small for one photon. */
-static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
-{
-    struct cml_error ignored;
-    char text[120];
-    uint64_t *number = calloc((size_t)scene->num_beams, sizeof *number);
-    if (number && cml_deal_numbers(scene->shares, scene->num_beams, photons, number, &ignored) == CML_OK)
-        for (int k = 0; k < scene->num_beams; k++) {
-            if (number[k] > 0) continue;
-            snprintf(text, sizeof text, "beam %d has none of the %g photons: its share is too small", k + 1,
-                     (double)photons);
-            cml_show_note(NULL, text);
-        }
-    free(number);
-}
-
-/* On rank 0. A run that is continued or finished has said so when it began. */
-static void note_before(const struct cml_run_call *call, const struct cml_run_setup *setup)
-{
-    const char *path = setup->checkpoint;
-    const bool resume = call->options->resume;
-    const enum cml_checkpoint_kind kind = path ? cml_checkpoint_look(path).kind : CML_CHECKPOINT_NONE;
-    if (path && !resume) note_old_checkpoint(path, kind);
-    if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || setup->result_stands) return;
-    if (path && resume) note_no_checkpoint(path);
-    note_dark_beams(call->scene, setup->photons);
-    if (!call->options->quiet) note_replaced(call->options, call->scene);
-}
+/* What cml_run reads of a run, and what of it is owned here. */
+struct prepared {
+    struct cml_run_setup setup;
+    struct cml_surface_set surfaces;
+    struct cml_twin twin;
+    struct cml_aim aim;
+    struct cml_provenance provenance;
+    char *checkpoint, *identity, *base_identity;
+    struct cml_before before; /* rank 0's */
+};
 
 /* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end
  * the program as usual. */
-static cml_status fly(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                      const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
+static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
+                      struct cml_record *record, struct cml_error *err)
 {
+    const struct cml_run_setup *setup = &prepared->setup;
+    const struct cml_twin *twin = &prepared->twin;
     struct cml_run_result run;
-    if (setup->base == 0 && cml_cluster_rank() == 0) note_before(call, setup);
+    if (setup->base == 0 && cml_cluster_rank() == 0)
+        cml_before_note(call->options, setup, call->row, &prepared->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
@@ -379,16 +294,6 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
     free(output);
     return status;
 }
-
-/* What cml_run reads of a run, and what of it is owned here. */
-struct prepared {
-    struct cml_run_setup setup;
-    struct cml_surface_set surfaces;
-    struct cml_twin twin;
-    struct cml_aim aim;
-    struct cml_provenance provenance;
-    char *checkpoint, *identity, *base_identity;
-};
 
 /* ---- --more ---- */
 
@@ -469,29 +374,6 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     return CML_OK;
 }
 
-/* On rank 0: without a checkpoint, which knows all, whether the result that is there says to be of this run.
- * JSON and a sweep's table have more digits than it, and of files beside it nobody knows whose they are.
- * `lost` is the last of a whole one. */
-static bool result_stands(const struct cml_run_call *call, const struct cml_run_setup *setup)
-{
-    const struct cml_options *options = call->options;
-    struct cml_outcome before;
-    struct cml_error ignored;
-    char *path = NULL, sum[CML_IDENTITY_SUM];
-    bool stands = false;
-    if (!options->resume || options->json || options->keep || call->row > 0 || cml_cluster_rank() != 0 ||
-        !setup->checkpoint || has_checkpoint(setup->checkpoint) || !cml_report_is_one_file(call->scene))
-        return false;
-    cml_identity_sum(setup->identity, sum);
-    if (result_path(options, call->scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
-        cml_result_read(path, &before, &ignored) == CML_OK) {
-        stands = strcmp(before.identity, sum) == 0 && !before.damage && before.value[CML_QUANTITY_lost];
-        cml_outcome_clear(&before);
-    }
-    free(path);
-    return stands;
-}
-
 /* Everything that may fail on one rank alone happens before the ranks agree. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
@@ -506,7 +388,10 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     if (run->aim.windows.cells > 0) setup->options.windows = &run->aim.windows;
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
-    setup->result_stands = result_stands(call, setup);
+    if (!call->rows && cml_cluster_rank() == 0)
+        CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));
+    setup->gone = options.resume ? run->before.gone : NULL;
+    setup->result_stands = run->before.stands;
     if (call->row == 0 && cml_cluster_rank() == 0)
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
     return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
@@ -521,16 +406,6 @@ static void note_nothing_to_control(const struct cml_scene *scene)
     if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
 }
 
-/* Where that cannot be told it counts as there. */
-static bool result_is_there(const struct cml_options *options, const struct cml_scene *scene)
-{
-    struct cml_error ignored;
-    char *path = NULL;
-    const bool there = result_path(options, scene, &path, &ignored) != CML_OK || access(path, F_OK) == 0;
-    free(path);
-    return there;
-}
-
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;
@@ -541,7 +416,6 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
                                   .target_error = options->target_error,
                                   .interval = options->checkpoint_interval,
                                   .resume = options->resume,
-                                  .result_gone = options->resume && !result_is_there(options, call->scene),
                                   .on_progress = cml_progress_show,
                                   .on_note = cml_show_note,
                                   .context = display};
@@ -561,12 +435,13 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
     if (status == CML_OK && options->control && !run.setup.controlled) note_nothing_to_control(call->scene);
-    if (status == CML_OK) status = fly(call, &run.setup, &run.twin, record, err);
+    if (status == CML_OK) status = fly(call, &run, record, err);
     cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
     cml_aim_clear(&run.aim);
     free(run.checkpoint);
     free(run.identity);
     free(run.base_identity);
+    cml_before_clear(&run.before);
     return status;
 }

@@ -5,6 +5,7 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "cli/load/scenes.h"
+#include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
@@ -68,45 +69,26 @@ static cml_status add(struct cml_outputs *outputs, const char *path, int run, en
     return CML_OK;
 }
 
-static cml_status add_beside(struct cml_outputs *outputs, const char *path, const char *suffix, int run,
-                             enum cml_output_kind kind, struct cml_error *err)
+struct adding {
+    struct cml_outputs *outputs;
+    int run;
+    enum cml_output_kind kind; /* of the next */
+};
+
+static cml_status add_file(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
-    char *name = NULL;
-    CML_TRY(cml_report_path(path, suffix, &name, err));
-    const cml_status status = add(outputs, name, run, kind, err);
-    free(name);
-    return status;
+    struct adding *adding = context;
+    const enum cml_output_kind kind = adding->kind;
+    adding->kind = CML_OUTPUT_BESIDE;
+    return add(adding->outputs, file->path, adding->run, kind, err);
 }
 
 /* Results of one run, whether every one of them is written in the end or not. */
 static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *scene, const char *path,
                           int run, struct cml_error *err)
 {
-    char suffix[64];
-    const bool only_fields = scene->format == 'B';
-    CML_TRY(only_fields ? CML_OK : add(outputs, path, run, CML_OUTPUT_MAIN, err));
-    if (cml_report_wants_fields(scene))
-        CML_TRY(
-            add_beside(outputs, path, ".h5", run, only_fields ? CML_OUTPUT_MAIN : CML_OUTPUT_BESIDE, err));
-    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, CML_OUTPUT_BESIDE, err));
-    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, CML_OUTPUT_BESIDE, err));
-    for (int k = 0; k < scene->num_detectors; k++) {
-        if (scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
-        snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
-        CML_TRY(add_beside(outputs, path, suffix, run, CML_OUTPUT_BESIDE, err));
-    }
-    for (int b = 0; scene->facets && b <= scene->num_layers; b++) {
-        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
-        CML_TRY(add_beside(outputs, path, suffix, run, CML_OUTPUT_BESIDE, err));
-    }
-    if (scene->facets && scene->num_bodies > 0)
-        CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, CML_OUTPUT_BESIDE, err));
-    if (!scene->saved.limit) return CML_OK;
-    char *name = NULL;
-    CML_TRY(cml_report_saved_path(scene, path, &name, err));
-    const cml_status status = add(outputs, name, run, CML_OUTPUT_BESIDE, err);
-    free(name);
-    return status;
+    struct adding adding = {outputs, run, CML_OUTPUT_MAIN};
+    return cml_report_each_file(scene, NULL, true, path, add_file, &adding, err);
 }
 
 static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, int run,
@@ -269,18 +251,22 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
-/* Whether a result that is there stays. With --resume that of a finished run does, and --more goes on from
- * what is there. */
+/* Whether a result that is there may stay. With --resume that of a finished run does, and --more goes on from
+ * what is there. Without a checkpoint the result says of which run it is, when the run's identity is known
+ * (before.h). */
 static bool stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
     char *path = NULL;
-    bool finished = false;
+    bool may = false;
     if (options->more > 0) return true;
-    if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK)
-        finished = cml_checkpoint_look(path).kind == CML_CHECKPOINT_FINISHED;
+    if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
+        const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
+        may = kind == CML_CHECKPOINT_FINISHED ||
+              (kind == CML_CHECKPOINT_NONE && !options->sweep && cml_report_is_one_file(scene));
+    }
     free(path);
-    return finished;
+    return may;
 }
 
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
@@ -290,9 +276,7 @@ static cml_status check_clobber(const struct cml_options *options, const struct 
         const struct cml_output_file *file = &outputs->file[i];
         if (file->kind != CML_OUTPUT_CHECKPOINT && access(file->name, F_OK) == 0 &&
             !stays(options, &list->scenes[file->run]))
-            return cml_fail(err, CML_E_INPUT,
-                            "--no-clobber: %.400s is there (expected no result that would be replaced)",
-                            file->name);
+            return cml_keep(file->name, err);
     }
     return CML_OK;
 }

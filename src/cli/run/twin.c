@@ -131,7 +131,8 @@ cml_status cml_twin_fly(const struct cml_twin *twin, const struct cml_run_setup 
     flat.target_error = 0;
     flat.checkpoint = twin->checkpoint;
     flat.identity = twin->identity;
-    flat.controlled = flat.result_gone = false;
+    flat.controlled = false;
+    flat.gone = NULL;
     flat.base = 0; /* nobody has kept its tallies: all photons fly */
     CML_TRY(cml_cluster_share(&flat.photons, sizeof flat.photons, err)); /* other ranks' results are empty */
     CML_TRY(cml_run(&flat, flight, err));

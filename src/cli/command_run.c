@@ -1,11 +1,10 @@
 /* clustermcml run: every run of a file, one result each.
  * SPDX-License-Identifier: MIT */
-#include "cli/run/command_run.h"
+#include "cli/command.h"
 
 #include "base/text.h"
 #include "base/version.h"
 #include "cli/load/beam_notes.h"
-#include "cli/load/scenes.h"
 #include "cli/run/aim.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/run/before.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+#include "cli/load/scenes.h"
+#include "output/report.h"
+#include "result/h5.h"
+#include "run/identity.h"
+#include "tally/deal.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool has_checkpoint(const char *path)
+{
+    char older[PATH_MAX];
+    snprintf(older, sizeof older, "%s.old", path);
+    return access(path, F_OK) == 0 || access(older, F_OK) == 0;
+}
+
+/* ---- what is there ---- */
+
+cml_status cml_keep(const char *path, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT,
+                    "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
+}
+
+static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
+{
+    struct cml_before *before = context;
+    char **const first = access(file->path, F_OK) == 0 ? &before->there : &before->gone;
+    return *first ? CML_OK : cml_text_copy(file->path, first, err);
+}
+
+static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
+                             struct cml_before *before, struct cml_error *err)
+{
+    char *path = NULL;
+    cml_status status = CML_OK;
+    CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
+    if (!cml_file_is_device(path))
+        status = cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, look,
+                                      before, err);
+    free(path);
+    return status;
+}
+
+/* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result, and
+ * of files beside it nobody knows whose they are. `lost` is the last of a whole one. */
+static bool result_stands(const struct cml_options *options, const struct cml_run_setup *setup,
+                          const char *path)
+{
+    struct cml_outcome found;
+    struct cml_error ignored;
+    char sum[CML_IDENTITY_SUM];
+    if (!options->resume || options->json || options->keep || !path || has_checkpoint(setup->checkpoint) ||
+        !cml_report_is_one_file(setup->scene) || cml_result_read(path, &found, &ignored) != CML_OK)
+        return false;
+    cml_identity_sum(setup->identity, sum);
+    const bool stands = strcmp(found.identity, sum) == 0 && !found.damage && found.value[CML_QUANTITY_lost];
+    cml_outcome_clear(&found);
+    return stands;
+}
+
+/* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
+ */
+static cml_status check_kept(const struct cml_run_setup *setup, const struct cml_before *before,
+                             struct cml_error *err)
+{
+    const struct cml_checkpoint_about about = cml_checkpoint_look(setup->checkpoint);
+    const struct cml_run_findings found = {.resumes = true,
+                                           .kind = about.kind,
+                                           .tallies = about.tallies,
+                                           .result_gone = before->gone,
+                                           .result_stands = before->stands,
+                                           .kept = before->there};
+    if (cml_run_intent_of(&found) != CML_RUN_REFUSED) return CML_OK;
+    return cml_keep(before->there, err);
+}
+
+cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
+                           struct cml_before *before, struct cml_error *err)
+{
+    if (row > 0 && !options->resume) return CML_OK;
+    CML_TRY(find_files(options, setup, before, err));
+    before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before->there);
+    const bool keeps = options->no_clobber && options->resume && options->more == 0 && setup->checkpoint;
+    return keeps ? check_kept(setup, before, err) : CML_OK;
+}
+
+void cml_before_clear(struct cml_before *before)
+{
+    free(before->there);
+    free(before->gone);
+    *before = (struct cml_before){0};
+}
+
+/* ---- notes ---- */
+
+/* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
+ * have begun. */
+static void note_no_checkpoint(const char *path)
+{
+    char text[512];
+    if (has_checkpoint(path)) return;
+    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew", path);
+    cml_show_note(NULL, text);
+}
+
+/* Notes a checkpoint that will be overwritten, which may not be what the user wants. */
+static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
+{
+    char text[512];
+    if (kind == CML_CHECKPOINT_NONE) return;
+    if (kind == CML_CHECKPOINT_FINISHED)
+        snprintf(text, sizeof text, "%.400s is of a finished run; without --more or --resume it begins anew",
+                 path);
+    else
+        snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew",
+                 path);
+    cml_show_note(NULL, text);
+}
+
+/* Beams whose share is too small for one photon. */
+static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
+{
+    struct cml_error ignored;
+    char text[120];
+    uint64_t *number = calloc((size_t)scene->num_beams, sizeof *number);
+    if (number && cml_deal_numbers(scene->shares, scene->num_beams, photons, number, &ignored) == CML_OK)
+        for (int k = 0; k < scene->num_beams; k++) {
+            if (number[k] > 0) continue;
+            snprintf(text, sizeof text, "beam %d has none of the %g photons: its share is too small", k + 1,
+                     (double)photons);
+            cml_show_note(NULL, text);
+        }
+    free(number);
+}
+
+/* What cannot be read is no result of ours. */
+bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
+{
+    struct cml_outcome before;
+    struct cml_error ignored;
+    if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
+    const bool ours = cml_result_read(path, &before, &ignored) == CML_OK;
+    snprintf(text, CML_REPLACED, ours ? "replaces %.400s of %g photons" : "replaces %.400s", path,
+             ours ? (double)before.photons : 0);
+    if (ours) cml_outcome_clear(&before);
+    return true;
+}
+
+/* The file of saved packets has a name of its own, and may be another run's. */
+static void note_replaced(const struct cml_scene *scene, const char *there)
+{
+    struct cml_error ignored;
+    char *saved = NULL, text[CML_REPLACED];
+    if (there && cml_describe_replaced(there, text)) cml_show_note(NULL, text);
+    if (there && scene->saved.limit && cml_report_saved_path(scene, there, &saved, &ignored) == CML_OK &&
+        strcmp(saved, there) != 0 && cml_describe_replaced(saved, text))
+        cml_show_note(NULL, text);
+    free(saved);
+}
+
+void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
+                     const struct cml_before *before)
+{
+    const char *path = setup->checkpoint;
+    const bool resume = options->resume;
+    const enum cml_checkpoint_kind kind = path ? cml_checkpoint_look(path).kind : CML_CHECKPOINT_NONE;
+    if (path && !resume) note_old_checkpoint(path, kind);
+    if (row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || before->stands) return;
+    if (path && resume) note_no_checkpoint(path);
+    note_dark_beams(setup->scene, setup->photons);
+    if (!options->quiet) note_replaced(setup->scene, before->there);
+}

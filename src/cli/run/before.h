@@ -1,0 +1,32 @@
+/* What a run finds on the disk before it flies. SPDX-License-Identifier: MIT */
+#ifndef CML_BEFORE_H
+#define CML_BEFORE_H
+
+#include "cli/options/options.h"
+#include "run/run.h"
+
+struct cml_before {
+    char *there, *gone; /* the first of its files that is there, and the first that is not; NULL: none */
+    bool stands;        /* without a checkpoint: the result that is there says to be of this run */
+};
+
+/* On rank 0, of a run with its identity and surfaces; row: of a sweep, from 1, or 0. *before is the caller's
+ * to clear, also on failure. CML_E_INPUT: --no-clobber keeps what is there. */
+CML_NODISCARD cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup,
+                                         int row, struct cml_before *before, struct cml_error *err);
+void cml_before_clear(struct cml_before *before);
+
+/* On rank 0, when the run begins to fly: a checkpoint that is overwritten or missing, a result that is
+ * replaced, beams without photons. */
+void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
+                     const struct cml_before *before);
+
+/* Refuses with --no-clobber a file that is there. */
+CML_NODISCARD cml_status cml_keep(const char *path, struct cml_error *err);
+
+/* Whether there is a file that will be replaced, and the text of a note: of a result with its number of
+ * photons, as they cost time. */
+enum { CML_REPLACED = 512 };
+bool cml_describe_replaced(const char *path, char text[CML_REPLACED]);
+
+#endif

@@ -82,6 +82,8 @@ expect_code 5 $sample --photons 10 -o "$work/missing"
 
 printf '\377\3761\0.\0000\0\n\0' >"$work/utf16.mci"
 expect_error 2 "$work/utf16.mci: cannot be read: it is UTF-16 (expected a text file in UTF-8)" "$work/utf16.mci"
+printf 'v 0 0 0\n' >"$work/mesh.obj"
+expect_error 2 "$work/mesh.obj:1: file version = v (expected 1.0; this is a mesh, which an m line of a scene names)" "$work/mesh.obj"
 expect_error 2 "run: -o $work/none.mco (expected a folder; --output names the result)" $sample -o "$work/none.mco"
 
 # Nothing is written, and nothing said on standard output, when the input is wrong.

@@ -154,7 +154,7 @@ static cml_status read_map(const struct cml_options *options, const char *path, 
 {
     const char *of = options->of, *array = array_of(of);
     const struct cml_voxel_cut cut = cut_of(options);
-    char unit[CML_HDF5_UNIT];
+    char unit[CML_HDF5_UNIT], names[CML_SHOWN_NAMES];
     struct cml_outcome outcome;
     if (shown) {
         snprintf(quantity, QUANTITY, "%s", shown->map);
@@ -163,7 +163,8 @@ static cml_status read_map(const struct cml_options *options, const char *path, 
         cml_outcome_clear(&outcome);
         return status;
     }
-    CML_TRY(cml_hdf5_read_map(path, array, &cut, map, unit, err));
+    cml_shown_names(names);
+    CML_TRY(cml_hdf5_read_map(path, array, &cut, names, map, unit, err));
     if (array != of)
         snprintf(quantity, QUANTITY, "%.2s(x,y)  [1/cm²]", array);
     else

@@ -52,17 +52,24 @@ static bool is_called(const struct cml_shown *shown, const char *name)
     return size > 11 && strncmp(name, "detector_", 9) == 0 && strcmp(name + size - 2, "_t") == 0;
 }
 
+void cml_shown_names(char names[CML_SHOWN_NAMES])
+{
+    size_t used = 0;
+    for (int i = 1; i < NUM_SHOWN; i++)
+        used +=
+            (size_t)snprintf(names + used, CML_SHOWN_NAMES - used, "%s%s", i > 1 ? ", " : "", all[i].name);
+}
+
 cml_status cml_shown_find(const char *name, const struct cml_shown **shown, struct cml_error *err)
 {
-    char names[256] = "";
+    char names[CML_SHOWN_NAMES];
     *shown = &all[0];
     if (!name) return CML_OK;
     for (int i = 1; i < NUM_SHOWN; i++) {
-        const size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%s", i > 1 ? ", " : "", all[i].name);
         *shown = &all[i];
         if (is_called(&all[i], name)) return CML_OK;
     }
+    cml_shown_names(names);
     return cml_fail(err, CML_E_INPUT, "--of %s (expected one of %s; or an array of a map)", name, names);
 }
 

@@ -32,6 +32,10 @@ struct cml_shown {
 CML_NODISCARD cml_status cml_shown_find(const char *name, const struct cml_shown **shown,
                                         struct cml_error *err);
 
+/* All names, with commas. */
+enum { CML_SHOWN_NAMES = 256 };
+void cml_shown_names(char names[CML_SHOWN_NAMES]);
+
 /* The axis under a panel: "radius r [cm]". */
 const char *cml_shown_axis(const struct cml_shown_panel *panel);
 

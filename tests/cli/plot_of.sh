@@ -261,7 +261,10 @@ if test $h5 = 1; then
         told "$array  [1/cm²]" "a camera's picture from an .h5"
         told 'matrix using (-0.199' "$array"
     done
-    expect_error 2 "$work/scene.h5: no map Rd_z (expected a data set over y and x)" plot "$work/scene.h5" --of Rd_z -o "$work/none.svg"
+    names=$("$program" plot "$a" --of none -o "$work/none.svg" 2>&1 | sed 's/.*(expected \(one of .*\); or.*/\1/')
+    for none in Rd_z Rd_ra A_rz_gates; do
+        expect_error 2 "$work/scene.h5: no map $none (expected a data set over y and x, or $names)" plot "$work/scene.h5" --of $none -o "$work/none.svg"
+    done
     cp "$a" "$work/false.h5"
     expect_error 2 "$work/false.h5: cannot be read as an HDF5 file (expected the .h5 file of a run)" plot "$work/false.h5" -o "$work/none.svg"
     expect_error 2 "$work/none.h5: cannot be read: No such file or directory (expected an .h5 file)" plot "$work/none.h5" -o "$work/none.svg"

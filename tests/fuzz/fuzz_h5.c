@@ -320,7 +320,7 @@ static void read_map(const char *path)
     struct cml_error err = {CML_OK, ""};
     char unit[CML_HDF5_UNIT];
     const struct cml_voxel_cut none = {0, 0};
-    const cml_status status = cml_hdf5_read_map(path, "Rd_xy", &none, &map, unit, &err);
+    const cml_status status = cml_hdf5_read_map(path, "Rd_xy", &none, "", &map, unit, &err);
     if (status != CML_OK) fuzz_refused(status, &err);
     cml_pixels_clear(&map);
 }

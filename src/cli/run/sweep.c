@@ -275,9 +275,9 @@ static void remove_checkpoints(const struct cml_sweep_run *sweep)
 static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, struct cml_error *err)
 {
     if (flown == CML_E_STOPPED)
-        return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d rows to fly; --resume continues",
+        return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d row%s to fly; --resume continues",
                         sweep->base->scenes[0].output, sweep->table.num_rows - sweep->rows.num_done,
-                        sweep->table.num_rows);
+                        sweep->table.num_rows, sweep->table.num_rows == 1 ? "" : "s");
     if (flown != CML_OK && flown != CML_E_NUMERIC) return flown;
     CML_TRY(publish(sweep, err));
     if (sweep->options->checkpoint_interval > 0) remove_checkpoints(sweep);

@@ -22,17 +22,13 @@ bool cml_hdf5_is_volume(const char *name)
 
 enum { AXIS_NAME = 64 };
 
-/* Corner and width of the pixels from their middles. The middle of a single one lies at 0; *width stays. */
+/* Corner and width of the pixels from their middles, which are there. The middle of a single one lies at 0;
+ * *width stays. */
 static cml_status read_pixel_axis(const struct cml_hdf5 *file, const char *name, size_t n, double *origin,
                                   double *width, struct cml_error *err)
 {
     double *middle;
     CML_TRY(cml_h5_numbers(file, name, n, &middle, NULL, err));
-    if (!middle)
-        return cml_fail(
-            err, CML_E_INPUT,
-            "%.400s: %.80s is not there (expected an array of a map, with the middles of its %zu pixels)",
-            file->path, name, n);
     if (n > 1) *width = (middle[n - 1] - middle[0]) / (double)(n - 1);
     *origin = middle[0] - *width / 2;
     free(middle);
@@ -117,15 +113,55 @@ static cml_status take_values(const struct cml_hdf5 *file, const char *name, con
     return CML_OK;
 }
 
+/* Whether the middles of pixels belong to that axis of the array, which may be a profile over others; those
+ * that belong to nothing, as in a file of others, count for all. */
+static cml_status belongs(const struct cml_hdf5 *file, const char *name, uint64_t array,
+                          const struct picture_axis *axis, bool *yes, struct cml_error *err)
+{
+    struct cml_hdf5_dataset scale;
+    struct cml_hdf5_use *uses = NULL;
+    size_t count = 0;
+    char of[AXIS_NAME];
+    name_axis(name, axis->letter, of);
+    *yes = false;
+    CML_TRY(cml_hdf5_dataset_open(file, of, &scale, err));
+    if (scale.id == 0) return CML_OK;
+    const cml_status status = cml_hdf5_uses(&scale, &uses, &count, err);
+    *yes = count == 0;
+    for (size_t i = 0; i < count; i++)
+        *yes = *yes || (uses[i].dataset == array && uses[i].axis == axis->number);
+    free(uses);
+    cml_hdf5_dataset_close(&scale);
+    return status;
+}
+
+/* Whether an array of the right number of axes lies over x and y, or over those of voxels. */
+static cml_status is_picture(const struct cml_hdf5 *file, const char *name,
+                             const struct cml_hdf5_dataset *shape, bool *yes, struct cml_error *err)
+{
+    struct cml_hdf5_dataset array;
+    CML_TRY(cml_hdf5_dataset_open(file, name, &array, err));
+    const uint64_t address = cml_hdf5_address(&array);
+    cml_hdf5_dataset_close(&array);
+    *yes = true;
+    for (int i = 0; *yes && i < shape->num_axes; i++) {
+        const struct picture_axis axis = axis_of(shape, (char)('x' + i));
+        CML_TRY(belongs(file, name, address, &axis, yes, err));
+    }
+    return CML_OK;
+}
+
 static cml_status fill_map(const struct cml_hdf5 *file, const char *name, const struct cml_voxel_cut *cut,
-                           const double *value, const struct cml_hdf5_dataset *shape, struct cml_pixels *map,
-                           struct cml_error *err)
+                           const char *else_known, const double *value, const struct cml_hdf5_dataset *shape,
+                           struct cml_pixels *map, struct cml_error *err)
 {
     const bool volume = cml_hdf5_is_volume(name);
     size_t first = 0;
-    if (!value || shape->num_axes != (volume ? 3 : 2))
-        return cml_fail(err, CML_E_INPUT, "%.400s: no map %.80s (expected a data set over %s)", file->path,
-                        name, volume ? "z_volume, y and x" : "y and x");
+    bool picture = value && shape->num_axes == (volume ? 3 : 2);
+    if (picture) CML_TRY(is_picture(file, name, shape, &picture, err));
+    if (!picture)
+        return cml_fail(err, CML_E_INPUT, "%.400s: no map %.80s (expected a data set over %s, or one of %s)",
+                        file->path, name, volume ? "z_volume, y and x" : "y and x", else_known);
     const struct picture_axis axis[2] = {axis_of(shape, volume && cut->axis == 'x' ? 'y' : 'x'),
                                          axis_of(shape, volume && cut->axis != 'z' ? 'z' : 'y')};
     *map = (struct cml_pixels){.n = {shape->n[axis[0].number], shape->n[axis[1].number]}, .spacing = {1, 1}};
@@ -149,7 +185,8 @@ static cml_status read_unit(const struct cml_hdf5 *file, const char *name, char 
 }
 
 cml_status cml_hdf5_read_map(const char *path, const char *name, const struct cml_voxel_cut *cut,
-                             struct cml_pixels *map, char unit[CML_HDF5_UNIT], struct cml_error *err)
+                             const char *else_known, struct cml_pixels *map, char unit[CML_HDF5_UNIT],
+                             struct cml_error *err)
 {
     struct cml_hdf5 file;
     struct cml_hdf5_dataset shape;
@@ -158,7 +195,7 @@ cml_status cml_hdf5_read_map(const char *path, const char *name, const struct cm
     unit[0] = '\0';
     CML_TRY(cml_hdf5_open(path, &file, err));
     cml_status status = cml_h5_numbers(&file, name, 0, &value, &shape, err);
-    if (status == CML_OK) status = fill_map(&file, name, cut, value, &shape, map, err);
+    if (status == CML_OK) status = fill_map(&file, name, cut, else_known, value, &shape, map, err);
     free(value);
     if (status == CML_OK) status = read_unit(&file, name, unit, err);
     cml_hdf5_close(&file);
@@ -169,9 +206,10 @@ cml_status cml_hdf5_read_map(const char *path, const char *name, const struct cm
 #else
 
 cml_status cml_hdf5_read_map(const char *path, const char *name, const struct cml_voxel_cut *cut,
-                             struct cml_pixels *map, char unit[CML_HDF5_UNIT], struct cml_error *err)
+                             const char *else_known, struct cml_pixels *map, char unit[CML_HDF5_UNIT],
+                             struct cml_error *err)
 {
-    (void)name, (void)cut;
+    (void)name, (void)cut, (void)else_known;
     *map = (struct cml_pixels){0};
     unit[0] = '\0';
     return cml_hdf5_open(path, &(struct cml_hdf5){0}, err);

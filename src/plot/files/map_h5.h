@@ -29,10 +29,12 @@ bool cml_hdf5_is_volume(const char *name);
 
 /* The data set of this name over y and x, or of voxels those that the cut meets, over x or y and, but for a
  * cut across z, z; a detector's map over those of its own, and its unit, "" when it
- * has none. A program without HDF5 refuses every file. CML_E_INPUT with file and data set; then *map is
- * cleared. The caller clears it otherwise. */
+ * has none. else_known: the names that the caller knows of what is no map, for the message. A program without
+ * HDF5 refuses every file. CML_E_INPUT with file and data set; then *map is cleared. The caller clears it
+ * otherwise. */
 CML_NODISCARD cml_status cml_hdf5_read_map(const char *path, const char *name,
-                                           const struct cml_voxel_cut *cut, struct cml_pixels *map,
-                                           char unit[CML_HDF5_UNIT], struct cml_error *err);
+                                           const struct cml_voxel_cut *cut, const char *else_known,
+                                           struct cml_pixels *map, char unit[CML_HDF5_UNIT],
+                                           struct cml_error *err);
 
 #endif

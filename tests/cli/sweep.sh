@@ -145,6 +145,8 @@ expect_error 2 "$work/saved.mci:6: a photons line and --reweight, whose rows hav
 # Each row saves packets in a file of its own.
 mkdir "$work/saved"
 expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet -o "$work/saved"
+expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 -o "$work/saved"
+test "$(cat "$work/err")" = "clustermcml: note: replaces $work/saved/ridges.sweep.csv" || complain "no word of the table replaced: $(cat "$work/err")"
 test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
 cp "$work/one.csv" "$work/ridges.sweep.csv"

@@ -6,6 +6,7 @@
 #include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
 #include "cli/run/aim.h"
+#include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep_flights.h"
@@ -293,10 +294,21 @@ static void announce(const struct cml_sweep_run *sweep)
     printf("\n");
 }
 
+/* The rows' own results are as many, and go with it. */
+static void note_replaced(const struct cml_sweep_run *sweep)
+{
+    char *csv = NULL, text[CML_REPLACED];
+    struct cml_error ignored;
+    if (table_path(sweep, ".sweep.csv", &csv, &ignored) == CML_OK && cml_describe_replaced(csv, text))
+        cml_show_note(NULL, text);
+    free(csv);
+}
+
 static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error why = {CML_OK, ""};
+    if (cml_cluster_rank() == 0 && !options->quiet && !options->resume) note_replaced(sweep);
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     cml_pending_begin(&sweep->pending);

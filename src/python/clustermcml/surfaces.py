@@ -87,7 +87,7 @@ class Heightmap:
 
     def __post_init__(self) -> None:
         _check_tile("Heightmap.tile", self.tile)
-        expected = "an array of finite heights [ny, nx], at least 2 x 2"
+        expected = "an array of finite heights [ny, nx], at least 2 x 2; mc.Mesh(path) reads a file"
         heights = errors.array("Heightmap.heights", self.heights, "iuf", expected)
         if heights.ndim != 2 or min(heights.shape) < 2 or np.max(np.abs(heights.astype(float))) > HIGHEST:
             raise errors.refuse("Heightmap.heights", self.heights, expected)

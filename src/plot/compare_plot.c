@@ -9,14 +9,12 @@
 
 /* Points of the page; TITLE_* are middles of axis titles, from the page's left and a panel's bottom. */
 enum {
-    WIDTH = 900,
     LEFT = 81,
     RIGHT = 873,
     PANEL = 130,
     GAP = 74,
     HEAD = 82,
     FOOT = 4,
-    TITLE_LEFT = 20,
     TITLE_BELOW = 46,
     LONGEST_NAME = 44
 };
@@ -56,7 +54,8 @@ static void write_verdict(const struct drawing *d)
 {
     const struct cml_comparison *c = d->report->comparison;
     char text[200];
-    struct cml_page_text line = {WIDTH / 2.0, d->page.height - 44, CML_ALIGN_CENTER, CML_PAGE_NORMAL, text};
+    struct cml_page_text line = {CML_PAGE_WIDTH / 2.0, d->page.height - 44, CML_ALIGN_CENTER, CML_PAGE_NORMAL,
+                                 text};
     snprintf(text, sizeof text, "They %s: among %d tests chance alone makes such a difference with p = %.2g.",
              c->p < d->report->alpha ? "differ" : "agree", c->tests, c->p);
     cml_page_write(&d->page, LABEL_VERDICT, &line);
@@ -79,9 +78,9 @@ static void write_head(const struct drawing *d)
             -frame, frame, -most, most);
     for (int k = 0; k < 2; k++) cml_plot_cut(report->names[k], LONGEST_NAME, name[k]);
     snprintf(text, sizeof text, "%s (a) against %s (b)", name[0], name[1]);
-    cml_page_write(
-        &d->page, LABEL_NAMES,
-        &(struct cml_page_text){WIDTH / 2.0, d->page.height - 20, CML_ALIGN_CENTER, CML_PAGE_NORMAL, text});
+    cml_page_write(&d->page, LABEL_NAMES,
+                   &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 20, CML_ALIGN_CENTER,
+                                           CML_PAGE_NORMAL, text});
     write_verdict(d);
 }
 
@@ -143,9 +142,9 @@ static void write_panel(const struct drawing *d, int q, int row)
     const int beyond = write_data(d, q);
     cml_page_panel(&d->page, LEFT, RIGHT, top - PANEL, top);
     snprintf(name, sizeof name, "z of %s", cml_quantities[q].name);
-    cml_page_write(
-        &d->page, LABEL_Y,
-        &(struct cml_page_text){TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, name});
+    cml_page_write(&d->page, LABEL_Y,
+                   &(struct cml_page_text){CML_PAGE_TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT,
+                                           CML_PAGE_NORMAL, name});
     cml_page_write(&d->page, LABEL_X,
                    &(struct cml_page_text){(LEFT + RIGHT) / 2.0, top - PANEL - TITLE_BELOW, CML_ALIGN_CENTER,
                                            CML_PAGE_NORMAL, cml_quantity_axes((enum cml_quantity)q)});
@@ -167,7 +166,8 @@ static void write_panel(const struct drawing *d, int q, int row)
 cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *err)
 {
     const struct cml_compare_report *what = report;
-    struct drawing d = {.page = {.out = out, .picture = what->picture, .width = WIDTH}, .report = what};
+    struct drawing d = {.page = {.out = out, .picture = what->picture, .width = CML_PAGE_WIDTH},
+                        .report = what};
     const struct cml_comparison *c = d.report->comparison;
     const int panels = count_panels(c);
     if (panels == 0)

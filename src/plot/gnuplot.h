@@ -22,6 +22,9 @@ struct cml_page {
     int width, height;
 };
 
+/* Points: the width of every page, and where the middle of a curve's upright axis title lies. */
+enum { CML_PAGE_WIDTH = 900, CML_PAGE_TITLE_LEFT = 20 };
+
 /* Sizes of letters in points: of titles, of axes, of what stands beside them. */
 enum { CML_PAGE_LARGE = 18, CML_PAGE_NORMAL = 15, CML_PAGE_SMALL = 13 };
 

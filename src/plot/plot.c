@@ -23,7 +23,6 @@ static const double strip = 0.25;
 /* Lengths in points of the page. A panel alone is higher than one of two. TITLE_* are middles of axis titles,
  * from the page's left, the panel's bottom and the page's right: numbers of 7 letters stand between. */
 enum {
-    WIDTH = 900,
     LEFT = 104,
     RIGHT = 790,
     PANEL = 340,
@@ -32,7 +31,6 @@ enum {
     HEAD = 50,
     ROW = 18,
     FOOT = 78,
-    TITLE_LEFT = 20,
     TITLE_BELOW = 48,
     TITLE_RIGHT = 882
 };
@@ -96,9 +94,9 @@ static void write_title(const struct drawing *d)
     if (named < plot->num_results)
         snprintf(title + used, sizeof title - used, " and %d more", plot->num_results - named);
     cml_plot_cut(plot->style.title ? plot->style.title : title, LONGEST_TITLE, cut);
-    cml_page_write(
-        &d->page, LABEL_TITLE,
-        &(struct cml_page_text){WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER, CML_PAGE_LARGE, cut});
+    cml_page_write(&d->page, LABEL_TITLE,
+                   &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
+                                           CML_PAGE_LARGE, cut});
 }
 
 /* ---- curves ---- */
@@ -351,9 +349,9 @@ static void write_axes(const struct drawing *d, const struct panel *panel, bool 
     cml_page_write(
         &d->page, LABEL_PANEL,
         &(struct cml_page_text){LEFT, panel->top + 12, CML_ALIGN_LEFT, CML_PAGE_NORMAL, panel->shown->title});
-    cml_page_write(
-        &d->page, LABEL_Y,
-        &(struct cml_page_text){TITLE_LEFT, middle, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, panel->shown->axis});
+    cml_page_write(&d->page, LABEL_Y,
+                   &(struct cml_page_text){CML_PAGE_TITLE_LEFT, middle, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL,
+                                           panel->shown->axis});
     fputs(last ? "set format x '%g'\n" : "set format x ''\n", out);
     if (last)
         cml_page_write(&d->page, LABEL_X,
@@ -457,7 +455,7 @@ static cml_status write_panels(struct drawing *d, int num_panels, struct cml_err
 cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
 {
     const struct cml_plot *plot = what;
-    struct drawing d = {.page = {.out = out, .picture = plot->picture, .width = WIDTH},
+    struct drawing d = {.page = {.out = out, .picture = plot->picture, .width = CML_PAGE_WIDTH},
                         .plot = plot,
                         .count = plot->num_results + plot->num_curves};
     cml_status status = CML_OK;

@@ -23,7 +23,6 @@ const struct cml_map_axes cml_map_polar = {
 /* Lengths in points of the page. TITLE_* are middles of axis titles, from a panel's left and bottom; BAR_*
  * are the colour bar's distance, width and its title's distance. */
 enum {
-    WIDTH = 900,
     LEFT = 84,
     RIGHT = 134,
     GAP = 80,
@@ -188,7 +187,7 @@ static void lay_out(struct drawing *d)
     const double ratio = d->plot->axes->free ? free_ratio : (d->to[1] - d->from[1]) / (d->to[0] - d->from[0]);
     d->columns = count <= 3 ? count : count == 4 ? 2 : 3;
     d->rows = (count + d->columns - 1) / d->columns;
-    const int room = (WIDTH - LEFT - RIGHT - GAP * (d->columns - 1)) / d->columns;
+    const int room = (CML_PAGE_WIDTH - LEFT - RIGHT - GAP * (d->columns - 1)) / d->columns;
     d->panel_height = (int)fmin(TALLEST, room * ratio);
     d->width = (int)(d->panel_height / ratio);
     d->left = LEFT + (room - d->width) * d->columns / 2;
@@ -240,14 +239,15 @@ static void write_colours(const struct drawing *d)
     if (d->log) cml_plot_log_ticks(d->page.out, "cbtics", d->low, d->high);
     fprintf(d->page.out,
             "set colorbox vertical user origin screen %.6f, screen %.6f size screen %.6f, screen %.6f\n",
-            left / WIDTH, (double)d->foot / d->page.height, (double)BAR / WIDTH, bar_height / d->page.height);
+            left / CML_PAGE_WIDTH, (double)d->foot / d->page.height, (double)BAR / CML_PAGE_WIDTH,
+            bar_height / d->page.height);
     cml_page_write(&d->page, LABEL_COLOURS,
                    &(struct cml_page_text){left + BAR_TITLE, d->foot + bar_height / 2, CML_ALIGN_UPRIGHT,
                                            CML_PAGE_NORMAL, d->plot->quantity});
     snprintf(grey, sizeof grey, "grey: %s", d->plot->grey);
     if ((d->log && d->dark) || d->unknown)
         cml_page_write(&d->page, LABEL_GREY,
-                       &(struct cml_page_text){WIDTH - 12, d->foot - TITLE_BELOW, CML_ALIGN_RIGHT,
+                       &(struct cml_page_text){CML_PAGE_WIDTH - 12, d->foot - TITLE_BELOW, CML_ALIGN_RIGHT,
                                                CML_PAGE_SMALL, grey});
 }
 
@@ -276,7 +276,7 @@ static void write_frame(const struct drawing *d)
     write_colours(d);
     if (d->plot->style.title)
         cml_page_write(&d->page, LABEL_TITLE,
-                       &(struct cml_page_text){WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
+                       &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
                                                CML_PAGE_LARGE, d->plot->style.title});
     (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
 }
@@ -337,7 +337,7 @@ static void write_panel(const struct drawing *d, int k)
 cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
 {
     const struct cml_map_plot *map = plot;
-    struct drawing d = {.page = {.out = out, .picture = map->picture, .width = WIDTH}, .plot = map};
+    struct drawing d = {.page = {.out = out, .picture = map->picture, .width = CML_PAGE_WIDTH}, .plot = map};
     CML_TRY(find_colours(&d, err));
     CML_TRY(find_extent(&d, err));
     lay_out(&d);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Points of the SVG; letters are 13 high. */
-enum { WIDTH = 900, HEIGHT = 560, LEFT = 104, RIGHT = 710, TOP = 44, BOTTOM = 78, LINE = 18 };
+enum { HEIGHT = 560, LEFT = 104, RIGHT = 710, TOP = 44, BOTTOM = 78, LINE = 18 };
 
 /* Shares of the frame's height: the room for beam and map above the highest surface, and that below the
  * lowest; where in the upper room the map's bar, its text and the beam's tail are, and how far above it the
@@ -244,8 +244,8 @@ static void write_labels(struct frame *f)
         const double y = f->page.height - place[i];
         fprintf(f->page.out,
                 "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead lw 0.8 lc rgb '#A0A0A0'\n",
-                (RIGHT + 2.0) / WIDTH, 1 - middle[i] / f->page.height, (RIGHT + 16.0) / WIDTH,
-                y / f->page.height);
+                (RIGHT + 2.0) / CML_PAGE_WIDTH, 1 - middle[i] / f->page.height,
+                (RIGHT + 16.0) / CML_PAGE_WIDTH, y / f->page.height);
         write_text(f, RIGHT + 20, y, CML_ALIGN_LEFT, CML_PAGE_SMALL, s->labels[which[i]].text);
     }
 }
@@ -315,7 +315,7 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
 {
     (void)err;
     const struct cml_section *s = what;
-    struct frame f = {.section = s, .page = {out, s->picture, WIDTH, HEIGHT}};
+    struct frame f = {.section = s, .page = {out, s->picture, CML_PAGE_WIDTH, HEIGHT}};
     char caption[1024];
     const double span = (s->z_bottom - s->z_top) / (1 - room_above - room_below);
     f.z0 = s->z_top - room_above * span;

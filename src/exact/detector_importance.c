@@ -17,11 +17,6 @@ struct volumes {
     double *value;                /* [unknowns] */
 };
 
-static double mean_cosine(const struct cml_medium_def *medium)
-{
-    return medium->phase ? cml_phase_mean(medium->phase) : medium->g;
-}
-
 /* 2 A of a face to a relative index, by Groenhuis' fit of what it reflects of diffuse light. */
 static double longer_by(double n)
 {
@@ -33,7 +28,7 @@ static double longer_by(double n)
 static void cut_layer(const struct cml_medium_def *medium, double top, double d, double depth, double least,
                       struct volumes *to)
 {
-    const double mutr = medium->mua + medium->mus * (1 - mean_cosine(medium));
+    const double mutr = cml_medium_mutr(medium);
     const int n = 2 + (int)(PIECES * d / depth);
     for (int i = 0; i < n; i++, to->pieces++) {
         to->h[to->pieces] = d / n;

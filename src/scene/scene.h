@@ -34,6 +34,13 @@ static inline double cml_medium_mut(const struct cml_medium_def *medium)
     return medium->mua + medium->mus;
 }
 
+/* Transport attenuation, 1/cm: after its inverse light has forgotten where it came from. */
+static inline double cml_medium_mutr(const struct cml_medium_def *medium)
+{
+    const double mean_cosine = medium->phase ? cml_phase_mean(medium->phase) : medium->g;
+    return medium->mua + medium->mus * (1 - mean_cosine);
+}
+
 /* n samples (r_i, h_i), r_0 = 0, radii strictly rising; heights count against z: surface z(r) = z_b - h(r),
  * linear between samples, h_{n-1} beyond r_{n-1}. */
 struct cml_radial {

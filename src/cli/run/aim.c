@@ -5,7 +5,6 @@
 #include "exact/detector_importance.h"
 #include "exact/importance.h"
 #include "exact/tail_response.h"
-#include "scene/phase.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,7 +35,7 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
         sink(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].inside) sink(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
-    if (scene->media[1].mua + scene->media[1].mus == 0) sink(&floor, 2, surfaces->item[1].depth);
+    if (cml_medium_mut(&scene->media[1]) == 0) sink(&floor, 2, surfaces->item[1].depth);
     return floor;
 }
 
@@ -49,7 +48,7 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
         return (struct cml_aim_level){.why = "a backing lies below all layers"};
     for (int l = floor.layer; l <= scene->num_layers; l++) {
         const double top = surfaces->item[l - 1].depth, from = fmax(top, floor.depth),
-                     rest = surfaces->item[l].depth - from, mut = scene->media[l].mua + scene->media[l].mus;
+                     rest = surfaces->item[l].depth - from, mut = cml_medium_mut(&scene->media[l]);
         if (!(rest > 1e-4 * (surfaces->item[l].depth - top))) continue;
         const double z = from - top + fmin(rest, mut > 0 ? 1 / mut : rest) / 16;
         return (struct cml_aim_level){.layer = l, .z = z, .depth = top + z};
@@ -154,18 +153,12 @@ static bool wants_packets(const struct cml_scene *scene)
     return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
 }
 
-static double mean_of(const struct cml_medium_def *medium)
-{
-    return medium->phase ? cml_phase_mean(medium->phase) : medium->g;
-}
-
 /* Where light that goes down from z has forgotten where it came from: after a transport mean free path. */
 static double start_of(const struct cml_medium_def *media, int layers, double z)
 {
     double left = 1, top = 0;
     for (int l = 1; l <= layers; top += media[l++].d) {
-        const double from = fmax(top, z), rest = top + media[l].d - from,
-                     mutr = media[l].mua + media[l].mus * (1 - mean_of(&media[l]));
+        const double from = fmax(top, z), rest = top + media[l].d - from, mutr = cml_medium_mutr(&media[l]);
         if (rest > 0 && mutr * rest >= left) return from + left / mutr;
         left -= fmax(rest, 0) * mutr;
     }

@@ -79,20 +79,29 @@ static void write_totals(FILE *out, const struct cml_outcome *o)
     fputc('\n', out);
 }
 
+/* As "%12.4E" prints it: most cells of a grid are dark, and zeros cost a thousandth of that. */
+static void write_number(FILE *out, double value)
+{
+    if (value == 0 && !signbit(value))
+        fputs("  0.0000E+00", out);
+    else
+        fprintf(out, "%12.4E", value);
+}
+
 /* The line ends of a grid are counted over the whole block: a count that fills its last line leaves an empty
  * line behind the block, any other does not. */
 static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     const double *values = o->value[section->quantity];
     const size_t cells = cml_outcome_size(o, section->quantity);
+    const bool grid = cml_mco_columns(o, section) > 0;
     fprintf(out, "%s%s%s\n", section->before, cml_quantities[section->quantity].name, section->after);
     for (size_t i = 0; i < cells; i++) {
         if (section->quantity == CML_QUANTITY_A_l)
-            fprintf(out, "%12.4G\n", values[i]);
-        else if (cml_mco_columns(o, section) == 0)
-            fprintf(out, "%12.4E\n", values[i]);
+            fprintf(out, "%12.4G", values[i]);
         else
-            fprintf(out, (i + 1) % CML_MCO_PER_LINE == 0 ? "%12.4E \n" : "%12.4E ", values[i]);
+            write_number(out, values[i]);
+        fputs(!grid ? "\n" : (i + 1) % CML_MCO_PER_LINE == 0 ? " \n" : " ", out);
     }
     fputc('\n', out);
 }
@@ -123,13 +132,21 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
             sampling > 0);
 }
 
+static void write_error(FILE *out, const struct cml_outcome *o, double error)
+{
+    if (o->merged)
+        fprintf(out, "%12.9E", error);
+    else
+        write_number(out, error);
+    fputc('\n', out);
+}
+
 /* Sections "se_KEY # [unit]", then one standard error per line. Merged ones may differ in digits that a run's
  * do not have. */
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
     char key[CML_OUTCOME_KEY];
-    const char *const total = o->merged ? "%.9G\n" : "%.6G\n", *const bin =
-                                                                   o->merged ? "%12.9E\n" : "%12.4E\n";
+    const char *const total = o->merged ? "%.9G\n" : "%.6G\n";
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
     for (int i = 0; i < CML_TOTALS; i++)
         if (o->error[i]) fprintf(out, total, o->error[i][0]);
@@ -140,7 +157,7 @@ static void write_errors(FILE *out, const struct cml_outcome *o)
         for (int part = 0; part < cml_outcome_parts(o, quantity); part++) {
             cml_outcome_key(o, quantity, part, key);
             fprintf(out, "\nse_%s # [%s]\n", key, cml_quantities[i].units);
-            for (size_t k = 0; k < size; k++) fprintf(out, bin, o->error[i][(size_t)part * size + k]);
+            for (size_t k = 0; k < size; k++) write_error(out, o, o->error[i][(size_t)part * size + k]);
         }
     }
 }

@@ -498,6 +498,7 @@ static double error_by_groups(const struct cml_result *result, int groups, const
     double of[CML_NUM_BATCHES], sum = 0, squares = 0, found = 0;
     const double photons = (double)result->photons;
     for (int b = 0; b < groups; b++) sum += of[b] = as_number(sums[(size_t)b * n]);
+    if (sum == 0) return photons > 1 ? 0 : NAN; /* most cells of a grid are dark */
     const double mean = sum / photons;
     for (int b = 0; b < groups; b++) {
         const double size = (double)group_size(result->photons, groups, b);

@@ -364,7 +364,6 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
     free(grid->first);
     free(grid->listed);
     free(grid->facet);
-    free(grid->level[1].slope);
     *grid = (struct cml_grid_mesh){.cell = NULL};
 }
 
@@ -374,7 +373,6 @@ double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
     const size_t cells = cml_grid_mesh_slots(&grid->level[0]), slots = cml_grid_mesh_all_slots(grid);
     const double depths = (double)slots * sizeof(struct cml_grid_mesh_depths);
     if (grid->cell) return depths + (double)cells * (sizeof *grid->cell + sizeof *grid->planes);
-    return depths + (double)(slots - cells) * sizeof *grid->level[1].slope +
-           (double)(cells + 1) * sizeof *grid->first + (double)grid->first[cells] * sizeof *grid->listed +
-           (double)grid->facets * sizeof *grid->facet;
+    return depths + (double)(cells + 1) * sizeof *grid->first +
+           (double)grid->first[cells] * sizeof *grid->listed + (double)grid->facets * sizeof *grid->facet;
 }

@@ -48,9 +48,8 @@ struct cml_grid_mesh_depths {
 /* Cells (level 0), or blocks of 4 x 4 of the level below. */
 struct cml_grid_mesh_level {
     struct cml_grid_mesh_depths *depths; /* by cml_grid_mesh_index; a slice of those of all levels */
-    float *slope; /* likewise, of sheets, from level 1 on: the steepest facet's, no less than it is */
-    int n[2];     /* cells or blocks along x and y */
-    int tiles;    /* along x */
+    int n[2];                            /* cells or blocks along x and y */
+    int tiles;                           /* along x */
 };
 
 struct cml_grid_mesh {

@@ -362,91 +362,6 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && !(ends_inside ? ends_in_cell : grid->is_whole) ? UNDECIDED : verdict;
 }
 
-static void cell_at(const struct traversal *w, double t, int cell[2])
-{
-    for (int k = 0; k < 2; k++) cell[k] = clamp_to_cell(position_at(&w->axis[k], t), w->grid->n[k]);
-}
-
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-/* No less than the steepest facet of a sheet within a cell of the box that two cells span: of the at most
- * four blocks that cover it on the level where four are enough. */
-static float steepest_around(const struct cml_grid_mesh *grid, const int a[2], const int b[2])
-{
-    int low[2], high[2], level = 1;
-    for (int k = 0; k < 2; k++) {
-        low[k] = a[k] < b[k] ? a[k] : b[k];
-        high[k] = a[k] < b[k] ? b[k] : a[k];
-        low[k] -= low[k] > 0;
-        high[k] += high[k] + 1 < grid->n[k];
-    }
-    while (((high[0] - low[0]) | (high[1] - low[1])) >> 2 * level) level++;
-    if (level >= grid->levels) return INFINITY;
-    const struct cml_grid_mesh_level *blocks = &grid->level[level];
-    const int x0 = low[0] >> 2 * level, x1 = high[0] >> 2 * level, y0 = low[1] >> 2 * level,
-              y1 = high[1] >> 2 * level;
-    return larger(larger(blocks->slope[cml_grid_mesh_index(blocks, x0, y0)],
-                         blocks->slope[cml_grid_mesh_index(blocks, x1, y0)]),
-                  larger(blocks->slope[cml_grid_mesh_index(blocks, x0, y1)],
-                         blocks->slope[cml_grid_mesh_index(blocks, x1, y1)]));
-}
-
-/* The cell of a sheet in which the ray probably meets it, or ends: where it has the depth of the cell that it
- * was in before, beginning at the mean depth. */
-static void guess_cell(const struct traversal *w, struct interval ray, int cell[2])
-{
-    const struct cml_grid_mesh_level *cells = &w->grid->level[0];
-    double depth = w->grid->mean;
-    for (int n = 0;; n++) {
-        const double t = (depth - w->depth.origin) * w->depth.inverse;
-        cell_at(w, t < ray.t_min ? ray.t_min : t > ray.t_max ? ray.t_max : t, cell);
-        if (n == 2) return;
-        const struct cml_grid_mesh_depths depths =
-            cells->depths[cml_grid_mesh_index(cells, cell[0], cell[1])];
-        depth = 0.5 * (depths.least + depths.most);
-    }
-}
-
-/* Whether a place of the ray is no further from a cell than its neighbours. */
-static bool is_around(const struct traversal *w, const int cell[2], double t)
-{
-    return is_well_within(position_at(&w->axis[0], t), cell[0] - 1, 3, 0) &&
-           is_well_within(position_at(&w->axis[1], t), cell[1] - 1, 3, 0);
-}
-
-/* A ray steeper than a sheet crosses it at most once. If it is steeper than every facet between where it
- * comes within the mesh's depths and a facet that it surely meets, it has met no other one; and none at all
- * if a facet surely lies ahead where it ends. Most rays are that steep, and need no traversal. Only for
- * packets that stand on nothing: one on a facet has its crossing there. */
-static enum verdict cross_once(const struct traversal *w, struct interval ray)
-{
-    struct cml_mesh_query *q = w->q;
-    const struct cml_grid_mesh *grid = w->grid;
-    const double *u = q->direction, surely_ahead = q->t_min + err_start * q->centred->upper[0];
-    int start[2], cell[2];
-    cell_at(w, ray.t_min, start);
-    guess_cell(w, ray, cell);
-    const double slope = steepest_around(grid, start, cell);
-    if (!(u[2] * u[2] > slope * slope * (u[0] * u[0] + u[1] * u[1]))) return UNDECIDED;
-    const size_t index = cml_grid_mesh_index(&grid->level[0], cell[0], cell[1]);
-    for (uint32_t i = grid->first[index]; i < grid->first[index + 1]; i++) {
-        const struct cml_sheet_facet *f = &grid->facet[grid->listed[i]];
-        const double along = cml_vec3_dot(u, f->plane),
-                     height = f->plane[3] - cml_vec3_dot(q->origin, f->plane);
-        const double t = height / along, t_place = t < ray.t_max ? t : ray.t_max;
-        if (fabs(height) <= q->contact_distance) q->in_doubt = true;
-        if ((q->below ? along : -along) < err_sine_grid || !(t >= surely_ahead)) continue;
-        if (!(least_weight(q, f, t_place) > err_weight_sheet) || !is_around(w, cell, t_place)) continue;
-        if (t > ray.t_max) return MISS;
-        add_hit(q, grid->listed[i], f->plane, t);
-        return HIT;
-    }
-    return UNDECIDED;
-}
-
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];
@@ -462,7 +377,6 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     for (int k = 0; k < 2; k++)
         if (!is_within(position_at(&w.axis[k], ray.t_min), grid->n[k]))
             return misses_grid(&w, 0, ray) || misses_grid(&w, 1, ray);
-    if (grid->first && q->exclude < 0 && cross_once(&w, ray) != UNDECIDED) return true;
     return traverse_grid(&w, ray) != UNDECIDED;
 }
 

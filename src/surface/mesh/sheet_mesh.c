@@ -26,7 +26,6 @@ struct shadow {
     int first[2], last[2];
     double depth, least, most; /* of corner 0, and of all, cm */
     double slope[2];           /* along x and y, cm per cell */
-    float steepness;           /* cm per cm */
 };
 
 /* A facet above a cell. */
@@ -88,7 +87,6 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
         s.inward[c][1] = y / length;
     }
     for (int k = 0; k < 2; k++) s.slope[k] = -plane[k] / plane[2] / grid->cells_per_cm[k];
-    s.steepness = (float)((1 + FLT_EPSILON) * hypot(plane[0], plane[1]) / -plane[2]);
     find_range(grid, &s);
     return s;
 }
@@ -108,11 +106,10 @@ static float middle_inside(const struct cml_grid_mesh *grid, const struct shadow
     return (float)inside;
 }
 
-/* By the depths of the facet's plane above the cell, but no further than its corners; and the block above by
- * its steepness. */
+/* By the depths of the facet's plane above the cell, but no further than its corners. */
 static void widen_cell(const struct lists *l, const struct shadow *s, int i, int j)
 {
-    struct cml_grid_mesh_level *cells = &l->grid->level[0], *blocks = &l->grid->level[1];
+    struct cml_grid_mesh_level *cells = &l->grid->level[0];
     const double slope = fabs(s->slope[0]) + fabs(s->slope[1]);
     const double pad = l->centred->err_float + err_apart_of(l->grid) * slope;
     const double *at = s->corner[0];
@@ -120,9 +117,6 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
     cml_grid_mesh_widen_depths(l->grid, fmax(z - 0.5 * slope, s->least) - pad,
                                fmin(z + 0.5 * slope, s->most) + pad,
                                &cells->depths[cml_grid_mesh_index(cells, i, j)]);
-    if (l->grid->levels == 1) return;
-    float *steepest = &blocks->slope[cml_grid_mesh_index(blocks, i / 4, j / 4)];
-    *steepest = fmaxf(*steepest, s->steepness);
 }
 
 /* Lists are filled from their ends, and hold the facet first that is most likely above a place of the cell.
@@ -247,18 +241,6 @@ static bool faces_up(const struct cml_centred_mesh *centred)
     return true;
 }
 
-static void build_slopes(struct cml_grid_mesh *grid)
-{
-    for (int l = 2; l < grid->levels; l++) {
-        const struct cml_grid_mesh_level *below = &grid->level[l - 1], *blocks = &grid->level[l];
-        for (int j = 0; j < below->n[1]; j++)
-            for (int i = 0; i < below->n[0]; i++) {
-                float *steepest = &blocks->slope[cml_grid_mesh_index(blocks, i / 4, j / 4)];
-                *steepest = fmaxf(*steepest, below->slope[cml_grid_mesh_index(below, i, j)]);
-            }
-    }
-}
-
 static cml_status fail(double bytes, struct cml_error *err)
 {
     return cml_fail_memory(err, bytes, "the cells of a sheet");
@@ -292,13 +274,9 @@ static double join_lists(const struct lists *l)
 
 static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
 {
-    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), blocks = cml_grid_mesh_all_slots(grid) - cells;
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]);
     grid->first = calloc(cells + 1, sizeof *grid->first);
-    grid->level[1].slope = calloc(blocks + 1, sizeof *grid->level[1].slope);
-    if (!grid->first || !grid->level[1].slope) return fail(4 * (double)(cells + blocks), err);
-    for (int l = 2; l < grid->levels; l++)
-        grid->level[l].slope = grid->level[l - 1].slope + cml_grid_mesh_slots(&grid->level[l - 1]);
-    return CML_OK;
+    return grid->first ? CML_OK : fail(4 * (double)cells, err);
 }
 
 /* Lists and facets; *thin counts those that are too thin. */
@@ -330,7 +308,6 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     CML_TRY(fill_lists(l, &thin, err));
     *pays = (double)thin <= most_thin * (double)l->grid->facets;
     cml_grid_mesh_build_levels(l->grid);
-    build_slopes(l->grid);
     find_inner(l->centred, l->grid);
     return CML_OK;
 }

@@ -1,9 +1,8 @@
 /* Cells under a mesh that is no regular grid but a single sheet: all its facets face up, so that, seen from
  * above, they lie side by side. Every cell of a square grid lists the facets above it, and has their least
- * and greatest depth there; above the cells stands the pyramid of a regular grid (grid_mesh.h), with the
- * steepest slope of each block besides. A grid of lists is the oldest way to find what a ray meets [Fujimoto,
- * Tanaka and Iwata, ARTS: accelerated ray-tracing system, IEEE Computer Graphics and Applications 6 (4),
- * 1986]. SPDX-License-Identifier: MIT */
+ * and greatest depth there; above the cells stands the pyramid of a regular grid (grid_mesh.h). A grid of
+ * lists is the oldest way to find what a ray meets [Fujimoto, Tanaka and Iwata, ARTS: accelerated ray-tracing
+ * system, IEEE Computer Graphics and Applications 6 (4), 1986]. SPDX-License-Identifier: MIT */
 #ifndef CML_SHEET_MESH_H
 #define CML_SHEET_MESH_H
 

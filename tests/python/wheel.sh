@@ -71,7 +71,7 @@ END
 # .mco files of a root that are not here, or have other bytes but for the time and the commit.
 others() { # ROOT
     (cd "$work/here" && find . -name '*.mco') | while read -r file; do
-        for side in "$work/here" "$1/home/user/flown"; do sed -e '/^# User time/d' "$side/$file" 2>&1; done >"$work/both"
+        for side in "$work/here" "$1/home/user/flown"; do sed -e '/^# User time/d' -e 's/^\(# clustermcml [0-9.]*\) (.*/\1/' "$side/$file" 2>&1; done >"$work/both"
         half=$(($(wc -l <"$work/both") / 2))
         head -n $half "$work/both" >"$work/a"
         tail -n +$((half + 1)) "$work/both" | cmp -s - "$work/a" || echo "$file"

@@ -26,13 +26,19 @@ CC=clang CXX=clang++ cmake --preset asan >/dev/null
 cmake --build build-asan --parallel 2 --target clustermcml units fuzzers
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 ctest --test-dir build-asan -L unit --output-on-failure -j2
+
+# By number, not by time, so that a change is judged by the same inputs on any machine; beside the flights, as each fuzzer
+# has one thread.
+{
+    bash tests/fuzz/run.sh runs=8000 fly
+    bash tests/fuzz/run.sh runs=100000 mci obj heightmap csv options checkpoint sweep
+    bash tests/fuzz/run.sh runs=20000 merge
+    bash tests/fuzz/run.sh runs=2500 mco h5
+} &
+fuzzers=$!
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
 sh tests/sanitize/threads.sh
-
-# By number, not by time, so that a change is judged by the same inputs on any machine.
-bash tests/fuzz/run.sh runs=8000 fly
-bash tests/fuzz/run.sh runs=100000 mci obj heightmap csv options checkpoint merge sweep
-bash tests/fuzz/run.sh runs=2500 mco h5
+wait $fuzzers
 
 # The program of the thread sanitizer is built without MPI.
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1

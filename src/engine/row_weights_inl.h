@@ -197,24 +197,46 @@ CML_ROWS_INLINE void cml_rows_sample_as(int wide, const struct cml_row_packet *r
     }
 }
 
-/* One of those interactions, in a medium at p, where rows have been booked. left: the packet's weight behind
- * it; before: the last one booked before it, which counts where nothing is left of any. */
-static inline void cml_rows_sample(const struct cml_world *world, const struct cml_row_packet *rows,
-                                   int medium, struct cml_vec p, cml_u32 before, cml_u32 left)
+/* Where an interaction at p in a medium is summed: [rows] each. */
+struct cml_row_place {
+    uint64_t *by_z, *by_rz;
+};
+
+static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *world,
+                                                       const struct cml_row_packet *rows, int medium,
+                                                       struct cml_vec p)
 {
     const struct cml_setup *setup = &world->setup;
     const struct cml_row_sums *sums = rows->sums;
+    const size_t iz = (size_t)cml_depth_bin(setup, p.z, world->media[medium].bins),
+                 ir = (size_t)cml_radial_bin(setup, p.x, p.y);
+    return (struct cml_row_place){
+        cml_row_bin(rows, sums->at.A_z + iz),
+        sums->rz + (ir * ((size_t)setup->nz + 2) + iz) * (size_t)sums->count,
+    };
+}
+
+/* Grids of all rows are larger than caches: what will be needed is fetched while others are booked. */
+static inline void cml_rows_expect(const struct cml_row_packet *rows, struct cml_row_place at)
+{
+    for (int i = 0; i < rows->sums->count; i += 8) { /* of a cache line of 64 bytes */
+        __builtin_prefetch(at.by_z + i, 1);
+        __builtin_prefetch(at.by_rz + i, 1);
+    }
+}
+
+/* One of those interactions, in a medium, where rows have been booked. left: the packet's weight behind
+ * it; before: the last one booked before it, which counts where nothing is left of any. */
+static inline void cml_rows_sample(const struct cml_world *world, const struct cml_row_packet *rows,
+                                   int medium, struct cml_row_place at, cml_u32 before, cml_u32 left)
+{
     const int black = world->media[medium].absorb >= 1;
     const real unit = cml_row_unit(black ? before : left);
-    const size_t iz = (size_t)cml_depth_bin(setup, p.z, world->media[medium].bins),
-                 ir = (size_t)cml_radial_bin(setup, p.x, p.y), count = (size_t)sums->count;
-    const real *share = world->rows.part + (size_t)medium * count;
-    uint64_t *by_z = cml_row_bin(rows, sums->at.A_z + iz),
-             *by_rz = sums->rz + (ir * ((size_t)setup->nz + 2) + iz) * count;
+    const real *share = world->rows.part + (size_t)medium * (size_t)rows->sums->count;
     if (unit * world->rows.most[medium] < (real)0x1p30)
-        cml_rows_sample_as(0, rows, unit, share, by_z, by_rz);
+        cml_rows_sample_as(0, rows, unit, share, at.by_z, at.by_rz);
     else
-        cml_rows_sample_as(1, rows, unit, share, by_z, by_rz);
+        cml_rows_sample_as(1, rows, unit, share, at.by_z, at.by_rz);
 }
 
 CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet *rows, real high, real low,

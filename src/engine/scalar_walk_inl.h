@@ -70,7 +70,9 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_fly(world, &its, rows->medium, packet->path, packet->interactions, rows->w, left);
-    if (sampled) cml_rows_sample(world, &its, rows->medium, packet->p, rows->w, left);
+    if (sampled)
+        cml_rows_sample(world, &its, rows->medium, cml_rows_sampled_at(world, &its, rows->medium, packet->p),
+                        rows->w, left);
     if (kept)
         cml_rows_backing(&its, left, packet->w);
     else

@@ -70,7 +70,7 @@ FOREIGN = {
     "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
-    "sys/mman.h": "src/plot/gnuplot",
+    "sys/mman.h": "src/plot/gnuplot src/tally/tally",
     "sys/wait.h": "src/plot/gnuplot",
     "dirent.h": "src/base/atomic_file",
 }

@@ -120,13 +120,21 @@ static void cml_sample_rows(struct cml_flight *f)
     uint64_t lanes = 0;
     for (int first = 0; first < b->lanes; first += CML_GROUP)
         lanes |= (uint64_t)cml_group_equal(sampled + first, 1) << first;
-    for (lanes &= f->live & ~f->ended; lanes; lanes &= lanes - 1) {
+    lanes &= f->live & ~f->ended;
+    struct cml_row_place at[CML_LANES];
+    for (uint64_t rest = lanes; rest; rest &= rest - 1) {
+        const int i = __builtin_ctzll(rest);
+        const struct cml_row_packet rows = cml_lane_rows(f, i);
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+        at[i] = cml_rows_sampled_at(f->world, &rows, b->medium[i], p);
+        cml_rows_expect(&rows, at[i]);
+    }
+    for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctzll(lanes);
         const cml_u32 before = b->flushed_w[i];
-        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
         cml_flush_deposits(f, i);
         const struct cml_row_packet rows = cml_lane_rows(f, i);
-        cml_rows_sample(f->world, &rows, b->medium[i], p, before, b->w[i]);
+        cml_rows_sample(f->world, &rows, b->medium[i], at[i], before, b->w[i]);
     }
 }
 

@@ -14,7 +14,7 @@
 # - check, mesh, trace, crosscheck, exact, merge, compare and plot; devices, --help and --version
 # Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
 # What an engine or option refuses must be refused in the same words. A refusal is expected only of opencl, crosscheck,
-# exact, --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
+# exact, --boundaries cone, --control flat, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
 #
 # PHOTONS: per run of engine cpu, default 20000; a tenth of it on the others, which are slower
 # MASK: further lines for sed -E, which take out a difference that is intended
@@ -130,7 +130,7 @@ check_code() { # ARGUMENTS...
         find "$work/old/got" -name '*.mco' -o -name '*.h5' | grep -q . || difference exit "OLD writes no result"
         ;;
     0\ * | 1\ *" compare "* | 1\ *crosscheck*) ;;
-    2\ *opencl* | 2\ *"--boundaries cone"* | 2\ *"--run 2"* | 2\ *crosscheck* | 2\ *" exact "* | 2\ *"--sweep"*)
+    2\ *opencl* | 2\ *"--control flat"* | 2\ *"--boundaries cone"* | 2\ *"--run 2"* | 2\ *crosscheck* | 2\ *" exact "* | 2\ *"--sweep"*)
         refusals=$((refusals + 1))
         ;;
     *) difference exit "OLD fails with $code: $(head -n 1 "$work/old/got/stderr")" ;;

@@ -61,11 +61,11 @@ def natural_events():
     return "%d events in %.2g crossings" % (events, sum(int(row["crossings"]) for row in flown))
 
 
-def times_mmc(top, triangles, tracer):
-    """Below a top of scene A, beside a tracer of MMC."""
+def times_mmc(top, triangles):
+    """Below a top of scene A."""
     with open(kept("peers/results/mmc-amd-epyc-2core.md"), encoding="utf-8") as stream:
         found = [line.strip("| \n").split(" | ") for line in stream if line.startswith("| A | %s | %s |" % (top, triangles))]
-    return next(cells[7].split()[0] for cells in found if cells[5] == tracer)
+    return found[0][6].split()[0]
 
 
 LIGHT = "speed/results/light-amd-epyc-2core.md"
@@ -100,7 +100,7 @@ def answers():
     yield ("Are the report's figures right?", "its flat scenes are", "sh bench/accuracy/figures.sh", "10",
            "accuracy/results/figure8.svg")
     yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
-    yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082", "S"),
+    yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082"),
            "python3 bench/peers/mmc.py --mmc PATH", "4", "")
     yield ("And below an overhang?", "%s (A) and %s (S6a) times MMC's B, %s and %s its S" % tuple(
         cells("peers/results/peers-shared-amd-epyc-2core.md", "overhang", medium)[column].split()[0]

@@ -2,9 +2,9 @@
 """Times clustermcml against MMC on one core: mmc.py --mmc PATH [--rounds N] [--program PATH] [--out DIR].
 
 A slab with ten scatterings per cm below rough tops: regular grids of 1e3, 1e4 and 1e5 triangles, and 1e5 irregular and
-steeper ones; and three media below a mushroom, which overhangs. Both tally the absorbed light, with the same roulette, and only
-flights count: reading, building and writing are left out. They take turns, a run of either that others disturbed is repeated,
-and ratios are taken within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
+steeper ones; peers.py has overhangs. Both tally the absorbed light, with the same roulette, and only flights count: reading,
+building and writing are left out. They take turns, a run of either that others disturbed is repeated, and ratios are taken
+within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
 PATH is MMC's program, built by its own Makefile; tetgen fills the slab with tetrahedra for it. Leaves mmc.md in DIR.
 As `mmc.py --readme MMC.md README.md` it puts that into README.
 
@@ -26,27 +26,24 @@ import runs
 import tables
 import slab
 
-# medium, kind of rough.py, triangles, MMC's tracer: the fastest, and below the mushroom, where that is not right, others
-TOPS = (("A", "mesh", "1e3", "S"), ("A", "mesh", "1e4", "S"), ("A", "mesh", "1e5", "S"), ("A", "kept", "1e5", "S"),
-        *(("A", "overhang", "", tracer) for tracer in "SHPB"),
-        *((medium, "overhang", "", tracer) for medium in ("S2", "S6a") for tracer in "SB"))
+# medium, kind of rough.py, triangles
+TOPS = (("A", "mesh", "1e3"), ("A", "mesh", "1e4"), ("A", "mesh", "1e5"), ("A", "kept", "1e5"))
+TRACER = "S"  # MMC's fastest
 ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # what leaves MMC's tetrahedra is gone; it draws at random
 SECONDS = 0.7  # of a run
 INSIDE = 1e-5  # by which MMC's packets start below the surface [cm]: 0.001 mean free paths of skin
 ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
-TITLES = ("medium", "top", "triangles", "tetrahedra", "photons/s", "MMC's tracer", "its photons/s", "ratio", "absorbed of what entered", "by MMC",
+TITLES = ("medium", "top", "triangles", "tetrahedra", "photons/s", "MMC's", "ratio", "absorbed of what entered", "by MMC",
           "lost")
 
 
 class Pair:
     """The same slab for both programs, and what they did with it."""
 
-    def __init__(self, medium, kind, triangles, tracer, work):
+    def __init__(self, medium, kind, triangles, work):
         self.top = "regular" if kind == "mesh" else kind
-        self.case = (cases.overhang_case(medium, work) if kind == "overhang" else
-                     cases.top_case(medium, kind, triangles, cases.AMPLITUDE_A, work))
+        self.case = cases.top_case(medium, kind, triangles, cases.AMPLITUDE_A, work)
         self.case.options = ALIKE
-        self.tracer = tracer
         self.stem = os.path.join(work, "slab-%s-%s-%s" % (medium, kind, triangles))
         self.tetrahedra = 0
         self.mmc_photons = 10000
@@ -80,9 +77,9 @@ def version(mmc):
     return found.group(1) if found else "?"
 
 
-def fly_mmc(mmc, stem, tracer, photons, seed):
+def fly_mmc(mmc, stem, photons, seed):
     """(photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed it."""
-    line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
+    line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", TRACER, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
                "-d", "0", "-n", str(photons), "-E", str(seed)]
     text, _, disturbed = runs.run_alone(line, os.path.dirname(stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
     rate, absorbed = (re.search(pattern, plain(text)) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))
@@ -93,14 +90,14 @@ def fly_mmc(mmc, stem, tracer, photons, seed):
 
 def calibrate(program, mmc, pair):
     runs.calibrate(program, pair.case, SECONDS)
-    pair.mmc_photons = runs.two_digits(SECONDS * fly_mmc(mmc, pair.stem, pair.tracer, pair.mmc_photons, 1)[0])
+    pair.mmc_photons = runs.two_digits(SECONDS * fly_mmc(mmc, pair.stem, pair.mmc_photons, 1)[0])
 
 
 def measure(program, mmc, pairs, rounds):
     for index in range(rounds):
         for pair in pairs if index % 2 == 0 else pairs[::-1]:
             pair.case.runs.append(runs.fly_alone(program, pair.case, pair.case.photons, index + 1))
-            pair.mmc_runs.append(fly_mmc(mmc, pair.stem, pair.tracer, pair.mmc_photons, index + 1))
+            pair.mmc_runs.append(fly_mmc(mmc, pair.stem, pair.mmc_photons, index + 1))
 
 
 def absorbed(pair):
@@ -116,7 +113,7 @@ def row(pair):
     ours, theirs = [run["photons_per_s"] for run in pair.case.runs], [rate for rate, _, _ in pair.mmc_runs]
     ratios = [a / b for a, b in zip(ours, theirs)]
     return [pair.case.medium, pair.top, str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
-            "%.3g" % statistics.median(ours), pair.tracer, "%.3g" % statistics.median(theirs),
+            "%.3g" % statistics.median(ours), "%.3g" % statistics.median(theirs),
             "%.1f (%.1f-%.1f)" % (statistics.median(ratios), min(ratios), max(ratios)),
             *("%.5f ± %.5f" % share for share in absorbed(pair)), str(sum(run["lost"] for run in pair.case.runs))]
 

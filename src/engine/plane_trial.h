@@ -10,7 +10,7 @@
 
 #include "engine/engine.h"
 
-/* What the trial compares: Rsp, Rd, Tt and A, the profiles Rd_r, Tt_r, Rd_a, Tt_a and A_z on the scene's
+/* What the trial compares: Rsp, Rd, A and Tt, the profiles Rd_r, Tt_r, Rd_a, Tt_a and A_z on the scene's
  * grid, and likewise A_l and A_body, whose bins are layers and bodies. Differences are relative: of a total
  * to itself; of a profile, summed over its bins without sign, to the whole; of a bin to what it holds, or to
  * the profile's average bin where that is more. A total or profile that holds less than this share of the

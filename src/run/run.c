@@ -389,7 +389,7 @@ static cml_status restore(struct flight *flight, struct cml_error *err)
                                      .result_stands = setup->result_stands};
     struct cml_error note = {CML_OK, ""};
     if (setup->gone) found.tallies = cml_checkpoint_look(setup->checkpoint).tallies;
-    if (setup->resume)
+    if (setup->resume && setup->checkpoint)
         CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &found.kind, &flight->state,
                                     &flight->out->result, found.tallies, &flight->out->record, &note, err));
     if (found.kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))

@@ -139,6 +139,16 @@ for path in "$work"/many/*; do
     grep -q "its result $name is gone: it is written again" "$work/err" || complain "no word of $name: $(cat "$work/err")"
     cmp -s "$work/taken" "$path" || case $name in *.h5) test -s "$path" ;; *) false ;; esac || complain "$name: other bytes"
 done
+# An empty file, a part of a result, and another run's are none of its own.
+cp "$work/many/many.mco" "$work/whole"
+for harm in ': >' 'head -c 2000 "$work/whole" >' 'sed "s/Identity: ..../Identity: abcd/" "$work/whole" >'; do
+    eval "$harm \"$work/many/many.mco\""
+    cmp -s "$work/whole" "$work/many/many.mco" && complain "$harm does no harm"
+    expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
+    grep -q 'its result many.mco is gone: it is written again' "$work/err" || complain "no word after $harm: $(cat "$work/err")"
+    cmp -s "$work/whole" "$work/many/many.mco" || complain "$harm: other bytes"
+done
+expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"
 grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"
 

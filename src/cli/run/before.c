@@ -12,6 +12,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool has_checkpoint(const char *path)
@@ -29,41 +30,65 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
+/* What is looked for: whole results of this run. */
+struct looking {
+    const char *identity;
+    bool resumes;
+    struct cml_before *before;
+};
+
+/* Whether a result says to be of this run. `lost` is the last of a whole one. */
+static bool is_of_run(const char *identity, const char *path)
+{
+    struct cml_outcome found;
+    struct cml_error ignored;
+    char sum[CML_IDENTITY_SUM];
+    if (cml_result_read(path, &found, &ignored) != CML_OK) return false;
+    cml_identity_sum(identity, sum);
+    const bool is = strcmp(found.identity, sum) == 0 && !found.damage && found.value[CML_QUANTITY_lost];
+    cml_outcome_clear(&found);
+    return is;
+}
+
+/* A directory, or a file that a full disk has left empty, is nothing that a run has written. Of other files
+ * than results nobody knows whose they are. */
+static bool is_written(const struct looking *looking, const struct cml_report_file *file)
+{
+    struct stat about;
+    if (stat(file->path, &about) != 0 || !S_ISREG(about.st_mode) || about.st_size == 0) return false;
+    return !looking->resumes || file->content > CML_FILE_FIELDS || is_of_run(looking->identity, file->path);
+}
+
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
-    struct cml_before *before = context;
-    char **const first = access(file->path, F_OK) == 0 ? &before->there : &before->gone;
-    return *first ? CML_OK : cml_text_copy(file->path, first, err);
+    const struct looking *looking = context;
+    struct cml_before *before = looking->before;
+    const bool there = access(file->path, F_OK) == 0, gone = !is_written(looking, file);
+    if (there && !before->there) CML_TRY(cml_text_copy(file->path, &before->there, err));
+    return gone && !before->gone ? cml_text_copy(file->path, &before->gone, err) : CML_OK;
 }
 
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              struct cml_before *before, struct cml_error *err)
 {
+    struct looking looking = {setup->identity, options->resume, before};
     char *path = NULL;
     cml_status status = CML_OK;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
     if (!cml_file_is_device(path))
         status = cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, look,
-                                      before, err);
+                                      &looking, err);
     free(path);
     return status;
 }
 
 /* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result, and
- * of files beside it nobody knows whose they are. `lost` is the last of a whole one. */
+ * of files beside it nobody knows whose they are. */
 static bool result_stands(const struct cml_options *options, const struct cml_run_setup *setup,
-                          const char *path)
+                          const struct cml_before *before)
 {
-    struct cml_outcome found;
-    struct cml_error ignored;
-    char sum[CML_IDENTITY_SUM];
-    if (!options->resume || options->json || options->keep || !path || has_checkpoint(setup->checkpoint) ||
-        !cml_report_is_one_file(setup->scene) || cml_result_read(path, &found, &ignored) != CML_OK)
-        return false;
-    cml_identity_sum(setup->identity, sum);
-    const bool stands = strcmp(found.identity, sum) == 0 && !found.damage && found.value[CML_QUANTITY_lost];
-    cml_outcome_clear(&found);
-    return stands;
+    return options->resume && !options->json && !options->keep && before->there && !before->gone &&
+           !has_checkpoint(setup->checkpoint) && cml_report_is_one_file(setup->scene);
 }
 
 /* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
@@ -87,7 +112,7 @@ cml_status cml_before_look(const struct cml_options *options, const struct cml_r
 {
     if (row > 0 && !options->resume) return CML_OK;
     CML_TRY(find_files(options, setup, before, err));
-    before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before->there);
+    before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before);
     const bool keeps = options->no_clobber && options->resume && options->more == 0 && setup->checkpoint;
     return keeps ? check_kept(setup, before, err) : CML_OK;
 }

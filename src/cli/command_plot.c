@@ -238,7 +238,7 @@ static cml_status find_kind(const struct cml_options *options, enum kind *kind,
     const cml_status known = cml_shown_find(options->of, shown, err);
     if (is_sweep(first))
         *kind = SWEEPS;
-    else if (known != CML_OK && cml_file_ends_in(first, ".h5"))
+    else if (known != CML_OK && (cml_file_ends_in(first, ".h5") || cml_file_ends_in(first, ".vti")))
         *kind = MAPS;
     else if (known != CML_OK)
         return known;

@@ -28,7 +28,9 @@ expect_code 0 plot "$odd" "$map" --of boundary1_exitance_above -o "$work/odd.svg
 grep -q 'boundary1_exitance_above' "$work/odd.svg" || complain "the array is not named"
 grep -q 'd_{e}^f' "$work/odd.svg" || complain "the odd name is not above its map"
 
-expect_error 2 "$work/skinmap.map.vti (expected the .h5 beside it, which has the same map, and --of)" plot "$work/skinmap.map.vti" -o "$work/none.svg"
+for of in "" "--of Rd" "--of Rd_xy"; do
+    expect_error 2 "$work/skinmap.map.vti (expected the .h5 beside it, which has the same map, and --of)" plot "$work/skinmap.map.vti" $of -o "$work/none.svg"
+done
 expect_error 2 "$work/skinmap.mco (expected a map, like $map)" plot "$map" "$work/skinmap.mco" --of Rd -o "$work/none.svg"
 expect_error 2 "--of Rd (expected one of Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, detector_NAME_t, phi_z, fluence, A_rz, A_rz_se, phi_rz, phi_rz_se, fluence_rz, Rd_dir, Tt_dir, Rsp_dir; or an array of a map)" plot "$work/skinmap.mco" --of Rd -o "$work/none.svg"
 sed '/^se_A_rz/,/^$/d' "$work/skinmap.mco" >"$work/noerrors.mco"

@@ -17,11 +17,11 @@ enum cml_surface_kind {
     CML_SURFACE_CYLINDER,
 };
 
-/* What the bounds of a curved boundary's depth lie over, see clearance.h. */
-enum cml_clearance_form {
-    CML_CLEARANCE_SQUARE, /* a square of the x-y plane and what is around it: a mesh */
-    CML_CLEARANCE_RADII,  /* the radius: rings */
-    CML_CLEARANCE_PERIOD, /* a rectangle that is repeated over the whole plane: a mesh that is */
+/* What the bounds of a curved boundary's depth lie over, see bounds.h. */
+enum cml_bounds_form {
+    CML_BOUNDS_SQUARE, /* a square of the x-y plane and what is around it: a mesh */
+    CML_BOUNDS_RADII,  /* the radius: rings */
+    CML_BOUNDS_PERIOD, /* a rectangle that is repeated over the whole plane: a mesh that is */
 };
 
 /* How the starts of a beam's packets lie across its axis. */

@@ -86,19 +86,20 @@ struct cml_device_fate {
             sizeof(struct cml_source), CML_OFFSET(struct cml_source, axis),                                  \
             CML_OFFSET(struct cml_source, num_cells), sizeof(struct cml_light_cell),                         \
             CML_OFFSET(struct cml_setup, map), CML_OFFSET(struct cml_setup, outer_facets),                   \
-            sizeof(struct cml_medium), CML_OFFSET(struct cml_medium, depth), sizeof(struct cml_clearance),   \
-            CML_OFFSET(struct cml_clearance, corner_x), sizeof(struct cml_surface),                          \
-            CML_OFFSET(struct cml_surface, lowest), CML_OFFSET(struct cml_surface, clearance),               \
-            CML_OFFSET(struct cml_surface, facets), CML_DEVICE_PACKET, CML_OFFSET(struct cml_packet, u),     \
-            CML_OFFSET(struct cml_packet, w), CML_OFFSET(struct cml_packet, medium),                         \
-            CML_OFFSET(struct cml_packet, fate), CML_OFFSET(struct cml_packet, gained),                      \
-            CML_OFFSET(struct cml_packet, queries), sizeof(struct cml_local_parts),                          \
-            CML_OFFSET(struct cml_local_parts, absorbed), CML_OFFSET(struct cml_local_part, count),          \
-            sizeof(struct cml_kernel_call), CML_OFFSET(struct cml_kernel_call, num_local),                   \
-            sizeof(struct cml_counters), CML_OFFSET(struct cml_counters, alive),                             \
-            CML_OFFSET(struct cml_counters, lost), sizeof(struct cml_device_fate),                           \
-            CML_OFFSET(struct cml_device_fate, w), CML_OFFSET(struct cml_device_fate, u),                    \
-            sizeof(struct cml_body), CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),      \
+            sizeof(struct cml_medium), CML_OFFSET(struct cml_medium, depth),                                 \
+            sizeof(struct cml_depth_bounds), CML_OFFSET(struct cml_depth_bounds, corner_x),                  \
+            sizeof(struct cml_surface), CML_OFFSET(struct cml_surface, lowest),                              \
+            CML_OFFSET(struct cml_surface, depths), CML_OFFSET(struct cml_surface, facets),                  \
+            CML_DEVICE_PACKET, CML_OFFSET(struct cml_packet, u), CML_OFFSET(struct cml_packet, w),           \
+            CML_OFFSET(struct cml_packet, medium), CML_OFFSET(struct cml_packet, fate),                      \
+            CML_OFFSET(struct cml_packet, gained), CML_OFFSET(struct cml_packet, queries),                   \
+            sizeof(struct cml_local_parts), CML_OFFSET(struct cml_local_parts, absorbed),                    \
+            CML_OFFSET(struct cml_local_part, count), sizeof(struct cml_kernel_call),                        \
+            CML_OFFSET(struct cml_kernel_call, num_local), sizeof(struct cml_counters),                      \
+            CML_OFFSET(struct cml_counters, alive), CML_OFFSET(struct cml_counters, lost),                   \
+            sizeof(struct cml_device_fate), CML_OFFSET(struct cml_device_fate, w),                           \
+            CML_OFFSET(struct cml_device_fate, u), sizeof(struct cml_body),                                  \
+            CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),                               \
             CML_OFFSET(struct cml_body_node, body), sizeof(struct cml_body_grid),                            \
             CML_OFFSET(struct cml_body_grid, per_cell), sizeof(struct cml_body_cell),                        \
             CML_OFFSET(struct cml_body_cell, steepest), CML_OFFSET(struct cml_medium, end_node),             \

@@ -6,7 +6,7 @@
 #define CML_SURFACE_HIT_H
 
 #include "body.h"
-#include "clearance.h"
+#include "bounds.h"
 #include "cone.h"
 #include "optics.h"
 #include "types.h"
@@ -21,22 +21,10 @@ CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary
     return rings;
 }
 
-CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
-{
-    return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
-}
-
 /* How far rounding may take the depths of a path of height `step` from z. */
 CML_FN real cml_err_depth(real z, real step)
 {
     return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
-}
-
-/* A point's x and y from the field's axis instead of the beam's. */
-CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
-{
-    const struct cml_vec moved = {p.x + world->setup.x0, p.y + world->setup.y0, p.z};
-    return moved;
 }
 
 /* Plane z = 0 of its frame. A packet that rounding has put beyond it crosses at once when it heads outwards.
@@ -127,130 +115,6 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
     return 1;
 }
 #endif
-
-/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it
- * meet it never again: on a ring that of all they see from there, over a mesh that of its cell. */
-CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        struct cml_vec p, real side, int on_primitive)
-{
-    if (CML_MAY_HAVE_MESHES && surface->kind == CML_SURFACE_MESH)
-        return cml_cell_horizon(&surface->clearance, side > 0 ? world->horizon_below : world->horizon_above,
-                                cml_from_scene_axis(world, p), surface->clearance.form);
-    if (on_primitive < 0) return surface->steepest;
-    return (side > 0 ? world->ring_horizon_below
-                     : world->ring_horizon_above)[surface->first_ring + on_primitive];
-}
-
-/* Whether a direction leads away from the surface, and as steeply as that. */
-CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
-{
-    return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
-}
-
-/* Whether a path keeps to what is known to be free of a boundary. p in the boundary's frame. */
-CML_FN int cml_is_safe(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                       struct cml_vec p, struct cml_vec u, real t_max)
-{
-#ifdef __OPENCL_VERSION__
-    return 0;
-#else
-    const struct cml_safe_cells *cells = &world->safe_cells[surface - world->surfaces];
-    return cells->nx > 0 && t_max < CML_INFINITY && cml_path_is_safe(cells, p, u, t_max);
-#endif
-}
-
-/* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
- * below it, -1 above. on_primitive: what of it, -1 or CML_NEAR_FACETS. */
-CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
-                                               const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
-                                               struct cml_vec u, real side, int on_primitive, real t_max)
-{
-    const real horizon = cml_horizon(world, surface, p, side, on_primitive);
-    const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
-    const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
-    const real inside = side * (nearest - p.z), away = side * u.z;
-    const int passes = inside < away * t_max; /* that depth */
-    struct cml_interval s = {0, 0, t_max};
-    if (cml_is_safe(world, surface, p, u, t_max)) return s;
-    if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
-    const real there = inside / away;
-    s.meets = 1;
-    if (inside < 0) s.from = there;
-    if ((away >= 0) & passes) s.to = there;
-    const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
-    const int form = CML_MAY_HAVE_MESHES ? surface->clearance.form : CML_CLEARANCE_RADII;
-    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s, form);
-}
-
-/* Where a packet can meet a surface of any kind within t_max (cml_curved_interval). */
-CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
-                                                const CML_GLOBAL struct cml_surface *surface,
-                                                struct cml_vec p, struct cml_vec u, real side,
-                                                int on_primitive, real t_max)
-{
-    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
-        const struct cml_interval s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
-        return s;
-    }
-    return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
-}
-
-/* Where a packet can meet the boundaries of its medium; bodies: whether it can meet one within `reach`, enum
- * cml_bodies_ahead. */
-struct cml_boundary_intervals {
-    struct cml_interval above, below;
-    int bodies;
-    real reach;
-};
-
-/* Above or below the layers, not in a body. */
-CML_FN int cml_is_outer(const struct cml_world *world, int medium)
-{
-    return medium == 0 || medium == world->setup.num_layers + 1;
-}
-
-/* Whether a medium is the inside of a body. */
-CML_FN int cml_is_body(const struct cml_world *world, int medium)
-{
-    return CML_MAY_HAVE_BODIES && medium > world->setup.num_layers + 1;
-}
-
-/* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
-CML_FN int cml_on_primitive(CML_PACKET const struct cml_packet *packet, int boundary)
-{
-    return packet->on_boundary == boundary ? packet->on_primitive : -1;
-}
-
-/* On which parts of its path a packet can meet the boundaries of its layer; bodies in it are not looked at.
- * */
-CML_FN struct cml_boundary_intervals
-cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
-{
-    const int medium = packet->medium;
-    const struct cml_interval none = {0, 0, t_max};
-    struct cml_boundary_intervals intervals = {none, none, 0, t_max};
-    struct cml_vec p = packet->p;
-    if (cml_is_body(world, medium)) return intervals;
-    if (medium > 0)
-        intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
-                                               cml_on_primitive(packet, medium - 1), t_max);
-    if (medium <= world->setup.num_layers) {
-        p.z -= world->media[medium].span;
-        intervals.below = cml_surface_interval(world, &world->surfaces[medium], p, packet->u, -1,
-                                               cml_on_primitive(packet, medium), t_max);
-    }
-    return intervals;
-}
-
-CML_FN struct cml_boundary_intervals
-cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
-{
-    struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
-    struct cml_body_region region;
-    if (CML_MAY_HAVE_BODIES && world->setup.num_bodies)
-        intervals.bodies = cml_may_hit_body(world, packet->medium, packet->p, packet->u, t_max, &region);
-    return intervals;
-}
 
 CML_FN void cml_lose_packet(CML_PACKET struct cml_packet *packet, enum cml_lost_cause cause)
 {
@@ -400,24 +264,23 @@ CML_FN int cml_is_unit(struct cml_vec u)
 }
 
 /* Whether p, in the frame of a boundary, lies on its side (+1 below it, -1 above), as far as
- * bounds of depth can tell: those of the pyramid's cell that p is in (clearance.h). err: what rounding may
+ * bounds of depth can tell: those of the pyramid's cell that p is in (bounds.h). err: what rounding may
  * take from its depth, cm; from a curved boundary it may take as much as cml_leaked allows. */
 CML_FN int cml_is_on_side(const struct cml_world *world, int boundary, struct cml_vec p, real side, real err)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
-    const CML_GLOBAL struct cml_clearance *map = &surface->clearance;
+    const CML_GLOBAL struct cml_depth_bounds *map = &surface->depths;
     const CML_GLOBAL real *bounds = (side > 0 ? world->highest : world->deepest) + map->first;
     if (cml_is_plane(world, boundary)) return !(side * p.z < -err);
     if (map->size == 0) return 1;
     const real margin = (surface->highest - surface->lowest) * (real)0.0009765625 + err;
     const struct cml_vec q = cml_from_scene_axis(world, p);
     const struct cml_vec still = {0, 0, 0};
-    if (map->form == CML_CLEARANCE_PERIOD)
-        return !(side * p.z < -cml_clearance_of_period(map, bounds - map->first, q, still, -side) - margin);
-    int cell = cml_clearance_index(map, CML_SQRT(q.x * q.x + q.y * q.y), 0);
+    if (map->form == CML_BOUNDS_PERIOD)
+        return !(side * p.z < -cml_depth_over_period(map, bounds - map->first, q, still, -side) - margin);
+    int cell = cml_depth_cell(map, CML_SQRT(q.x * q.x + q.y * q.y), 0);
     if (surface->kind != CML_SURFACE_CONE)
-        cell = cml_clearance_index(map, q.y, map->corner_y) * map->size +
-               cml_clearance_index(map, q.x, map->corner_x);
+        cell = cml_depth_cell(map, q.y, map->corner_y) * map->size + cml_depth_cell(map, q.x, map->corner_x);
     return !(side * p.z < side * bounds[cell] - margin);
 }
 

@@ -69,14 +69,14 @@ struct cml_phase_cell {
 #define CML_PHASE_PARTS (1u << CML_PHASE_LOG2_PARTS)
 
 #define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
-#define CML_CLEARANCE_LEVELS 11
+#define CML_DEPTH_LEVELS 11
 
-/* Bounds of a curved surface's depth by cells, see clearance.h. */
-struct cml_clearance {
-    int form;  /* enum cml_clearance_form */
+/* Bounds of a curved surface's depth by cells, see bounds.h. */
+struct cml_depth_bounds {
+    int form;  /* enum cml_bounds_form */
     int size;  /* cells along an axis on level 0, a power of two */
     int first; /* of level 0 in world.deepest and world.highest */
-    int level_offset[CML_CLEARANCE_LEVELS];
+    int level_offset[CML_DEPTH_LEVELS];
     real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
     real per_cell_y;                   /* the same along y: another one where the form is a period */
     int first_horizon, horizon_level;  /* of meshes: in world.horizon_below and above, and of whose cells */
@@ -189,7 +189,7 @@ struct cml_surface {
     real parts_per_cm;         /* of ring_start */
     real lowest, highest;
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
-    struct cml_clearance clearance;
+    struct cml_depth_bounds depths;
     struct cml_facet_range facets;
 };
 
@@ -405,7 +405,7 @@ struct cml_known_path {
  * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
  * before the last, start[k] is the last ring that begins in a part before k, or 0. Horizons, seen
  * from above and from below: a packet that stands on a ring, and from there rises or falls so steeply, meets
- * the field never again (src/surface/ring_horizon_inl.h). */
+ * the field never again (src/surface/bounds/ring_horizon_inl.h). */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */

@@ -165,7 +165,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
         const struct cml_surface_def *def = &surfaces->item[b];
         if (def->kind != CML_SURFACE_PLANE || def->expectation.bias > 0)
             printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "
-                   "with its clearance map\n",
+                   "with its bounds\n",
                    b, def->expectation.bias, def->expectation.query_ns, def->build_seconds,
                    def->bytes / 1048576);
     }

@@ -5,15 +5,15 @@
 
 #include "cone.h"
 #include "lattice.h"
-#include "surface/cell_horizon.h"
-#include "surface/ring_horizon_inl.h"
+#include "surface/bounds/cell_horizon.h"
+#include "surface/bounds/ring_horizon_inl.h"
 #include "surface/surface_facets.h"
 #include "tally/row_cells.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Rings, and cells of clearance pyramids, of all boundaries: they share one array each. */
+/* Rings, and cells of pyramids of depths, of all boundaries: they share one array each. */
 static size_t count_rings(const struct cml_surface_set *surfaces)
 {
     size_t rings = 0;
@@ -21,17 +21,17 @@ static size_t count_rings(const struct cml_surface_set *surfaces)
     return rings;
 }
 
-static size_t count_clearance_cells(const struct cml_surface_set *surfaces)
+static size_t count_depth_cells(const struct cml_surface_set *surfaces)
 {
     size_t cells = 0;
-    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].clearance.cells;
+    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].depths.cells;
     return cells;
 }
 
 static size_t count_horizon_cells(const struct cml_surface_set *surfaces)
 {
     size_t cells = 0;
-    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].clearance.horizon_cells;
+    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].depths.horizon_cells;
     return cells;
 }
 
@@ -41,7 +41,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->surfaces);
     free(to->rings);
     free(to->ring_starts);
-    free(to->clearance);
+    free(to->depths);
     free(to->horizons);
     free(to->meshes);
     free(to->safe_cells);
@@ -71,17 +71,17 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
                            struct cml_error *err)
 {
     const size_t boundaries = (size_t)surfaces->count + (size_t)surfaces->bodies.count, rings = to->num_rings,
-                 cells = to->clearance_cells + to->horizon_cells;
+                 cells = to->depth_cells + to->horizon_cells;
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
     to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
     to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
     to->safe_cells = calloc(boundaries, sizeof *to->safe_cells);
-    to->clearance = calloc(2 * to->clearance_cells + 1, sizeof *to->clearance);
+    to->depths = calloc(2 * to->depth_cells + 1, sizeof *to->depths);
     to->horizons = calloc(2 * to->horizon_cells + 1, sizeof *to->horizons);
     if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->safe_cells &&
-        to->clearance && to->horizons)
+        to->depths && to->horizons)
         return CML_OK;
     return cml_fail_memory(
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
@@ -102,7 +102,7 @@ static double phase_bytes(const struct cml_scene *scene)
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const double bodies = surfaces->bodies.count, boundaries = surfaces->count + bodies,
-                 cells = (double)count_clearance_cells(surfaces) + (double)count_horizon_cells(surfaces);
+                 cells = (double)count_depth_cells(surfaces) + (double)count_horizon_cells(surfaces);
     return (boundaries + 1) * (sizeof(struct cml_medium) + sizeof(struct cml_surface) +
                                sizeof(struct cml_safe_cells) + sizeof(struct cml_mesh_surface *)) +
            (double)count_rings(surfaces) * (CML_RING_ROWS * sizeof(real) + sizeof(int)) +
@@ -199,36 +199,36 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
-/* The pyramids of depth bounds of all curved surfaces, one behind the other, as kernels/clearance.h reads
+/* The pyramids of depth bounds of all curved surfaces, one behind the other, as kernels/bounds.h reads
  * them.
  */
-static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_world *to)
+static void copy_depths(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
-    const size_t total = to->clearance_cells;
+    const size_t total = to->depth_cells;
     size_t first = 0;
     for (int b = 0; b < from->count; b++) {
-        const struct cml_clearance_map *map = &from->item[b].clearance;
-        struct cml_clearance *clearance = &to->surfaces[b].clearance;
+        const struct cml_depth_map *map = &from->item[b].depths;
+        struct cml_depth_bounds *depths = &to->surfaces[b].depths;
         int offset = 0;
-        clearance->form = (int)map->form;
-        clearance->size = map->size;
-        clearance->first = (int)first;
-        clearance->corner_x = (real)map->corner[0];
-        clearance->corner_y = (real)map->corner[1];
-        clearance->per_cell = (real)(map->cell[0] > 0 ? 1 / map->cell[0] : 0);
-        clearance->per_cell_y = (real)(map->cell[1] > 0 ? 1 / map->cell[1] : 0);
+        depths->form = (int)map->form;
+        depths->size = map->size;
+        depths->first = (int)first;
+        depths->corner_x = (real)map->corner[0];
+        depths->corner_y = (real)map->corner[1];
+        depths->per_cell = (real)(map->cell[0] > 0 ? 1 / map->cell[0] : 0);
+        depths->per_cell_y = (real)(map->cell[1] > 0 ? 1 / map->cell[1] : 0);
         for (int l = 0; l < map->levels; l++) {
-            clearance->level_offset[l] = offset;
-            offset += (int)cml_clearance_level_cells(map, l);
+            depths->level_offset[l] = offset;
+            offset += (int)cml_depth_map_level_cells(map, l);
         }
         for (size_t i = 0; i < map->cells; i++) {
-            to->clearance[first + i] = map->deepest[i];
-            to->clearance[total + first + i] = map->highest[i];
+            to->depths[first + i] = map->deepest[i];
+            to->depths[total + first + i] = map->highest[i];
         }
         first += map->cells;
     }
-    to->world.deepest = to->clearance;
-    to->world.highest = to->clearance + total;
+    to->world.deepest = to->depths;
+    to->world.highest = to->depths + total;
 }
 
 /* The horizons of the cells of all meshes. */
@@ -236,9 +236,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
 {
     size_t first = 0;
     for (int b = 0; b < from->count; b++) {
-        const struct cml_clearance_map *map = &from->item[b].clearance;
-        to->surfaces[b].clearance.first_horizon = (int)first;
-        to->surfaces[b].clearance.horizon_level = CML_HORIZON_LEVEL;
+        const struct cml_depth_map *map = &from->item[b].depths;
+        to->surfaces[b].depths.first_horizon = (int)first;
+        to->surfaces[b].depths.horizon_level = CML_HORIZON_LEVEL;
         for (size_t i = 0; i < map->horizon_cells; i++) {
             to->horizons[first + i] = map->horizon[0][i];
             to->horizons[to->horizon_cells + first + i] = map->horizon[1][i];
@@ -497,7 +497,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
                                   struct cml_error *err)
 {
     *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
-                                   .clearance_cells = count_clearance_cells(surfaces),
+                                   .depth_cells = count_depth_cells(surfaces),
                                    .horizon_cells = count_horizon_cells(surfaces)};
     cml_status status = allocate(surfaces, to, err);
     if (status == CML_OK) {
@@ -512,7 +512,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
         return status;
     }
     copy_surfaces(surfaces, to);
-    copy_clearance(surfaces, to);
+    copy_depths(surfaces, to);
     copy_horizons(surfaces, to);
     copy_safe_cells(scene, surfaces, to);
     to->world.media = to->media;

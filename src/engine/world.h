@@ -29,7 +29,7 @@ struct cml_owned_world {
     struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     real *rings;      /* [CML_RING_ROWS][num_rings]: ring_r, ring_z, ring_slope and both horizons */
     int *ring_starts; /* [num_rings] */
-    real *clearance;  /* [2][clearance_cells]: deepest, highest (kernels/clearance.h) */
+    real *depths;     /* [2][depth_cells]: deepest, highest (kernels/bounds.h) */
     real *horizons;   /* [2][horizon_cells] of meshes: seen from below, from above */
     const struct cml_mesh_surface **meshes; /* of surfaces, NULL where one is no mesh */
     struct cml_safe_cells *safe_cells;      /* of boundaries; what they point to belongs to the surfaces */
@@ -50,7 +50,7 @@ struct cml_owned_world {
     cml_u32 *lowest;                    /* weights, of windows */
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
-    size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */
+    size_t num_rings, depth_cells, horizon_cells; /* of all boundaries together */
 };
 
 /* Makes *to, which is the caller's to free; scene and surfaces must outlive it. Fails when memory runs out,

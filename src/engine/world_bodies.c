@@ -1,4 +1,4 @@
-/* Bodies as the kernels read them: media, surfaces, shapes, tree and clearance, from a scene and its
+/* Bodies as the kernels read them: media, surfaces, shapes, tree and bounds, from a scene and its
  * surfaces. SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 

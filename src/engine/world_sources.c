@@ -196,7 +196,7 @@ static int medium_beside(const struct cml_world *world, const struct cml_beam *b
 }
 
 /* How near a start may be to a surface, cm. A mesh takes half of the first term for contact (err_position of
- * surface/mesh/rounding.h); the second is for what rounding has left of a place whose numbers are nearly 0.
+ * surface/tree/rounding.h); the second is for what rounding has left of a place whose numbers are nearly 0.
  * Both are those of single precision in both, so that engines do not differ in what they refuse. */
 static double least_gap(const struct cml_scene *scene, const struct cml_world *world,
                         const struct cml_beam *beam)

@@ -52,7 +52,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
     else
         snprintf(def->reason, sizeof def->reason,
                  "radial heightfield: exact cones, %d collinear samples merged", given - field->n);
-    return cml_clearance_of_rings(def->r, def->z, def->num_rings, &def->clearance, err);
+    return cml_depth_map_of_rings(def->r, def->z, def->num_rings, &def->depths, err);
 }
 
 /* Largest slope of all facets; infinite when one is upright or faces down. */
@@ -87,7 +87,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->steepest = steepest_facet(mesh);
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
-    CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
+    CML_TRY(cml_depth_map_of_mesh(mesh, &def->depths, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beams[0].x, scene->beams[0].y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     give_reason(reason, def);
@@ -182,7 +182,7 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
                                            .margin = {-cells.first[0], -cells.first[1]},
                                            .corner = {tile->x0, tile->y0},
                                            .cell = {tile->dx, tile->dy}};
-    CML_TRY(cml_clearance_of_tile(tile, &def->clearance, err));
+    CML_TRY(cml_depth_map_of_tile(tile, &def->depths, err));
     CML_TRY(cml_mesh_surface_create_tile(mesh, scene->beams[0].x, scene->beams[0].y, search, &period,
                                          &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
@@ -260,8 +260,7 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     if (def->kind != CML_SURFACE_PLANE) def->shape = boundary->users;
     CML_TRY(cml_share_begin(&def->users, err));
     def->build_seconds = cml_now() - begin;
-    def->bytes =
-        3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
+    def->bytes = 3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->depths.cells * sizeof(float);
     if (def->mesh) def->bytes += cml_mesh_surface_bytes(def->mesh);
     return CML_OK;
 }
@@ -355,7 +354,7 @@ void cml_surface_clear(struct cml_surface_def *def)
     if (cml_share_end(def->users)) {
         free(def->r);
         cml_mesh_surface_free(def->mesh);
-        cml_clearance_clear(&def->clearance);
+        cml_depth_map_clear(&def->depths);
     }
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }

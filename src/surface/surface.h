@@ -6,7 +6,7 @@
 #define CML_SURFACE_H
 
 #include "surface/body/body_surface.h"
-#include "surface/clearance_map.h"
+#include "surface/bounds/depth_map.h"
 #include "scene/scene.h"
 #include "surface/surface_choice.h"
 #include "surface/mesh/mesh_surface.h"
@@ -22,8 +22,8 @@ struct cml_surface_def {
     uint64_t primitives;    /* rings or triangles, 1 for a plane */
     int num_rings;          /* CML_SURFACE_CONE */
     double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
-    struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
-    struct cml_clearance_map clearance; /* of cones and meshes */
+    struct cml_mesh_surface *mesh; /* CML_SURFACE_MESH */
+    struct cml_depth_map depths;   /* of cones and meshes */
     struct cml_expectation expectation;
     const int *shape;            /* the users of the boundary whose shape it is (cml_boundary); NULL: none */
     int *users;                  /* scenes that share what it points to (base/shared.h) */

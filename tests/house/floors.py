@@ -28,16 +28,17 @@ ROOMS = {
     "src/input": "src/input/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels/boundary.h",
     "src/input/sweep": "src/base",
     "src/surface/tree": "src/vector src/geometry src/base",
-    "src/surface/mesh": "src/surface/tree src/geometry src/base kernels",
-    "src/surface/body": "src/surface/mesh src/scene/body src/scene src/geometry src/base kernels",
-    "src/surface": "src/surface/body src/surface/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",
-    "src/engine": "src/result src/surface src/surface/body src/surface/mesh src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
-    "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/surface/bounds": "src/surface/tree src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",
+    "src/surface/mesh": "src/surface/bounds src/surface/tree src/geometry src/base kernels",
+    "src/surface/body": "src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/scene src/geometry src/base kernels",
+    "src/surface": "src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",
+    "src/engine": "src/result src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
+    "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/scene src/base",
     "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
+    "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/result src/output/files src/tally src/base",
     "src/plot/files": "src/result src/output/files src/tally src/base",
     "src/plot": "src/plot/files src/result src/output/files src/tally src/input/sweep src/base",
@@ -45,7 +46,7 @@ ROOMS = {
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/result src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
-               "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
+               "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
 CODE = "/* Code, included "
@@ -234,12 +235,12 @@ def check_the_check():
     """A check that cannot fail is none. Each of these must be the only complaint."""
     sound = {"src/run/run.c": '#include "run/run.h"\n#include <stdio.h>\n',
              "src/run/run.h": '#include "engine/engine.h"\n', "src/engine/engine.h": '#include "rng.h"\n',
-             "src/surface/clearance.h": '#include "clearance.h"\n', "kernels/rng.h": "#include <stdint.h>\n",
-             "kernels/clearance.h": "", "src/tally/tally.h": ""}
+             "src/surface/bounds.h": '#include "bounds.h"\n', "kernels/rng.h": "#include <stdint.h>\n",
+             "kernels/bounds.h": "", "src/tally/tally.h": ""}
     assert check(sound) == [], check(sound)
     for path, text in [("src/tally/tally.h", '#include "run/run.h"\n'), ("kernels/rng.h", '#include "engine/engine.h"\n'),
                        # of two headers of one name, the one of the room above
-                       ("src/tally/tally.h", '#include "surface/clearance.h"\n'),
+                       ("src/tally/tally.h", '#include "surface/bounds.h"\n'),
                        ("src/run/run.c", "#include <embree3/rtcore.h>\n"), ("src/run/run.c", "#include <jansson.h>\n"),
                        ("src/novelty.c", ""), ("src/run/run.c", '#include "run/missing.h"\n'),
                        ("kernels/rng.h", "#include <stdlib.h>\n"), ("src/run/run.c", "#include <vector>\n"),

@@ -139,7 +139,7 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
                     const int form)
 {
     const struct cml_surface surface = *shared;
-    const struct cml_clearance *map = &surface.clearance;
+    const struct cml_depth_bounds *map = &surface.depths;
     const real *restrict const bounds = side > 0 ? world->deepest : world->highest;
     const real *restrict const horizons = side > 0 ? world->horizon_below : world->horizon_above;
     const real nearest = side > 0 ? surface.highest : surface.lowest;
@@ -148,7 +148,7 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     for (int k = 0; k < size; k++) {
         const struct cml_vec p = {c->x[k], c->y[k], c->z[k] - depth}, u = {c->ux[k], c->uy[k], c->uz[k]};
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
-        const real horizon = form == CML_CLEARANCE_RADII
+        const real horizon = form == CML_BOUNDS_RADII
                                  ? surface.steepest
                                  : cml_cell_horizon(map, horizons, cml_from_scene_axis(world, p), form);
         const int passes = inside < away * s, leads_away = cml_heads_away(horizon, u, side);
@@ -163,20 +163,20 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     }
 }
 
-/* Below cones: clearance by radius. */
+/* Below cones: bounds by radius. */
 CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml_surface *surface,
                                  const struct cml_gathered *c, real depth, real side,
                                  struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_RADII);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_RADII);
 }
 
-/* Below a mesh: clearance by cells of the x-y plane. */
+/* Below a mesh: bounds by cells of the x-y plane. */
 CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_surface *surface,
                                 const struct cml_gathered *c, real depth, real side,
                                 struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_SQUARE);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_SQUARE);
 }
 
 /* Below a mesh that is repeated: by cells of its period. */
@@ -184,7 +184,7 @@ CML_LOOP void cml_gathered_tile(const struct cml_world *world, const struct cml_
                                 const struct cml_gathered *c, real depth, real side,
                                 struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_PERIOD);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_PERIOD);
 }
 
 /* Intervals of gathered lanes with one boundary of their medium, seen from `side`. The outer media have only
@@ -202,7 +202,7 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
         cml_gathered_plane(f->gathered, depth, side, ahead);
     else if (surface->kind == CML_SURFACE_CONE)
         cml_gathered_rings(world, surface, f->gathered, depth, side, ahead);
-    else if (surface->clearance.form == CML_CLEARANCE_PERIOD)
+    else if (surface->depths.form == CML_BOUNDS_PERIOD)
         cml_gathered_tile(world, surface, f->gathered, depth, side, ahead);
     else
         cml_gathered_mesh(world, surface, f->gathered, depth, side, ahead);

@@ -136,7 +136,7 @@ static struct cml_grid_view cml_view_grid(const struct cml_world *world, int bou
     const struct cml_surface *surface = &world->surfaces[boundary];
     if (surface->kind != CML_SURFACE_MESH) return view;
     view.grid = cml_mesh_surface_grid(world->meshes[boundary], &view.centred);
-    view.clearance = &surface->clearance;
+    view.depths = &surface->depths;
     view.horizons = side > 0 ? world->horizon_below : world->horizon_above;
     view.depth = side < 0 ? world->media[boundary].span : (real)0;
     view.x0 = world->setup.x0;

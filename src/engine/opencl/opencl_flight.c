@@ -121,12 +121,12 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
                                 const void *content, struct cml_error *err)
 {
     static const char *const names[CML_NUM_BUFFERS] = {
-        "memory for media",     "memory for surfaces",  "memory for rings",    "memory for rings",
-        "memory for rings",     "memory for rings",     "memory for rings",    "memory for rings",
-        "memory for clearance", "memory for clearance", "memory for bodies",   "memory for bodies",
-        "memory for bodies",    "memory for bodies",    "memory for phases",   "memory for beams",
-        "memory for beams",     "memory for beams",     "memory for counters", "memory for packets",
-        "memory for fates",     "memory for tallies"};
+        "memory for media",  "memory for surfaces", "memory for rings",    "memory for rings",
+        "memory for rings",  "memory for rings",    "memory for rings",    "memory for rings",
+        "memory for bounds", "memory for bounds",   "memory for bodies",   "memory for bodies",
+        "memory for bodies", "memory for bodies",   "memory for phases",   "memory for beams",
+        "memory for beams",  "memory for beams",    "memory for counters", "memory for packets",
+        "memory for fates",  "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -221,8 +221,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
     CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
                           err));
     for (int side = 0; side < 2; side++)
-        CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE + side, scene->clearance_cells * sizeof(float),
-                              scene->clearance + (size_t)side * scene->clearance_cells, err));
+        CML_TRY(create_buffer(flight, CML_BUFFER_DEPTHS + side, scene->depth_cells * sizeof(float),
+                              scene->depths + (size_t)side * scene->depth_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODIES, bodies * sizeof *scene->bodies, scene->bodies, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODY_NODES, scene->num_body_nodes * sizeof *scene->body_nodes,
                           scene->body_nodes, err));

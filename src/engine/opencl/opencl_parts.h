@@ -63,9 +63,9 @@ struct cml_opencl_scene {
     struct cml_setup setup;
     const struct cml_medium *media;
     const struct cml_surface *surfaces;
-    const float *rings, *clearance; /* [CML_RING_ROWS][num_rings], [2][clearance_cells] */
-    const int *ring_starts;         /* [num_rings] */
-    size_t num_rings, clearance_cells;
+    const float *rings, *depths; /* [CML_RING_ROWS][num_rings], [2][depth_cells] */
+    const int *ring_starts;      /* [num_rings] */
+    size_t num_rings, depth_cells;
     const struct cml_body *bodies; /* [setup.num_bodies] */
     const struct cml_body_node *body_nodes;
     const struct cml_body_grid *body_grids;
@@ -92,8 +92,8 @@ enum {
     CML_BUFFER_SURFACES,
     CML_BUFFER_RINGS, /* the first of CML_RING_ROWS */
     CML_BUFFER_RING_STARTS = CML_BUFFER_RINGS + CML_RING_ROWS,
-    CML_BUFFER_CLEARANCE, /* the first of two */
-    CML_BUFFER_BODIES = CML_BUFFER_CLEARANCE + 2,
+    CML_BUFFER_DEPTHS, /* the first of two */
+    CML_BUFFER_BODIES = CML_BUFFER_DEPTHS + 2,
     CML_BUFFER_BODY_NODES,
     CML_BUFFER_BODY_GRIDS,
     CML_BUFFER_BODY_CELLS,

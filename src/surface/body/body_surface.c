@@ -131,7 +131,7 @@ static cml_status make_grids(const struct cml_scene *scene, const double *depths
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
     double *depth = calloc(media, sizeof *depth);
-    if (!depth) return cml_fail_memory(err, (double)(media * sizeof *depth), "the clearance of bodies");
+    if (!depth) return cml_fail_memory(err, (double)(media * sizeof *depth), "the bounds of bodies");
     for (int l = 1; l <= scene->num_layers; l++) depth[l] = depths[l - 1];
     for (int k = 0; k < scene->num_bodies; k++)
         depth[cml_body_medium(scene, k)] = depths[scene->bodies[k].layer - 1];

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "boundary.h"
 #include "scene/scene.h"
-#include "surface/body/body_grid.h"
+#include "surface/bounds/body_grid.h"
 #include "surface/body/body_tree.h"
 #include "surface/mesh/mesh_surface.h"
 

@@ -4,8 +4,8 @@
  *
  *        o packet
  *         \             A ray steep enough crosses a mesh once. What steep enough is, the horizon of a place
- *          \      . '   says (surface/cell_horizon.h): from x on packets that go away above the dotted lines
- *     ' .   \  . '      meet nothing. Turned round: a ray that comes to x from above them has met nothing
+ *          \      . '   says (surface/bounds/cell_horizon.h): from x on packets that go away above the dotted
+ * lines ' .   \  . '      meet nothing. Turned round: a ray that comes to x from above them has met nothing
  *     /\  ' .x'   /\    before.
  *  __/  \____|___/  \   mesh
  *
@@ -21,7 +21,7 @@
 
 #include "surface_hit.h"
 #include "surface/mesh/grid_mesh.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 
@@ -54,7 +54,7 @@ struct cml_grid_lanes {
 struct cml_grid_view {
     const struct cml_grid_mesh *grid;
     const struct cml_centred_mesh *centred;
-    const struct cml_clearance *clearance; /* of the surface */
+    const struct cml_depth_bounds *depths; /* of the surface */
     const real *horizons;                  /* of its cells, seen from the side of the packets */
     real depth;  /* of the mesh in the frame that the depths of packets were rounded in, cm */
     real x0, y0; /* of the beam, from the scene's axis */
@@ -339,13 +339,13 @@ static void cml_grid_lanes_intersect_lists(const struct cml_grid_view *view, int
  * twice err_query, which across a facet as steep as the horizon is at most 1 + h times as much in depth. */
 CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
-    const struct cml_clearance map = *view->clearance;
+    const struct cml_depth_bounds map = *view->depths;
     const real *restrict const horizons = view->horizons;
     const real x0 = view->x0, y0 = view->y0;
 #pragma omp simd
     for (int k = first; k < first + CML_GRID_GROUP; k++) {
         const struct cml_vec p = {l->at_x[k] + x0, l->at_y[k] + y0, 0};
-        const real h = cml_cell_horizon(&map, horizons, p, CML_CLEARANCE_SQUARE);
+        const real h = cml_cell_horizon(&map, horizons, p, CML_BOUNDS_SQUARE);
         const real uxy = CML_SQRT(l->ux[k] * l->ux[k] + l->uy[k] * l->uy[k]), uz = CML_FABS(l->uz[k]);
         const real excess = uz - h * uxy;
         const int steep = (excess > 0) & ((real)l->way[k] * (excess + (real)CML_HORIZON_RAISED * uxy) >

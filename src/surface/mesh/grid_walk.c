@@ -2,7 +2,7 @@
 #include "surface/mesh/grid_walk.h"
 
 #include "geometry/vec3.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 #ifndef CML_MESH_FACET_H
 #define CML_MESH_FACET_H
 
-#include "surface/mesh/centred_mesh.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/centred_mesh.h"
+#include "surface/tree/rounding.h"
 
 /* Distance along a line, from a point of it, to where it crosses the facet; of a line that passes beside the
  * facet, to a place near it. The more a line lies in the facet's plane, the more do the facet's edges say

@@ -4,7 +4,7 @@
 #include "geometry/predicate.h"
 #include "geometry/vec3.h"
 #include "surface/mesh/mesh_facet.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <limits.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "geometry/vec3.h"
 #include "surface/mesh/mesh_facet.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -15,7 +15,7 @@
 #ifndef CML_MESH_QUERY_H
 #define CML_MESH_QUERY_H
 
-#include "surface/mesh/centred_mesh.h"
+#include "surface/tree/centred_mesh.h"
 #include "mesh_crossing.h"
 
 /* A ray on its way to its first crossing. Places in the centred frame (centred_mesh.h), lengths and distances

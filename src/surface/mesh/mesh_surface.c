@@ -5,8 +5,8 @@
 #include "surface/mesh/grid_walk.h"
 #include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
-#include "surface/mesh/rounding.h"
-#include "surface/mesh/safe_map.h"
+#include "surface/tree/rounding.h"
+#include "surface/bounds/safe_map.h"
 #include "surface/mesh/sheet_mesh.h"
 #include "surface/tree/facet_tree.h"
 

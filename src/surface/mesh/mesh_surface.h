@@ -16,7 +16,7 @@
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
-#include "surface/mesh/safe_map.h"
+#include "surface/bounds/safe_map.h"
 #include "surface/mesh/sheet_mesh.h"
 #include "surface/mesh/tile_path.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/mesh/sheet_mesh.h"
 
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>

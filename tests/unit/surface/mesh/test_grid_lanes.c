@@ -2,8 +2,8 @@
  * for bit, and of the exact one. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "port.h"
-#include "surface/cell_horizon.h"
-#include "surface/clearance_map.h"
+#include "surface/bounds/cell_horizon.h"
+#include "surface/bounds/depth_map.h"
 #include "surface/mesh/grid_lanes_inl.h"
 #include "surface/mesh/mesh_surface.h"
 
@@ -11,8 +11,8 @@ enum { ROUNDS = 10000 };
 
 struct subject {
     struct cml_mesh_surface *surface;
-    struct cml_clearance_map map;
-    struct cml_clearance clearance;
+    struct cml_depth_map map;
+    struct cml_depth_bounds depths;
 };
 
 static struct subject subject_of(const struct patch *patch)
@@ -20,9 +20,9 @@ static struct subject subject_of(const struct patch *patch)
     struct subject s;
     struct cml_error err = {CML_OK, ""};
     struct cml_mesh mesh = patch_mesh(patch);
-    assert_int_equal(cml_clearance_of_mesh(&mesh, &s.map, &err), CML_OK);
+    assert_int_equal(cml_depth_map_of_mesh(&mesh, &s.map, &err), CML_OK);
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &s.surface, &err), CML_OK);
-    s.clearance = (struct cml_clearance){.size = s.map.size,
+    s.depths = (struct cml_depth_bounds){.size = s.map.size,
                                          .corner_x = (real)s.map.corner[0],
                                          .corner_y = (real)s.map.corner[1],
                                          .per_cell = (real)(1 / s.map.cell[0]),
@@ -33,7 +33,7 @@ static struct subject subject_of(const struct patch *patch)
 static void subject_free(struct subject *s)
 {
     cml_mesh_surface_free(s->surface);
-    cml_clearance_clear(&s->map);
+    cml_depth_map_clear(&s->map);
 }
 
 static int query(const struct subject *s, const double p[3], const double u[3], double side, double t_max,
@@ -111,7 +111,7 @@ static void check_patch(const struct patch *patch, const char *walk, double leas
     for (int n = 0; n < ROUNDS; n++) {
         const double side = n & 1 ? 1 : -1;
         struct cml_grid_view view = {
-            .clearance = &s.clearance, .horizons = s.map.horizon[side < 0], .side = (real)side};
+            .depths = &s.depths, .horizons = s.map.horizon[side < 0], .side = (real)side};
         view.grid = cml_mesh_surface_grid(s.surface, &view.centred);
         fill(&dice, &s, side, &l);
         cml_grid_lanes_ask(&view, &l);

@@ -4,7 +4,7 @@
 
 #include "geometry/vec3.h"
 #include "lib/dice.h"
-#include "surface/mesh/centred_mesh.h"
+#include "surface/tree/centred_mesh.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/body/body_patch.h"
+#include "surface/bounds/body_patch.h"
 
 #include "geometry/vec3.h"
 #include "types.h"

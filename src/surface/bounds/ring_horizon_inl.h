@@ -6,7 +6,7 @@
 #ifndef CML_RING_HORIZON_INL_H
 #define CML_RING_HORIZON_INL_H
 
-#include "clearance.h"
+#include "bounds.h"
 #include "types.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Clearance is conservative: a step it calls clear or safe crosses nothing by the exact query, and rings are
- * met at the same place when only the part of a step that it leaves is looked at. And the fast mesh query
+/* Bounds are conservative: a step that they call free or safe crosses nothing by the exact query, and rings
+ * are met at the same place when only the part of a step that it leaves is looked at. And the fast mesh query
  * gives what the exact one gives. SPDX-License-Identifier: MIT */
 #include "flight.h"
 #include "lib/mesh_shapes.h"
@@ -100,8 +100,8 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
         const real side = i & 1 ? (real)1 : (real)-1;
         const struct cml_interval all = {1, 0, length};
         const struct cml_interval left =
-            cml_clip_interval(&surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side,
-                              all, surface->clearance.form);
+            cml_clip_interval(&surface->depths, side > 0 ? world->deepest : world->highest, p, u, side, all,
+                              surface->depths.form);
         const int is_safe = cml_is_safe(world, surface, p, u, length);
         clear += !left.meets;
         safe += is_safe;
@@ -123,7 +123,7 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
 #define MESH(name) "m \"" CML_SOURCE_DIR "/meshes/" name "\""
 
 /* Meshes that are no regular grid, or steep in one place only, in a folder for as long as the tests run. */
-static char folder[] = "/tmp/cml_clearance_XXXXXX";
+static char folder[] = "/tmp/cml_bounds_XXXXXX";
 static char irregular_path[64], spiked_path[64], corner_path[64]; /* files */
 static char irregular[80], spiked[80], corner[96];                /* lines of .mci files */
 

@@ -1,11 +1,11 @@
 /* Cubes in and around the box of a mesh that overhangs, which know what of the surface is close. Each cell
- * knows how far from its middle no part of the surface is (kernels/clearance.h, cml_path_is_safe), and each
+ * knows how far from its middle no part of the surface is (kernels/bounds.h, cml_path_is_safe), and each
  * block of 2 x 2 x 2 cells which leaves of the tree of facets a path near it can meet: so most paths need no
  * query, and most queries no traversal. SPDX-License-Identifier: MIT */
 #ifndef CML_SAFE_MAP_H
 #define CML_SAFE_MAP_H
 
-#include "surface/mesh/centred_mesh.h"
+#include "surface/tree/centred_mesh.h"
 #include "surface/tree/facet_tree.h"
 
 #include <math.h>

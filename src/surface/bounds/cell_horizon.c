@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/cell_horizon.h"
+#include "surface/bounds/cell_horizon.h"
 
-#include "clearance.h"
+#include "bounds.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -149,7 +149,7 @@ static int make_views(const struct cml_depth_pyramid *pyramid, const float *stee
     return pyramid->levels - CML_HORIZON_LEVEL;
 }
 
-/* More by what rounding may turn, and by the share of a cell by which positions are off (clearance_map.c). */
+/* More by what rounding may turn, and by the share of a cell by which positions are off (depth_map.c). */
 static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
                           float *scratch, float *horizon)
 {
@@ -169,7 +169,7 @@ cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const floa
 {
     const size_t size = 5 * all_cells(pyramid) * sizeof(float);
     float *scratch = malloc(size);
-    if (!scratch) return cml_fail_memory(err, (double)size, "a clearance map");
+    if (!scratch) return cml_fail_memory(err, (double)size, "the bounds of a boundary");
     find_horizons(pyramid, steepest, 1, scratch, below);
     find_horizons(pyramid, steepest, -1, scratch, above);
     free(scratch);

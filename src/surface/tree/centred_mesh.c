@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/mesh/centred_mesh.h"
+#include "surface/tree/centred_mesh.h"
 
 #include "geometry/vec3.h"
-#include "surface/mesh/rounding.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * of those that leave a little less steeply from some place of the ring, some do. SPDX-License-Identifier:
  * MIT */
 #include "lib/cone_oracle.h"
-#include "surface/ring_horizon_inl.h"
+#include "surface/bounds/ring_horizon_inl.h"
 #include "surface_hit.h"
 
 #define FIELDS 300

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/clearance_map.h"
+#include "surface/bounds/depth_map.h"
 
 #include "geometry/vec3.h"
-#include "surface/cell_horizon.h"
+#include "surface/bounds/cell_horizon.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 x 16 to 512 x 512 cells */
-enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
+enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found: floats of cell numbers up to 1024
  * are off by 3e-5. */
@@ -17,20 +17,21 @@ static const double err_cell = 1e-3;
 /* Share of a map's extent by which bounds are widened: floats of positions in it are off by 6e-8 each. */
 static const double err_depth = 1e-5;
 
-size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level)
+size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);
-    return map->form == CML_CLEARANCE_RADII ? side : side * side;
+    return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
-static cml_status allocate(int levels, enum cml_clearance_form form, struct cml_clearance_map *map,
+static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {
-    *map = (struct cml_clearance_map){.levels = levels, .size = 1 << (levels - 1), .form = form};
-    for (int l = 0; l < levels; l++) map->cells += cml_clearance_level_cells(map, l);
+    *map = (struct cml_depth_map){.levels = levels, .size = 1 << (levels - 1), .form = form};
+    for (int l = 0; l < levels; l++) map->cells += cml_depth_map_level_cells(map, l);
     map->deepest = malloc(2 * map->cells * sizeof *map->deepest);
     if (!map->deepest)
-        return cml_fail_memory(err, (double)(2 * map->cells * sizeof *map->deepest), "a clearance map");
+        return cml_fail_memory(err, (double)(2 * map->cells * sizeof *map->deepest),
+                               "the bounds of a boundary");
     map->highest = map->deepest + map->cells;
     for (size_t i = 0; i < map->cells; i++) {
         map->deepest[i] = -INFINITY;
@@ -39,21 +40,21 @@ static cml_status allocate(int levels, enum cml_clearance_form form, struct cml_
     return CML_OK;
 }
 
-void cml_clearance_clear(struct cml_clearance_map *map)
+void cml_depth_map_clear(struct cml_depth_map *map)
 {
     free(map->deepest);
     free(map->horizon[0]);
-    *map = (struct cml_clearance_map){0};
+    *map = (struct cml_depth_map){0};
 }
 
-static void widen_cell(struct cml_clearance_map *map, int ix, int iy, double least, double most)
+static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, double most)
 {
     const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;
     map->deepest[cell] = fmaxf(map->deepest[cell], (float)most);
     map->highest[cell] = fminf(map->highest[cell], (float)least);
 }
 
-static int cell_index(const struct cml_clearance_map *map, double x, int axis)
+static int cell_index(const struct cml_depth_map *map, double x, int axis)
 {
     const double cell = floor((x - map->corner[axis]) / map->cell[axis]);
     return (int)fmin(fmax(cell, 0), map->size - 1);
@@ -61,16 +62,16 @@ static int cell_index(const struct cml_clearance_map *map, double x, int axis)
 
 /* Bounds of level 0 widened by err, cm, for rounding; then every level from the one below it: a min/max
  * pyramid, as maximum mipmaps are [Tevs, Ihrke and Seidel, I3D 2008]. */
-static void finish(struct cml_clearance_map *map, double err)
+static void finish(struct cml_depth_map *map, double err)
 {
-    const size_t base = cml_clearance_level_cells(map, 0);
+    const size_t base = cml_depth_map_level_cells(map, 0);
     for (size_t i = 0; i < base; i++) {
         map->deepest[i] += (float)err;
         map->highest[i] -= (float)err;
     }
     size_t from = 0, to = base;
     for (int l = 0; l + 1 < map->levels; l++) {
-        const size_t below = cml_clearance_level_cells(map, l), width = (size_t)(map->size >> l);
+        const size_t below = cml_depth_map_level_cells(map, l), width = (size_t)(map->size >> l);
         for (size_t i = 0; i < below; i++) {
             const size_t x = i % width / 2, y = i / width / 2; /* a row has y = 0 */
             const size_t cell = to + y * (width / 2) + x;
@@ -78,18 +79,18 @@ static void finish(struct cml_clearance_map *map, double err)
             map->highest[cell] = fminf(map->highest[cell], map->highest[from + i]);
         }
         from = to;
-        to += cml_clearance_level_cells(map, l + 1);
+        to += cml_depth_map_level_cells(map, l + 1);
     }
 }
 
 /* A square over x, y .. x + width, y + width; one more cell on each side stands for everything outside. A
  * level more doubles the cells along each axis: about one cell per two triangles. */
 static cml_status allocate_square(double triangles, double x, double y, double width,
-                                  struct cml_clearance_map *map, struct cml_error *err)
+                                  struct cml_depth_map *map, struct cml_error *err)
 {
     int levels = LEAST_LEVELS;
     while (levels < MOST_LEVELS && pow(4, levels - 1) < 0.5 * triangles) levels++;
-    CML_TRY(allocate(levels, CML_CLEARANCE_SQUARE, map, err));
+    CML_TRY(allocate(levels, CML_BOUNDS_SQUARE, map, err));
     map->cell[0] = map->cell[1] = width / (map->size - 2);
     map->corner[0] = x - map->cell[0];
     map->corner[1] = y - map->cell[1];
@@ -124,7 +125,7 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
 }
 
 /* The triangle's depth over one cell: that of its plane there, within that of its box. And its slope. */
-static void cover_cell(struct cml_clearance_map *map, const struct triangle_plane *t, int ix, int iy,
+static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t, int ix, int iy,
                        float *steepest)
 {
     double least = t->lower[2], most = t->upper[2];
@@ -157,8 +158,8 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
 
 /* Row by row, only the cells that the triangle reaches: the box of a needle that lies aslant has a thousand
  * times as many as the needle. */
-static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t,
-                           const double *corner[3], float *steepest)
+static void cover_triangle(struct cml_depth_map *map, const struct triangle_plane *t, const double *corner[3],
+                           float *steepest)
 {
     const double err_x = err_cell * map->cell[0], err_y = err_cell * map->cell[1];
     const int y0 = cell_index(map, t->lower[1] - err_y, 1), y1 = cell_index(map, t->upper[1] + err_y, 1);
@@ -172,8 +173,7 @@ static void cover_triangle(struct cml_clearance_map *map, const struct triangle_
 }
 
 /* The outer plane lies over every cell that is not all inside the rectangle; NULL: over all of them. */
-static void cover_outside(struct cml_clearance_map *map, double z, const double lower[2],
-                          const double upper[2])
+static void cover_outside(struct cml_depth_map *map, double z, const double lower[2], const double upper[2])
 {
     for (int iy = 0; iy < map->size; iy++)
         for (int ix = 0; ix < map->size; ix++) {
@@ -200,7 +200,7 @@ static bool fills_its_box(const struct cml_mesh *mesh)
 }
 
 /* steepest [cells of the level of horizons]: zeros, becomes the slope of the steepest facet above each. */
-static void cover_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map, float *steepest)
+static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *v = mesh->triangle[i];
@@ -211,30 +211,30 @@ static void cover_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *ma
     cover_outside(map, mesh->z_border, fills_its_box(mesh) ? mesh->lower : NULL, mesh->upper);
 }
 
-static cml_status allocate_horizons(struct cml_clearance_map *map, float **steepest, struct cml_error *err)
+static cml_status allocate_horizons(struct cml_depth_map *map, float **steepest, struct cml_error *err)
 {
-    const size_t cells = cml_clearance_level_cells(map, CML_HORIZON_LEVEL);
+    const size_t cells = cml_depth_map_level_cells(map, CML_HORIZON_LEVEL);
     map->horizon[0] = malloc(2 * cells * sizeof **map->horizon);
     *steepest = calloc(cells, sizeof **steepest);
     if (!map->horizon[0] || !*steepest)
-        return cml_fail_memory(err, (double)(3 * cells * sizeof **steepest), "a clearance map");
+        return cml_fail_memory(err, (double)(3 * cells * sizeof **steepest), "the bounds of a boundary");
     map->horizon[1] = map->horizon[0] + cells;
     map->horizon_cells = cells;
     return CML_OK;
 }
 
-static cml_status find_horizons(struct cml_clearance_map *map, const float *steepest, struct cml_error *err)
+static cml_status find_horizons(struct cml_depth_map *map, const float *steepest, struct cml_error *err)
 {
     const struct cml_depth_pyramid pyramid = {.levels = map->levels,
                                               .size = map->size,
                                               .cell = fmin(map->cell[0], map->cell[1]),
-                                              .repeats = map->form == CML_CLEARANCE_PERIOD,
+                                              .repeats = map->form == CML_BOUNDS_PERIOD,
                                               .deepest = map->deepest,
                                               .highest = map->highest};
     return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
 }
 
-cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
+cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
@@ -247,7 +247,7 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
                                  mesh->lower[2]));
         status = find_horizons(map, steepest, err);
     }
-    if (status != CML_OK) cml_clearance_clear(map);
+    if (status != CML_OK) cml_depth_map_clear(map);
     free(steepest);
     return status;
 }
@@ -265,11 +265,11 @@ static int periods_along(const struct cml_heightmap *tile, int axis)
 
 /* Levels as of a square, but no cells around it. */
 static cml_status allocate_period(const struct cml_heightmap *tile, const int periods[2],
-                                  struct cml_clearance_map *map, struct cml_error *err)
+                                  struct cml_depth_map *map, struct cml_error *err)
 {
     const double triangles = 2.0 * tile->nx * tile->ny * periods[0] * periods[1];
     CML_TRY(allocate_square(triangles, 0, 0, 1, map, err));
-    map->form = CML_CLEARANCE_PERIOD;
+    map->form = CML_BOUNDS_PERIOD;
     map->corner[0] = tile->x0;
     map->corner[1] = tile->y0;
     for (int k = 0; k < 2; k++) map->cell[k] = periods[k] * cml_tile_period(tile, k) / map->size;
@@ -278,7 +278,7 @@ static cml_status allocate_period(const struct cml_heightmap *tile, const int pe
 
 /* Covers the cells below a triangle; one that lies beside the map has nothing to say, but within rounding of
  * its ends. */
-static void cover_if_inside(struct cml_clearance_map *map, const double *corner[3], float *steepest)
+static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], float *steepest)
 {
     const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
     for (int k = 0; k < 2; k++) {
@@ -291,7 +291,7 @@ static void cover_if_inside(struct cml_clearance_map *map, const double *corner[
 /* All cells of the tile in the map, and one more on each side: row by row, so that no more than a row has
  * triangles at a time. */
 static cml_status cover_tile(const struct cml_heightmap *tile, const int periods[2],
-                             struct cml_clearance_map *map, float *steepest, struct cml_error *err)
+                             struct cml_depth_map *map, float *steepest, struct cml_error *err)
 {
     for (int j = -1; j <= periods[1] * tile->ny; j++) {
         const struct cml_tile_cells row = {{-1, j}, {periods[0] * tile->nx + 2, 1}};
@@ -307,7 +307,7 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
     return CML_OK;
 }
 
-cml_status cml_clearance_of_tile(const struct cml_heightmap *tile, struct cml_clearance_map *map,
+cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
     const int periods[2] = {periods_along(tile, 0), periods_along(tile, 1)};
@@ -322,7 +322,7 @@ cml_status cml_clearance_of_tile(const struct cml_heightmap *tile, struct cml_cl
         finish(map, err_depth * (width + relief.highest - relief.lowest));
         status = find_horizons(map, steepest, err);
     }
-    if (status != CML_OK) cml_clearance_clear(map);
+    if (status != CML_OK) cml_depth_map_clear(map);
     free(steepest);
     return status;
 }
@@ -336,7 +336,7 @@ static double profile_depth(const double *r, const double *z, int n, int i, doub
 }
 
 /* Depth of the profile over a range of radii: at its ends and at the samples within. */
-static void cover_radii(struct cml_clearance_map *map, const double *r, const double *z, int n, double from,
+static void cover_radii(struct cml_depth_map *map, const double *r, const double *z, int n, double from,
                         double to, int cell)
 {
     int i = 0;
@@ -354,7 +354,7 @@ static void cover_radii(struct cml_clearance_map *map, const double *r, const do
     widen_cell(map, cell, 0, last, last);
 }
 
-cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struct cml_clearance_map *map,
+cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struct cml_depth_map *map,
                                   struct cml_error *err)
 {
     const double last = r[n - 1];
@@ -365,7 +365,7 @@ cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struc
         most = fmax(most, z[i]);
     }
     while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
-    CML_TRY(allocate(levels, CML_CLEARANCE_RADII, map, err));
+    CML_TRY(allocate(levels, CML_BOUNDS_RADII, map, err));
     map->cell[0] = map->cell[1] = last / (map->size - 1);
     for (int i = 0; i < map->size; i++) {
         const double from = (i - err_cell) * map->cell[0], to = (i + 1 + err_cell) * map->cell[0];

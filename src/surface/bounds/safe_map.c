@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/mesh/safe_map.h"
+#include "surface/bounds/safe_map.h"
 
 #include "geometry/box_tree.h"
 #include "geometry/footprint.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/body/body_grid.h"
+#include "surface/bounds/body_grid.h"
 
 #include "geometry/vec3.h"
 #include "scene/body/body_shape.h"
-#include "surface/body/body_patch.h"
+#include "surface/bounds/body_patch.h"
 #include "types.h"
 
 #include <float.h>
@@ -264,7 +264,7 @@ static void spread(const struct filling *f, float *scratch)
 
 /* A surface passes only cells whose middle is within half a diagonal of it. Near ones are exact up to BEYOND:
  * what does not have a middle in its band is further away. */
-static void find_clearance(struct filling *f)
+static void find_distances(struct filling *f)
 {
     const size_t count = cells_of(f->cells);
     for (size_t i = 0; i < count; i++)
@@ -342,7 +342,7 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
     }
     if (!f->out_of_memory) {
         make_mesh_patches(f);
-        find_clearance(f);
+        find_distances(f);
         make_balls(f, ball);
     }
     free(f->closest);
@@ -351,7 +351,7 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
     free(f->open);
     free(f->facet);
     if (!f->out_of_memory) return CML_OK;
-    return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the clearance of bodies");
+    return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the bounds of bodies");
 }
 
 /* The mean free path of the thickest medium of a layer, its bodies among them. */
@@ -412,7 +412,7 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
 {
     const int media = scene->num_layers + 2 + scene->num_bodies;
     int *of_medium = malloc((size_t)media * sizeof *of_medium);
-    if (!of_medium) return cml_fail_memory(err, media * (double)sizeof(int), "the clearance of bodies");
+    if (!of_medium) return cml_fail_memory(err, media * (double)sizeof(int), "the bounds of bodies");
     grids->of_medium = of_medium;
     for (int m = 0; m < media; m++) of_medium[m] = -1;
     for (int k = 0; k < scene->num_bodies; k++) of_medium[scene->bodies[k].layer] = 0;
@@ -422,7 +422,7 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
         of_medium[cml_body_medium(scene, k)] = of_medium[scene->bodies[k].layer];
     grids->item = calloc((size_t)grids->count + 1, sizeof *grids->item);
     if (grids->item) return CML_OK;
-    return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the clearance of bodies");
+    return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the bounds of bodies");
 }
 
 cml_status cml_body_grids_create(const struct cml_scene *scene, const double *depths,
@@ -440,8 +440,7 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double *de
     }
     grids->ball = malloc((grids->num_cells + 1) * sizeof *grids->ball);
     if (!grids->ball)
-        return cml_fail_memory(err, (double)(grids->num_cells * sizeof *grids->ball),
-                               "the clearance of bodies");
+        return cml_fail_memory(err, (double)(grids->num_cells * sizeof *grids->ball), "the bounds of bodies");
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         const struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];

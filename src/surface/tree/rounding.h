@@ -1,10 +1,10 @@
-/* Bounds of rounding: every length, sine and share of this room that exists only because numbers are
- * rounded. All are called err_, and all are in this table; those that depend on a mesh or a query are
- * members of that name.
+/* Bounds of rounding: every length, sine and share of surface/tree and surface/mesh that exists only because
+ * numbers are rounded. All are called err_, and all are in this table; those that depend on a mesh or a query
+ * are members of that name.
  *
  * eps is DBL_EPSILON, 2^-52: an operation in double rounds by eps / 2 of its result, one in float by 6e-8.
  * D is the diagonal of the mesh's box. Coordinates count from its middle (centred_mesh.h), so none inside the
- * box is more than D / 2. "Fails": the tests of tests/unit/surface/mesh, and cross.clearance, that fail
+ * box is more than D / 2. "Fails": the tests of tests/unit/surface/mesh, and cross.bounds, that fail
  * when the bound is made a hundredth of what it is; all of them were run. "None" means that the value
  * stands on its derivation alone.
  *

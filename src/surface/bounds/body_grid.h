@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 #include "scene/scene.h"
-#include "surface/body/body_patch.h"
+#include "surface/bounds/body_patch.h"
 
 #include <stddef.h>
 

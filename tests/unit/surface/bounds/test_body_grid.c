@@ -1,7 +1,7 @@
 /* What cells know of the surfaces of bodies against all surfaces, one after the other, in long double: a ball
  * without a surface has none, with CML_CELL_MARGIN to spare; where it has, they are those of the body that it
  * names, between its two planes, and turned no more than it says. SPDX-License-Identifier: MIT */
-#include "surface/body/body_grid.h"
+#include "surface/bounds/body_grid.h"
 
 #include "lib/solids.h"
 #include "scene/body/body_shape.h"

@@ -1,0 +1,499 @@
+/* On which part of its path can a packet meet a surface of its medium? One question, cml_find_intervals at
+ * the end of this file, before any surface is asked; what is known of surfaces to answer it comes first:
+ * depth bounds and horizons of boundaries, safe distances around meshes that overhang, regions around bodies.
+ * Each is proven to be free of surfaces with more to spare than rounding takes (kernels/README.md, "Which
+ * part of a path can meet a surface"); src/surface/bounds makes them. SPDX-License-Identifier: MIT */
+#ifndef CML_BOUNDS_H
+#define CML_BOUNDS_H
+
+#include "mathf.h"
+#include "optics.h"
+#include "types.h"
+
+/* x brought into the range from 0 to most; NaN gives 0. */
+CML_FN real cml_clamp(real x, real most)
+{
+    const real least = x > 0 ? x : (real)0;
+    return least < most ? least : most;
+}
+
+/* Depth bounds. Below a mesh level 0 divides a square of the x-y plane into size x size cells; those at the
+ * rim also stand for everything outside. Below rings it divides the radius, and the last cell stands for
+ * everything outside. Of a mesh that is repeated it divides one period, or as many as make about a square;
+ * cells are counted on through all periods, and only their numbers are brought back into the one. */
+
+/* Cell index along one axis, clamped to the rim; NaN gives 0. */
+CML_FN int cml_depth_cell(const CML_GLOBAL struct cml_depth_bounds *map, real x, real corner)
+{
+    return (int)cml_clamp((x - corner) * map->per_cell, (real)(map->size - 1));
+}
+
+/* Number of bits of n < 2^24: the level whose cells are longer than n cells of level 0. In float from its
+ * exponent, which every vector unit can take. */
+CML_FN int cml_depth_level(int n)
+{
+#ifdef CML_DOUBLE
+    return n > 0 ? 32 - CML_CLZ(n) : 0;
+#else
+    return n > 0 ? (int)(cml_bits_of((float)n) >> 23) - 126 : 0;
+#endif
+}
+
+/* The depth, times side, that a packet must keep to on its way from p to p + d, of a mesh's pyramid. */
+CML_FN real cml_depth_over_box(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
+                               struct cml_vec p, struct cml_vec d, real side)
+{
+    const real far_x = p.x + d.x, far_y = p.y + d.y;
+    const int x0 = cml_depth_cell(map, far_x < p.x ? far_x : p.x, map->corner_x);
+    const int x1 = cml_depth_cell(map, far_x > p.x ? far_x : p.x, map->corner_x);
+    const int y0 = cml_depth_cell(map, far_y < p.y ? far_y : p.y, map->corner_y);
+    const int y1 = cml_depth_cell(map, far_y > p.y ? far_y : p.y, map->corner_y);
+    const int level = cml_depth_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
+    const int size = map->size >> level, offset = map->first + map->level_offset[level];
+    const int row0 = offset + (y0 >> level) * size, row1 = offset + (y1 >> level) * size;
+    const real a = side * bounds[row0 + (x0 >> level)], b = side * bounds[row0 + (x1 >> level)];
+    const real c = side * bounds[row1 + (x0 >> level)], e = side * bounds[row1 + (x1 >> level)];
+    const real ab = a > b ? a : b, ce = c > e ? c : e;
+    return ab > ce ? ab : ce;
+}
+
+/* A range of cells along an axis of a period, counted on through all periods: the first, and how many lie
+ * behind it, at most as many as a period has. */
+struct cml_cell_range {
+    int first, more;
+};
+
+/* The cells from x to x + d. Positions count in cells here, and the further they are from the corner the
+ * larger is their rounding: 16 times that, at least. Beyond 2^30 cells that is more than a period. NaN gives
+ * any range. */
+CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, real per_cell, int size)
+{
+    const real from = (x - corner) * per_cell, to = (x + d - corner) * per_cell, most = 1073741824;
+    const real low = from < to ? from : to, high = from < to ? to : from;
+    const real err = (real)9.5367431640625e-7 * (CML_FABS(from) + CML_FABS(to) + CML_FABS(corner * per_cell));
+    const real first = CML_FLOOR(low - err), more = CML_FLOOR(high + err) - first, whole = (real)size;
+    const struct cml_cell_range range = {(int)(first > -most ? (first < most ? first : most) : -most),
+                                         (int)(more < whole ? more : whole)};
+    return range;
+}
+
+/* cml_depth_over_box of a period. On the level whose cells are longer than the range, cells that follow one
+ * another cover it, the last and the first of a period too. */
+CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
+                                  const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
+                                  real side)
+{
+    const int size = map->size;
+    const struct cml_cell_range x = cml_cells_of_period(p.x, d.x, map->corner_x, map->per_cell, size),
+                                y = cml_cells_of_period(p.y, d.y, map->corner_y, map->per_cell_y, size);
+    const int wanted = cml_depth_level(x.more | y.more), last = cml_depth_level(size) - 1;
+    const int level = wanted < last ? wanted : last, cells = size >> level, mask = cells - 1;
+    const int offset = map->first + map->level_offset[level];
+    const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
+    const int row0 = offset + ((y.first >> level) & mask) * cells,
+              row1 = offset + (((y.first + y.more) >> level) & mask) * cells;
+    const real a = side * bounds[row0 + x0], b = side * bounds[row0 + x1];
+    const real c = side * bounds[row1 + x0], e = side * bounds[row1 + x1];
+    const real ab = a > b ? a : b, ce = c > e ? c : e;
+    return ab > ce ? ab : ce;
+}
+
+/* cml_cell_horizon of a period: the highest of the cells in which rounding may have put the point; infinite
+ * where they are too many. */
+CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
+                                  const CML_GLOBAL real *horizon, struct cml_vec p)
+{
+    const struct cml_cell_range x = cml_cells_of_period(p.x, 0, map->corner_x, map->per_cell, map->size),
+                                y = cml_cells_of_period(p.y, 0, map->corner_y, map->per_cell_y, map->size);
+    const int level = map->horizon_level, cells = map->size >> level, mask = cells - 1;
+    const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
+    const int row0 = map->first_horizon + ((y.first >> level) & mask) * cells,
+              row1 = map->first_horizon + (((y.first + y.more) >> level) & mask) * cells;
+    const real a = horizon[row0 + x0], b = horizon[row0 + x1], c = horizon[row1 + x0], e = horizon[row1 + x1];
+    const real ab = a > b ? a : b, ce = c > e ? c : e, most = ab > ce ? ab : ce;
+    return (x.more | y.more) > 1 ? CML_INFINITY : most;
+}
+
+/* All horizons are raised by so much, as slopes: more than rounding turns a direction, which float does by
+ * 1e-7. */
+#define CML_HORIZON_RAISED 0.001
+
+/* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
+ * their side of the mesh, that go away from it meet it never again (src/surface/bounds/cell_horizon.h). */
+CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *horizon,
+                             struct cml_vec p, const int form)
+{
+    if (form == CML_BOUNDS_PERIOD) return cml_horizon_in_period(map, horizon, p);
+    const int x = cml_depth_cell(map, p.x, map->corner_x) >> map->horizon_level;
+    const int y = cml_depth_cell(map, p.y, map->corner_y) >> map->horizon_level;
+    return horizon[map->first_horizon + y * (map->size >> map->horizon_level) + x];
+}
+
+/* cml_depth_over_box of the pyramid of rings. The way comes closest to the axis at an end or, where it
+ * turns outwards between them, abreast of it. */
+CML_FN real cml_depth_over_radii(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
+                                 struct cml_vec p, struct cml_vec d, real side)
+{
+    const real x = p.x + d.x, y = p.y + d.y;
+    const real from = CML_SQRT(p.x * p.x + p.y * p.y), to = CML_SQRT(x * x + y * y);
+    const real err_radius = 4 * CML_EPSILON * (from + to), most = from < to ? to : from;
+    real least = from < to ? from : to;
+    if ((p.x * d.x + p.y * d.y < 0) & (x * d.x + y * d.y > 0))
+        least = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
+    const int r0 = cml_depth_cell(map, least - err_radius, 0), r1 = cml_depth_cell(map, most + err_radius, 0);
+    const int level = cml_depth_level(r1 - r0);
+    const int offset = map->first + map->level_offset[level];
+    const real a = side * bounds[offset + (r0 >> level)], b = side * bounds[offset + (r1 >> level)];
+    return a > b ? a : b;
+}
+
+/* The part of a path on which a packet can meet a surface, if any: distances from its start. */
+struct cml_interval {
+    int meets;
+    real from, to;
+};
+
+/* What is left of an interval without what keeps clear of the surface, for a packet on the given side (+1
+ * below, -1 above) that begins it at p, in the boundary's frame, x and y from the scene's axis. Below rings
+ * its ends are cut as well, but for a 1024th of the distance, which is more than rounding; a mesh has a tree
+ * for that. Where an interval is not finite nothing is known to be free. */
+CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_depth_bounds *map,
+                                             const CML_GLOBAL real *bounds, struct cml_vec p,
+                                             struct cml_vec u, real side, struct cml_interval s,
+                                             const int form)
+{
+    const int rings = form == CML_BOUNDS_RADII;
+    const real length = s.to - s.from;
+    const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
+    const real keep = rings                       ? cml_depth_over_radii(map, bounds, p, d, side)
+                      : form == CML_BOUNDS_PERIOD ? cml_depth_over_period(map, bounds, p, d, side)
+                                                  : cml_depth_over_box(map, bounds, p, d, side);
+    const real here = side * p.z - keep, end = side * (p.z + d.z) - keep;
+    const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
+    const int begins_free = finite & (here > 0), ends_free = finite & (end > 0);
+    const real cut = CML_FMA(length, here / (here - end), s.from), late = (real)1.0009765625 * cut;
+    const real from = begins_free ? cut : s.from, to = (ends_free & (late < s.to)) ? late : s.to;
+    const struct cml_interval left = {s.meets & !(begins_free & ends_free), (real)0.9990234375 * from,
+                                      rings ? to : s.to};
+    return left;
+}
+
+#ifndef __OPENCL_VERSION__
+/* Whether a path of length s from p is safe: the surface is further from all of it than rounding can put
+ * a packet. p in the boundary's frame, x and y from the beam's axis. The cell that the middle of the path
+ * is in decides, or the closest one: its ball, which the surface does not enter, holds the whole path
+ * where it holds the farther of both ends (kernels/README.md). A path that is not finite is not safe. */
+CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p, struct cml_vec u, real s)
+{
+    const real per_cell = cells->per_cell, half = (real)0.5 * s * per_cell;
+    const struct cml_vec start = {(p.x - cells->corner.x) * per_cell, (p.y - cells->corner.y) * per_cell,
+                                  (p.z - cells->corner.z) * per_cell};
+    const struct cml_vec middle = cml_along(start, half, u);
+    const int x = (int)cml_clamp(middle.x, (real)(cells->nx - 1)),
+              y = (int)cml_clamp(middle.y, (real)(cells->ny - 1)),
+              z = (int)cml_clamp(middle.z, (real)(cells->nz - 1));
+    const struct cml_vec off = {middle.x - ((real)x + (real)0.5), middle.y - ((real)y + (real)0.5),
+                                middle.z - ((real)z + (real)0.5)};
+    const real along = CML_FABS(cml_dot(off, u)), square = cml_dot(off, off);
+    const real far = CML_FMA(half, CML_FMA((real)2, along, half), square);
+    const real ball = (real)cells->safe[(z * cells->ny + y) * cells->nx + x] - cells->margin;
+    return (ball > 0) & (far < ball * ball);
+}
+#endif
+
+CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
+{
+    return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
+}
+
+/* A point's x and y from the field's axis instead of the beam's. */
+CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
+{
+    const struct cml_vec moved = {p.x + world->setup.x0, p.y + world->setup.y0, p.z};
+    return moved;
+}
+
+/* Part of a ball that no surface of a body passes: what lies higher than `least` over its middle along
+ * `normal`, which is 0 where the whole ball is free. In the frame of the layer, cm; square: of the radius, 0:
+ * nothing is known. A path that begins and ends in it lies in it. */
+struct cml_body_region {
+    struct cml_vec middle, normal;
+    real square, least;
+};
+
+/* A place q on a path along u, and the closest cell of a grid. All in cells: */
+struct cml_body_view {
+    const CML_GLOBAL struct cml_body_cell *cell;
+    struct cml_vec q, off;      /* from the corner of the grid, and from the middle of the cell */
+    struct cml_vec beyond;      /* from the grid itself; 0 inside */
+    real gap, distance, square; /* squares: of `beyond`, of `off`, of the ball's radius */
+    real height, rate;          /* over the planes' middle, and of u */
+    int in_ball, above, below;  /* the ball, and both planes */
+};
+
+CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
+                                          const CML_GLOBAL struct cml_body_grid *grid, struct cml_vec q,
+                                          struct cml_vec u)
+{
+    const real nx = (real)grid->nx, ny = (real)grid->ny, nz = (real)grid->nz;
+    const int cx = (int)cml_clamp(q.x, nx - 1), cy = (int)cml_clamp(q.y, ny - 1),
+              cz = (int)cml_clamp(q.z, nz - 1);
+    const struct cml_vec off = {q.x - (real)cx - (real)0.5, q.y - (real)cy - (real)0.5,
+                                q.z - (real)cz - (real)0.5};
+    const struct cml_vec beyond = {q.x - cml_clamp(q.x, nx), q.y - cml_clamp(q.y, ny),
+                                   q.z - cml_clamp(q.z, nz)};
+    struct cml_body_view view;
+    view.cell = &world->body_cells[grid->first + (cz * grid->ny + cy) * grid->nx + cx];
+    view.q = q;
+    view.off = off;
+    view.beyond = beyond;
+    view.gap = cml_dot(beyond, beyond);
+    view.distance = cml_dot(off, off);
+    view.square = view.cell->radius * view.cell->radius;
+    view.height = cml_dot(view.cell->normal, off);
+    view.rate = cml_dot(view.cell->normal, u);
+    view.in_ball = view.distance < view.square;
+    view.above = view.height > view.cell->upper;
+    view.below = view.height < view.cell->lower;
+    return view;
+}
+
+/* Whether a path of this length (cells) stays in the ball, and on its side of the planes. */
+CML_FN int cml_stays_in_ball(const struct cml_body_view *view, struct cml_vec u, real path)
+{
+    const struct cml_vec end = cml_along(view->off, path, u);
+    const real height = CML_FMA(path, view->rate, view->height);
+    const int beside = view->above ? height > view->cell->upper : view->below & (height < view->cell->lower);
+    const real distance = cml_dot(end, end);
+    return view->in_ball & beside & (distance < view->square);
+}
+
+CML_FN void cml_region_of_ball(const CML_GLOBAL struct cml_body_grid *grid, const struct cml_body_view *view,
+                               struct cml_body_region *region)
+{
+    const real size = grid->cell, sign = view->above ? (real)1 : (real)-1;
+    const struct cml_vec normal = view->cell->normal;
+    region->middle = cml_along(grid->corner, size, cml_along(view->q, -1, view->off));
+    region->normal.x = sign * normal.x;
+    region->normal.y = sign * normal.y;
+    region->normal.z = sign * normal.z;
+    region->square = view->square * size * size;
+    region->least = sign * (view->above ? view->cell->upper : view->cell->lower) * size;
+}
+
+/* The share that is taken of a way that is free: the rest is more than single precision rounds it by. */
+#define CML_BODY_WAY 0.9999
+
+/* Whether a path of this length (cells) from outside of the grid ends beyond the same of its faces: that
+ * which it begins furthest beyond. Then that half-space is the region. */
+CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
+                                 const struct cml_body_view *view, struct cml_vec u, real path,
+                                 struct cml_body_region *region)
+{
+    const struct cml_vec beyond = view->beyond;
+    const real x = CML_FABS(beyond.x), y = CML_FABS(beyond.y), z = CML_FABS(beyond.z);
+    const int along_x = (x >= y) & (x >= z), along_y = !along_x & (y >= z), along_z = !along_x & !along_y;
+    const real gap = along_x ? beyond.x : (along_y ? beyond.y : beyond.z),
+               rate = along_x ? u.x : (along_y ? u.y : u.z), sign = gap < 0 ? (real)-1 : (real)1,
+               least = (real)-CML_BODY_WAY * CML_FABS(gap);
+    const struct cml_vec normal = {along_x ? sign : (real)0, along_y ? sign : (real)0,
+                                   along_z ? sign : (real)0};
+    if (!((least < 0) & (sign * path * rate > least))) return 0;
+    region->middle = cml_along(grid->corner, grid->cell, view->q);
+    region->normal = normal;
+    region->square = CML_INFINITY;
+    region->least = least * grid->cell;
+    return 1;
+}
+
+/* How far a packet in the ball can fly before it may meet the surface there. path: how far it would fly; end:
+ * where it leaves the ball. In cells. */
+CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real path, real end)
+{
+    const CML_GLOBAL struct cml_body_cell *cell = view->cell;
+    const real outwards = medium == cell->inside ? -view->rate : view->rate;
+    if (path * (outwards - cell->steepest) > (real)CML_CELL_MARGIN) return end;
+    if (!(view->above | view->below)) return 0;
+    if (view->above ? view->rate >= 0 : view->rate <= 0) return end;
+    const real way = ((view->above ? cell->upper : cell->lower) - view->height) / view->rate;
+    return way < end ? way : end;
+}
+
+/* Whether a path may meet a body; from afar: from a place further from all surfaces than rounding could put a
+ * packet. */
+enum cml_bodies_ahead { CML_NO_BODIES, CML_BODIES, CML_BODIES_FROM_AFAR };
+
+/* Afar is outside the grid, or beyond the planes and in the ball by a twentieth of its radius. */
+CML_FN int cml_bodies_from(const struct cml_body_view *view)
+{
+    const int off_planes = (view->distance < (real)0.9 * view->square) & (view->above | view->below);
+    return view->gap > 0 || off_planes ? CML_BODIES_FROM_AFAR : CML_BODIES;
+}
+
+/* From ball to ball: through so many at most, and no further than this, cells, for rounding grows with the
+ * way, and CML_CELL_MARGIN is all that cells have to spare for it. */
+#define CML_BODY_BALLS 6
+#define CML_BODY_FARTHEST 10000
+
+/* Whether (enum cml_bodies_ahead) a packet at p can meet the surface of a body within t_max along u: from
+ * ball to ball along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527].
+ * *region: of a path that meets none, one in which it ends, if one is known. Outside of the grid the way to
+ * it is free. What is not a number may meet one. */
+CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
+                            real t_max, struct cml_body_region *region)
+{
+    const int number = world->media[medium].body_grid;
+    const struct cml_body_region unknown = {p, {0, 0, 0}, number < 0 ? CML_INFINITY : (real)0, -1};
+    *region = unknown;
+    if (number < 0) return CML_NO_BODIES;
+    const CML_GLOBAL struct cml_body_grid *grid = &world->body_grids[number];
+    const struct cml_vec start = {(p.x - grid->corner.x) * grid->per_cell,
+                                  (p.y - grid->corner.y) * grid->per_cell,
+                                  (p.z - grid->corner.z) * grid->per_cell};
+    const real path = t_max * grid->per_cell;
+    int ahead = CML_BODIES;
+    real done = 0;
+    for (int i = 0; i < CML_BODY_BALLS && done < CML_BODY_FARTHEST; i++) {
+        const struct cml_body_view view = cml_view_body(world, grid, cml_along(start, done, u), u);
+        const real left = path - done;
+        if (i == 0) ahead = cml_bodies_from(&view);
+        if (cml_stays_in_ball(&view, u, left)) {
+            cml_region_of_ball(grid, &view, region);
+            return CML_NO_BODIES;
+        }
+        if (!view.in_ball && cml_stays_beyond_grid(grid, &view, u, left, region)) return CML_NO_BODIES;
+        const real b = cml_dot(view.off, u), within = CML_FMA(b, b, view.square - view.distance);
+        const real end = view.in_ball ? CML_SQRT(within) - b : CML_SQRT(view.gap);
+        const real way = view.in_ball ? cml_way_in_ball(&view, medium, left, end) : end;
+        if (left < way) return CML_NO_BODIES;
+        if (way < end || !(way > 0)) return ahead;
+        done += (real)CML_BODY_WAY * way;
+    }
+    return ahead;
+}
+
+/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it
+ * meet it never again: on a ring that of all they see from there, over a mesh that of its cell. */
+CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                        struct cml_vec p, real side, int on_primitive)
+{
+    if (CML_MAY_HAVE_MESHES && surface->kind == CML_SURFACE_MESH)
+        return cml_cell_horizon(&surface->depths, side > 0 ? world->horizon_below : world->horizon_above,
+                                cml_from_scene_axis(world, p), surface->depths.form);
+    if (on_primitive < 0) return surface->steepest;
+    return (side > 0 ? world->ring_horizon_below
+                     : world->ring_horizon_above)[surface->first_ring + on_primitive];
+}
+
+/* Whether a direction leads away from the surface, and as steeply as that. */
+CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
+{
+    return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
+}
+
+/* Whether a path keeps to what is known to be free of a boundary. p in the boundary's frame. */
+CML_FN int cml_is_safe(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                       struct cml_vec p, struct cml_vec u, real t_max)
+{
+#ifdef __OPENCL_VERSION__
+    return 0;
+#else
+    const struct cml_safe_cells *cells = &world->safe_cells[surface - world->surfaces];
+    return cells->nx > 0 && t_max < CML_INFINITY && cml_path_is_safe(cells, p, u, t_max);
+#endif
+}
+
+/* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
+ * below it, -1 above. on_primitive: what of it, -1 or CML_NEAR_FACETS. */
+CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
+                                               const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
+                                               struct cml_vec u, real side, int on_primitive, real t_max)
+{
+    const real horizon = cml_horizon(world, surface, p, side, on_primitive);
+    const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
+    const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
+    const real inside = side * (nearest - p.z), away = side * u.z;
+    const int passes = inside < away * t_max; /* that depth */
+    struct cml_interval s = {0, 0, t_max};
+    if (cml_is_safe(world, surface, p, u, t_max)) return s;
+    if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
+    const real there = inside / away;
+    s.meets = 1;
+    if (inside < 0) s.from = there;
+    if ((away >= 0) & passes) s.to = there;
+    const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
+    const int form = CML_MAY_HAVE_MESHES ? surface->depths.form : CML_BOUNDS_RADII;
+    return cml_clip_interval(&surface->depths, bounds, start, u, side, s, form);
+}
+
+/* Where a packet can meet a surface of any kind within t_max (cml_curved_interval). */
+CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
+                                                const CML_GLOBAL struct cml_surface *surface,
+                                                struct cml_vec p, struct cml_vec u, real side,
+                                                int on_primitive, real t_max)
+{
+    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
+        const struct cml_interval s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
+        return s;
+    }
+    return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
+}
+
+/* Where a packet can meet the boundaries of its medium; bodies: whether it can meet one within `reach`, enum
+ * cml_bodies_ahead. */
+struct cml_boundary_intervals {
+    struct cml_interval above, below;
+    int bodies;
+    real reach;
+};
+
+/* Above or below the layers, not in a body. */
+CML_FN int cml_is_outer(const struct cml_world *world, int medium)
+{
+    return medium == 0 || medium == world->setup.num_layers + 1;
+}
+
+/* Whether a medium is the inside of a body. */
+CML_FN int cml_is_body(const struct cml_world *world, int medium)
+{
+    return CML_MAY_HAVE_BODIES && medium > world->setup.num_layers + 1;
+}
+
+/* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
+CML_FN int cml_on_primitive(CML_PACKET const struct cml_packet *packet, int boundary)
+{
+    return packet->on_boundary == boundary ? packet->on_primitive : -1;
+}
+
+/* On which parts of its path a packet can meet the boundaries of its layer; bodies in it are not looked at.
+ * */
+CML_FN struct cml_boundary_intervals
+cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
+{
+    const int medium = packet->medium;
+    const struct cml_interval none = {0, 0, t_max};
+    struct cml_boundary_intervals intervals = {none, none, 0, t_max};
+    struct cml_vec p = packet->p;
+    if (cml_is_body(world, medium)) return intervals;
+    if (medium > 0)
+        intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
+                                               cml_on_primitive(packet, medium - 1), t_max);
+    if (medium <= world->setup.num_layers) {
+        p.z -= world->media[medium].span;
+        intervals.below = cml_surface_interval(world, &world->surfaces[medium], p, packet->u, -1,
+                                               cml_on_primitive(packet, medium), t_max);
+    }
+    return intervals;
+}
+
+CML_FN struct cml_boundary_intervals
+cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
+{
+    struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
+    struct cml_body_region region;
+    if (CML_MAY_HAVE_BODIES && world->setup.num_bodies)
+        intervals.bodies = cml_may_hit_body(world, packet->medium, packet->p, packet->u, t_max, &region);
+    return intervals;
+}
+
+#endif

@@ -73,8 +73,9 @@ def section():
         yield (TUBE * c, TUBE * s), (out * c, out * s)
 
 
-def write_handle(path, side):
-    """A level square from which half a ring rises (side 1): a handle. Or below which it leads as a tunnel (side -1)."""
+def write_handle(path, side, sections=ALONG):
+    """A level square from which half a ring rises (side 1): a handle. Or below which it leads as a tunnel (side -1). Of fewer sections
+    it has one foot, and ends in a cap: a bent tube."""
     mesh, points = Mesh(), list(section())
 
     def on_ground(p, sign):
@@ -85,10 +86,15 @@ def write_handle(path, side):
         height = side * reach * math.sin(turn) if 0 < turn < math.pi else 0.0
         return mesh.vertex(OFF[0] - reach * math.cos(turn), p[1] + OFF[1], height)
 
+    end, middle = math.pi * sections / ALONG, (0.0, 0.0)
     for (p, q), (p_next, q_next) in zip(points, points[1:] + points[:1]):
         mesh.quad(on_ground(p, 1), on_ground(q, 1), on_ground(q_next, 1), on_ground(p_next, 1))
-        mesh.quad(on_ground(p_next, -1), on_ground(q_next, -1), on_ground(q, -1), on_ground(p, -1))
-        for k in range(ALONG):
+        if sections == ALONG:
+            mesh.quad(on_ground(p_next, -1), on_ground(q_next, -1), on_ground(q, -1), on_ground(p, -1))
+        else:
+            mesh.faces.append((on_ground(middle, -1), on_ground(q_next, -1), on_ground(q, -1)))
+            mesh.faces.append((on_ring(middle, end), on_ring(p, end), on_ring(p_next, end)))
+        for k in range(sections):
             turn, turn_next = math.pi * k / ALONG, math.pi * (k + 1) / ALONG
             mesh.quad(on_ring(p, turn), on_ring(p_next, turn), on_ring(p_next, turn_next), on_ring(p, turn_next))
     mesh.write(path)

@@ -2,7 +2,7 @@
 """The same meshes and media by clustermcml, MMC and Mitsuba 3: peers.py --mmc PATH [--quick] [--shared] [--only SHAPE,...]
 [--rounds N] [--program PATH] [--out DIR]
 
-Seven shapes, each in four media, on one thread: ours without re-entry beside MMC, whose tetrahedra end there, by its fastest tracer S and
+Eight shapes, each in four media, on one thread: ours without re-entry beside MMC, whose tetrahedra end there, by its fastest tracer S and
 by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
 others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
 difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
@@ -41,6 +41,7 @@ SHAPES = {
     "mushrooms": lambda path: cases.make_surface("mushrooms", GRID, cases.AMPLITUDE, path),
     "ring": lambda path: shapes.write_handle(path, 1),
     "tunnel": lambda path: shapes.write_handle(path, -1),
+    "tube": lambda path: shapes.write_handle(path, 1, 9),
     "ball": lambda path: shapes.write_ball(path, BALL, PARTS, -DEPTH),
     "skin": lambda path: shutil.copy(os.path.join(cases.ROOT, "meshes", "ridges.obj"), path),
 }

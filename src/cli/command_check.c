@@ -180,7 +180,7 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
     const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
     *known = status == CML_OK;
-    return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene) ? CML_OK : status;
+    return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene, 0) ? CML_OK : status;
 }
 
 /* The memory is looked at before the twin takes some of it. */

@@ -188,7 +188,7 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     own.backing = scene->backing.kind == CML_BACKING_NONE ? NULL : &scene->backing;
     struct cml_medium_def *media = malloc(count * sizeof *media);
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
-    cml_status status = cml_exact_light_create(scene, &light, err);
+    cml_status status = cml_exact_light_create(scene, depth ? depth[0] : 0, &light, err);
     if (status != CML_OK) {
         free(media);
         return status;

@@ -101,29 +101,28 @@ static bool is_spread(const struct cml_beam *beam)
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
 }
 
-/* Whether all of a beam's light comes down onto the planes, the first of which is z = 0. */
-static bool comes_from_above(const struct cml_scene *scene, int k)
+/* Whether all of a beam's light comes down onto the planes, the first of which is z = top. */
+static bool comes_from_above(const struct cml_scene *scene, double top, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double rounding = 1e-12, widest = cml_light_widest(&beam->light, scene->media[0].n);
-    return !beam->inside ||
-           (scene->boundaries[0].form == CML_FORM_PLANE && beam->z < 0 &&
-            beam->angle < CML_PI / 2 - rounding && beam->angle + widest <= CML_PI / 2 + rounding);
+    return !beam->inside || (beam->z < top && beam->angle < CML_PI / 2 - rounding &&
+                             beam->angle + widest <= CML_PI / 2 + rounding);
 }
 
-static bool all_come_from_above(const struct cml_scene *scene)
+static bool all_come_from_above(const struct cml_scene *scene, double top)
 {
     int k = 0;
-    while (k < scene->num_beams && comes_from_above(scene, k)) k++;
+    while (k < scene->num_beams && comes_from_above(scene, top, k)) k++;
     return k == scene->num_beams;
 }
 
-static cml_status check_beams(const struct cml_scene *scene, struct cml_error *err)
+static cml_status check_beams(const struct cml_scene *scene, double top, struct cml_error *err)
 {
     char value[40];
     for (int k = 0; k < scene->num_beams; k++) {
         snprintf(value, sizeof value, "%g", scene->beams[k].z);
-        if (!comes_from_above(scene, k))
+        if (!comes_from_above(scene, top, k))
             return cml_fail_field(
                 err, scene->file, scene->beams[k].line, "beam: z", value,
                 "light that comes down from above all layers: adding-doubling knows no other");
@@ -131,19 +130,19 @@ static cml_status check_beams(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-bool cml_exact_knows(const struct cml_scene *scene)
+bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
-    return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene);
+    return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
 }
 
-cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,
+cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {
     const double n = scene->media[0].n;
     int samples = 0;
     double all = 0;
     *light = (struct cml_exact_light){0};
-    CML_TRY(check_beams(scene, err));
+    CML_TRY(check_beams(scene, top, err));
     for (int k = 0; k < scene->num_beams; k++) {
         all += scene->shares[k];
         if (is_spread(&scene->beams[k])) samples += samples_of(&scene->beams[k], n);

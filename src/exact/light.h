@@ -20,13 +20,14 @@ struct cml_exact_light {
     struct cml_exact_ray *sample; /* [num_samples] of light whose directions are spread */
 };
 
-/* The light of a scene's beams. CML_E_INPUT: a beam starts inside the scene ("FILE:LINE: beam: z = ..."), or
- * out of memory; *light is empty then, else the caller clears it. */
-CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,
-                                                struct cml_error *err);
-/* Whether adding-doubling takes the light, all of which comes from above, and the backing, which is no metal.
- */
-bool cml_exact_knows(const struct cml_scene *scene);
+/* The light of a scene's beams, shining on planes in place of all boundaries, the first at z = top.
+ * CML_E_INPUT: a beam starts below that ("FILE:LINE: beam: z = ..."), or out of memory; *light is empty then,
+ * else the caller clears it. */
+CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, double top,
+                                                struct cml_exact_light *light, struct cml_error *err);
+/* Whether adding-doubling takes the light, all of which comes from above these planes, and the backing, which
+ * is no metal. */
+bool cml_exact_knows(const struct cml_scene *scene, double top);
 
 void cml_exact_light_clear(struct cml_exact_light *light);
 

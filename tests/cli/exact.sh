@@ -61,6 +61,21 @@ expect_code 0 "$work/high.mci" -o "$work" --json
 awk -v a="$(value Tt_exact)" -v b="$thick" -v e="$(value exact_error)" 'BEGIN { d = a - b; exit !(d * d <= (e + 1e-7) ^ 2) }' ||
     complain "a high flat field: not $thick: $(cat "$work/out")"
 
+# a lamp that is above this field has exact totals as without, one that is in it none; exact and check have planes at z = 0 for both
+for z in -0.5 -0.05; do
+    sed "4a beam pencil z=$z" "$work/high.mci" >"$work/lamp.mci"
+    expect_code 0 "$work/lamp.mci" -o "$work" --json
+    if test $z = -0.5; then
+        awk -v a="$(value Tt_exact)" -v b="$thick" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < 1e-12) }' || complain "a lamp at $z: not $thick: $(cat "$work/out")"
+    else
+        test "$(value Tt_exact)" = null || complain "a lamp at $z has exact totals: $(cat "$work/out")"
+    fi
+    expect_code 0 exact "$work/lamp.mci" --json
+    flat=$(value Tt)
+    expect_code 0 check "$work/lamp.mci" --json
+    awk -v a="$(value Tt)" -v b="$flat" 'BEGIN { exit !(b > 0 && (a - b) ^ 2 < 1e-12) }' || complain "check of a lamp at $z: not $flat: $(cat "$work/out")"
+done
+
 expect_code 0 check samples/shapes/hihill.mci
 shows "check" "with planes in place of all shapes, by adding-doubling: Rsp 0\.0170132 Rd 0\.0618193 A 0\.754994[0-9] Tt 0\.1661734"
 

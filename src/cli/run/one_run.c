@@ -32,7 +32,8 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     for (int i = 0; i < CML_NUM_GOALS; i++)
         options.tolerance =
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
-    if (!cml_surfaces_are_planes(surfaces) || !cml_exact_knows(report->scene)) return CML_OK;
+    if (!cml_surfaces_are_planes(surfaces) || !cml_exact_knows(report->scene, surfaces->item->depth))
+        return CML_OK;
     double *depth = malloc((size_t)surfaces->count * sizeof *depth);
     if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
     for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;

@@ -32,13 +32,26 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     }
 }
 
+static bool lacks_absorption(const struct cml_outcome *o)
+{
+    return o->provenance.value[CML_DECIDES_absorption] == 0;
+}
+
 /* Absorption by depth is there, and 0, where it was not tallied: so an .mco has it. */
 static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const bool deep = info->axis[0] == CML_AXIS_z || info->axis[1] == CML_AXIS_z;
     return (info->where & CML_IN_H5) && o->value[quantity] &&
-           !(deep && !cml_quantity_is_fluence(quantity) && o->provenance.value[CML_DECIDES_absorption] == 0);
+           !(deep && !cml_quantity_is_fluence(quantity) && lacks_absorption(o));
+}
+
+/* The depths stand in the file without absorption, too: an .mco of the run has them. */
+static void add_depths(struct fields *f)
+{
+    struct cml_field *depths = &f->field[f->count++];
+    *depths = (struct cml_field){.num_axes = 1, .axis = {&f->axis[CML_AXIS_z]}};
+    strcpy(depths->name, f->axis[CML_AXIS_z].name);
 }
 
 static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)
@@ -142,6 +155,7 @@ cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const str
         for (int part = 0;
              is_written(o, (enum cml_quantity)i) && part < cml_outcome_parts(o, (enum cml_quantity)i); part++)
             add_part(&f, o, (enum cml_quantity)i, part);
+    if (lacks_absorption(o)) add_depths(&f);
     for (int i = 0; i < more->num_fields; i++)
         if (!has_field(&f, more->field[i].name)) f.field[f.count++] = more->field[i];
     const cml_status status = write_fields(path, o, more, &f, err);

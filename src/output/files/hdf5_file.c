@@ -209,11 +209,16 @@ static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
     return dataset;
 }
 
+static bool is_axis(const struct cml_field *field)
+{
+    return field->num_axes == 1 && strcmp(field->name, field->axis[0]->name) == 0;
+}
+
 /* Axes are attached as dimension scales, which xarray and MATLAB take for coordinates. */
 static void write_field(struct writer *w, const struct cml_field *field)
 {
-    const hid_t dataset = write_dataset(w, field);
-    for (int i = 0; i < field->num_axes && !w->failed; i++) {
+    const hid_t dataset = is_axis(field) ? open_axis(w, field->axis[0]) : write_dataset(w, field);
+    for (int i = 0; i < field->num_axes && !is_axis(field) && !w->failed; i++) {
         const hid_t scale = open_axis(w, field->axis[i]);
         check(w, H5DSattach_scale(dataset, scale, (unsigned)i));
         check(w, H5Dclose(scale));

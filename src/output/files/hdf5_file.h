@@ -27,7 +27,8 @@ struct cml_hdf5_call {
 bool cml_hdf5_available(void);
 
 /* Writes to `path` atomically (atomic_file.h): whatever happens, it holds the old or the complete new file.
- * Axes are those that the fields name; two axes of one name are one. CML_E_IO when it cannot be written. */
+ * Axes are those that the fields name; two axes of one name are one, and a field with the name of its one
+ * axis is that axis. CML_E_IO when it cannot be written. */
 CML_NODISCARD cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes,
                                         int num_attributes, const struct cml_hdf5_call *call,
                                         const struct cml_field *fields, int num_fields,

@@ -191,7 +191,7 @@ cml_status cml_compare(const struct cml_outcome *a, const struct cml_outcome *b,
     const struct cml_outcome *const outcome[2] = {a, b};
     *c = (struct cml_comparison){.measured = {has_errors(a), has_errors(b)},
                                  .lends = {cml_compare_lends(a), cml_compare_lends(b)},
-                                 .no_absorption = !tallied_absorption(a) || !tallied_absorption(b)};
+                                 .no_absorption = !tallied_absorption(a) + 2 * !tallied_absorption(b)};
     CML_TRY(check_grids(a, b, names, err));
     size_t tests = 0;
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)

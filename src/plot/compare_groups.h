@@ -30,7 +30,7 @@ struct cml_comparison {
     char left_out[512]; /* names, with commas, of arrays of both that have no errors or other bins */
     bool measured[2];   /* the file carries standard errors */
     bool lends[2];      /* they say how single packets scatter, to a file without any */
-    bool no_absorption; /* A_z was left out, because one run did not tally it */
+    int no_absorption;  /* A_z was left out; bit k: because run k did not tally it */
     double p;           /* Sidak-corrected: of a difference as large as the largest, by chance */
     int worst;          /* the test of the largest |z|, -1 when there is no test */
 };

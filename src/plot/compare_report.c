@@ -70,8 +70,6 @@ static void print_notes(FILE *stream, const struct cml_compare_report *report)
             const char *name = cml_quantities[CML_QUANTITY_layer_n + i].name + strlen("layer_");
             if (one != two) fprintf(stream, "note: layer %d: %s = %g and %g\n", l + 1, name, one, two);
         }
-    if (report->comparison->no_absorption)
-        fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
     if (report->comparison->left_out[0])
         fprintf(stream, "note: without errors, or with other bins: %s\n", report->comparison->left_out);
 }
@@ -114,6 +112,14 @@ static void print_bin(FILE *stream, const struct cml_compare_test *t)
         fprintf(stream, t->last > t->first ? "%s %d..%d" : "%s %d", axis, t->first + 1, t->last + 1);
 }
 
+/* Of A_z as of the others. */
+static const char *why_not_tested(const struct cml_comparison *c, enum cml_quantity quantity)
+{
+    static const char *const untallied[] = {"too few packets", "a did not tally it", "b did not tally it",
+                                            "neither run tallied it"};
+    return untallied[quantity == CML_QUANTITY_A_z ? c->no_absorption : 0];
+}
+
 /* One line per profile, also for those that could not be tested: silence would look like agreement. */
 static void print_profiles(FILE *stream, const struct cml_comparison *c)
 {
@@ -124,7 +130,7 @@ static void print_profiles(FILE *stream, const struct cml_comparison *c)
         if (cml_quantity_is_total(quantity) || (!worst && !of_mcml)) continue;
         fprintf(stream, "%-5s ", cml_quantities[q].name);
         if (!worst) {
-            fputs("not tested: too few packets\n", stream);
+            fprintf(stream, "not tested: %s\n", why_not_tested(c, quantity));
             continue;
         }
         fprintf(stream, "%d bins in %d tests, worst z %+.2f at ", c->bins[q], c->tests_of[q], worst->z);

@@ -82,6 +82,26 @@ if "$program" --version | grep -q "HDF5 yes"; then
     grep -q '^note: without errors, or with other bins: A_xyz, Rd_xy, Tt_xy, phi_xyz$' "$work/out" || complain "other voxels are not named: $(grep note "$work/out")"
 fi
 
+# Absorption that was not tallied: the grid is the same in both files, and A_z is not tested because nobody has it.
+printf '1.0\n1\nbare.mco A\n2e4\n0.02 0.05\n10 8 1\n1\n1\n1.4 1 50 0.7 0.2\n1\n' >"$work/bare.mci"
+sed 's/mco A/h5 B/' "$work/bare.mci" >"$work/binary.mci"
+untallied() { # WORDS A B
+    expect_code 0 compare "$2" "$3"
+    grep -qx "A_z   not tested: $1" "$work/out" && ! grep -q '^note' "$work/out" || complain "expected A_z: $1, got $(cat "$work/out" "$work/err")"
+}
+expect_code 0 "$work/bare.mci" --seed 1 --quiet -o "$work"
+expect_code 0 "$work/bare.mci" --seed 2 --ignore-absorption --quiet -o "$work/2"
+expect_code 0 "$work/bare.mci" --seed 3 --ignore-absorption --quiet -o "$work/3"
+untallied "b did not tally it" "$work/bare.mco" "$work/2/bare.mco"
+untallied "a did not tally it" "$work/2/bare.mco" "$work/bare.mco"
+untallied "neither run tallied it" "$work/2/bare.mco" "$work/3/bare.mco"
+if "$program" --version | grep -q "HDF5 yes"; then
+    expect_code 0 "$work/binary.mci" --seed 3 --ignore-absorption --quiet -o "$work"
+    untallied "neither run tallied it" "$work/2/bare.mco" "$work/bare.h5"
+    expect_code 0 merge "$work/2/bare.mco" "$work/bare.h5" -o "$work/both.h5" --quiet
+    untallied "neither run tallied it" "$work/2/bare.mco" "$work/both.h5"
+fi
+
 # One packet: nothing is said of what cannot be compared.
 printf '1.0\n1\none.mco A\n1\n0.1 0.1\n2 4 2\nbeam pencil angle=45\n1\n1\n1.4 0 10 0.5 0.1\n1\n' >"$work/one.mci"
 for seed in 1 5; do # transmitted, reflected

@@ -437,6 +437,7 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
     if (status == CML_OK && options->control && !run.setup.controlled) note_nothing_to_control(call->scene);
     if (status == CML_OK) status = fly(call, &run, record, err);
+    cml_progress_end(&display);
     cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
     cml_aim_clear(&run.aim);

@@ -66,6 +66,7 @@ void cml_progress_show(void *context, const struct cml_progress *p)
     if (display->quiet || p->done == 0) return;
     if (display->terminal) {
         draw_bar(p);
+        display->drawn = p->done < p->total;
         return;
     }
     char elapsed[16], left[16];
@@ -75,4 +76,10 @@ void cml_progress_show(void *context, const struct cml_progress *p)
     write_time(p->seconds, elapsed);
     write_time(seconds_left(p), left);
     fprintf(stderr, "%d %%, %s elapsed, %s left\n", 10 * tenths, elapsed, left);
+}
+
+void cml_progress_end(struct cml_display *display)
+{
+    if (display->drawn) fprintf(stderr, "\r\033[K");
+    display->drawn = false;
 }

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
 FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and of the books
+STOPPED = 75  # exit code of a run that was stopped by a signal
 MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
 
@@ -114,10 +115,35 @@ def scratch_folder() -> Iterator[str]:
             raise
 
 
-def raise_failure(code: int, said: Sequence[str]) -> NoReturn:
-    """The program's own message, as an error of its kind."""
+def _silent_end(code: int) -> str:
+    """What an exit code says alone.
+
+    >>> _silent_end(-15), _silent_end(143), _silent_end(5)
+    ('clustermcml was ended by SIGTERM', 'clustermcml was ended by SIGTERM', 'clustermcml ended with 5 and said nothing')
+    """
+    number = -code if code < 0 else code - 128
+    return f"clustermcml was ended by {signal.Signals(number).name}" if number in list(signal.Signals) else f"clustermcml ended with {code} and said nothing"
+
+
+def _how_to_go_on(text: str, kept: bool) -> str:
+    """The message of a run that was stopped, in words of Python. kept: its checkpoint is still there.
+
+    >>> _how_to_go_on("a.mco: stopped with 5 of 9 packets to fly; --resume continues from x/a.mco.checkpoint", True)
+    'a.mco: stopped with 5 of 9 packets to fly; resume=True continues from x/a.mco.checkpoint'
+    >>> _how_to_go_on("a.mco: stopped with 5 of 9 packets to fly; --resume continues from a.mco.checkpoint", False)
+    'a.mco: stopped with 5 of 9 packets to fly; run and sweep keep a checkpoint in output_dir, from which resume=True continues'
+    """
+    if kept:
+        return text.replace("--resume", "resume=True")
+    return re.sub("; --resume continues.*", "; run and sweep keep a checkpoint in output_dir, from which resume=True continues", text)
+
+
+def raise_failure(code: int, said: Sequence[str], kept: bool = True) -> NoReturn:
+    """The program's own message, as an error of its kind. kept: the folder of its files stays."""
     own = [line.removeprefix(PREFIX) for line in said if line.startswith(PREFIX)]
-    text = own[-1] if own else "\n".join(said) or f"clustermcml ended with {code} and said nothing"
+    text = own[-1] if own else "\n".join(said) or _silent_end(code)
+    if code == STOPPED:
+        text = _how_to_go_on(text, kept)
     raise errors.InputError(text) if code == 2 else errors.ClustermcmlError(text, code)
 
 
@@ -148,7 +174,8 @@ def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
 
 
 def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[dict[str, Any]]:
-    """The objects of standard output as they come. An interrupt is passed on: the program writes its checkpoint, and this waits."""
+    """The objects of standard output as they come. An interrupt, or whatever else ends this, is passed on: the program writes its
+    checkpoint, and this waits."""
     assert process.stdout is not None
     told = []
     try:
@@ -157,11 +184,25 @@ def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int)
             if rows:
                 progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows")
         process.wait()
-    except KeyboardInterrupt:
+    except BaseException:
         process.send_signal(signal.SIGINT)
         process.wait()
         raise
     return told
+
+
+@contextlib.contextmanager
+def _exits_on_sigterm() -> Iterator[None]:
+    """SIGTERM would end this process at once, and leave the program flying: here it is an exit (143, as shells report it). Other threads
+    than the main one cannot say so, and a handler of the caller's stays."""
+    ours = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    if ours:
+        signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        if ours:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _locked(path: str, folder: str) -> IO[bytes]:
@@ -225,7 +266,7 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scrat
     said: list[str] = []
     words = [find_program(), scene, "--json", "-o", folder, *options]
     here, there = os.openpty()
-    with Progress(show) as progress, _start(words, here, there) as process:
+    with _exits_on_sigterm(), Progress(show) as progress, _start(words, here, there) as process:
         bar = Progress(False) if rows else progress
         listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
         listener.start()
@@ -238,7 +279,7 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scrat
     for note in (line for line in said if line.startswith(PREFIX + "note: ")):
         warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
     if process.returncode != 0:
-        raise_failure(process.returncode, said)
+        raise_failure(process.returncode, said, folder != scratch)
     return told
 
 

@@ -37,6 +37,7 @@ struct plan {
     struct cml_pilot errors[SAMPLINGS];           /* by `lattice` */
     double photons_per_s[ENGINES];                /* 0: it cannot fly the scene */
     struct cml_error refusal;                     /* why the last one cannot */
+    struct cml_error unaimed;                     /* why the first detector not to be aimed at is not */
     double seconds;                               /* that the pilots took */
 };
 
@@ -149,6 +150,7 @@ static void print_windows(const struct plan *plan)
                plan->seen[k].worth * plan->seen[k].share);
         print_gain(&plan->seen[k], name, "it");
     }
+    if (plan->unaimed.text[0]) printf("  without aim: %s\n", plan->unaimed.text);
 }
 
 static void print_plan(const struct plan *plan)
@@ -239,15 +241,18 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
 }
 
 /* A scene whose detectors cannot be aimed at is planned all the same. */
-static void aim_at_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                             struct cml_window_table *seen)
+static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *surfaces)
 {
+    const struct cml_scene *scene = plan->scene;
     for (int k = 0; k < scene->num_detectors && k < MOST_DETECTORS; k++) {
         struct cml_error why;
         struct cml_aim to;
-        if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &to, &why) != CML_OK) continue;
-        if (to.windows.detector) seen[k] = to.windows;
-        seen[k].target = NULL;
+        if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &to, &why) != CML_OK) {
+            if (!plan->unaimed.text[0]) plan->unaimed = why;
+            continue;
+        }
+        if (to.windows.detector) plan->seen[k] = to.windows;
+        plan->seen[k].target = NULL;
         cml_aim_clear(&to);
     }
 }
@@ -257,7 +262,7 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
 {
     CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
-    aim_at_detectors(plan->scene, surfaces, plan->seen);
+    aim_at_detectors(plan, surfaces);
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 

@@ -63,6 +63,14 @@ static void print_absorbed(FILE *stream, const struct cml_report *report)
     }
 }
 
+/* No photon has no error. */
+static void print_unseen(FILE *stream, const struct cml_report *report, int k)
+{
+    const char *name = report->scene->detectors[k].name;
+    fprintf(stream, ": saw none of %.0f photons", (double)report->sums->photons);
+    if (report->unseen == k + 1) fprintf(stream, "; --aim %s would split packets on their way to it", name);
+}
+
 /* What each detector has seen. */
 static void print_detected(FILE *stream, const struct cml_report *report)
 {
@@ -74,10 +82,12 @@ static void print_detected(FILE *stream, const struct cml_report *report)
             return;
         }
         fprintf(stream, "  detector %s", report->scene->detectors[k].name);
-        cml_report_estimate(stream,
-                            cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT /
-                                (double)result->photons,
-                            cml_result_bin_error(result, result->detector, detectors, k));
+        const double seen = cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT;
+        if (seen > 0)
+            cml_report_estimate(stream, seen / (double)result->photons,
+                                cml_result_bin_error(result, result->detector, detectors, k));
+        else
+            print_unseen(stream, report, k);
         fputc('\n', stream);
     }
 }

@@ -23,7 +23,8 @@ struct cml_report {
     double control_processor;             /* s that the twin's flight took */
     const struct cml_flat_tail *tail;     /* of --aim; NULL: none */
     double flat_below;                    /* a depth where --aim would save photons, cm; NaN: nowhere */
-    const struct cml_exact *exact;        /* totals by adding-doubling for summary and JSON; NULL: none */
+    int unseen; /* detector, from 1, that has seen nothing, and that --aim would send packets to; 0: none */
+    const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
     int num_files;
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
 };

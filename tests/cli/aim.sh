@@ -107,6 +107,19 @@ expect_error 2 "$file: --aim Tt (expected another name of the detector: this is 
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 
+# A detector that has seen nothing is proposed as an aim where it can be one; plan says why it cannot.
+unseen() { # WORDS-BEHIND LINES-OF-THE-GRID
+    grid="100\n0.01 0.01\n20 20 3\n$2\n"
+    scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
+    expect_code 0 "$work/x.mci" -o "$work/d"
+    grep -qx "  detector far: saw none of 100 photons$1" "$work/out" || complain "unseen: expected $1, got $(grep detector "$work/out")"
+}
+far='detector disk 0.01 at=2,0 name=far'
+unseen '; --aim far would split packets on their way to it' "$far"
+unseen '' "$far\nphotons \"p\""
+expect_code 0 plan "$work/x.mci" --photons 1024
+grep -qx "  without aim: $file: --aim far (expected $squares)" "$work/out" || complain "plan: $(cat "$work/out")"
+unseen '' 'detector ring 0.001 0.2 na=0.0001 name=far'
 
 # Of all rows and runs, before the first flies.
 unflown() { # MESSAGE ARGUMENTS

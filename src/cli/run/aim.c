@@ -451,3 +451,24 @@ double cml_windows_gain(const struct cml_window_table *windows)
     if (windows->share < 1) return fmax(1, gain) / windows->share;
     return gain < 1 ? 0 : gain;
 }
+
+/* A refusal is the answer: no. */
+static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
+{
+    struct cml_error refusal;
+    struct cml_aim aim;
+    if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &aim, &refusal) != CML_OK) return false;
+    const bool gain = aim.windows.detector && cml_windows_gain(&aim.windows) > 0;
+    cml_aim_clear(&aim);
+    return gain;
+}
+
+int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                   const struct cml_result *result)
+{
+    const int detectors = scene->num_detectors;
+    for (int k = 0; k < detectors; k++)
+        if (cml_result_bin_sum(result->detector, detectors, k) == 0)
+            return would_gain(scene, surfaces, k) ? k + 1 : 0;
+    return 0;
+}

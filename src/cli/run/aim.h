@@ -24,6 +24,11 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result);
 
+/* The first detector, from 1, that has seen nothing and that --aim would send packets to, by computing its
+ * windows; 0: none. */
+int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                   const struct cml_result *result);
+
 /* In how much less time windows give Tt, or what a detector sees, the same error, within a factor of 2 or 3.
  * Packets of plain flights have the relative variance 0.008 / worth, as they weigh little when they come out
  * below, and 0.1 / worth for a detector. 0: in no less. */

@@ -137,6 +137,9 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
         .command = options->command};
     cml_identity_sum(setup->identity, report.identity);
+    if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !control &&
+        !setup->options.derivatives)
+        report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
     const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;

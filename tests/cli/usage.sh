@@ -94,7 +94,7 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run plan check exact mesh trace crosscheck furnace compare plot devices help options input output 'exit codes' 75; do
+for word in run plan check exact mesh trace crosscheck furnace compare plot devices help options input output fit 'exit codes' 75; do
     grep -q -e "^ *\\[*$word" "$work/out" || complain "--help does not mention $word"
 done
 cp "$work/out" "$work/list"
@@ -121,10 +121,12 @@ expect_code 0 help options
 test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
 
 # texts are those of the sources
-for text in input output; do
-    expect_code 0 help $text
-    cmp -s samples/$text.md "$work/out" || complain "help $text is not samples/$text.md"
+for text in samples/input samples/output src/cli/options/fit; do
+    expect_code 0 help "${text##*/}"
+    cmp -s $text.md "$work/out" || complain "help is not $text.md"
 done
+expect_error 2 "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml help fit says more)" \
+    fit scene.mci measured.csv layer1.mua=1:2 --flights 3
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything
 

@@ -132,13 +132,15 @@ class Shell(unittest.TestCase):
             slab().write(scene)
             with open(path, "w", encoding="utf-8") as file:
                 file.write(table)
-            words = [sys.executable, "-m", "clustermcml", "fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3"]
+            words = [sys.executable, "-m", "clustermcml", "fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
+                     "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45"]
             done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
             return done.returncode, done.stdout + done.stderr.replace(folder, "")
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
         code, said = self.fit("name,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n")
-        same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3)
+        same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3, no_reentry=True,
+                      set={"layer1.g": 0.85, "layer1.n": 1.45})
         self.assertEqual(code, 0, said)
         self.assertTrue(said.startswith(str(same)), said)
 

@@ -149,6 +149,16 @@ static cml_status refuse_operands(const struct cml_options *options, struct cml_
                     command->operands[0] ? " " : "", command->operands, command->name);
 }
 
+/* The program has no library for least squares. */
+static cml_status refuse_fit(int argc, char **argv, const struct cml_options *options, struct cml_error *err)
+{
+    const bool fit = argc > 1 && strcmp(argv[1], "fit") == 0 && access(argv[1], F_OK) != 0;
+    if (!fit || options->help || options->version) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml "
+                    "help fit says more)");
+}
+
 /* ---- reading ---- */
 
 /* Sets options whose default is not zero. */
@@ -210,6 +220,7 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     set_defaults(options);
     keep_command(argc, argv, options);
     look_ahead(argc, argv, options);
+    CML_TRY(refuse_fit(argc, argv, options, err));
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
     int operands = 0;
     for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {

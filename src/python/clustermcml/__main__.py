@@ -17,6 +17,27 @@ import numpy as np
 from . import errors
 from .commands import check
 from .fit import PROFILES, fit
+from .options import FitOptions
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    """Those of `run` that flights may have, as words that the program reads."""
+    group = parser.add_argument_group("options of the flights, as clustermcml help run explains them")
+    for name, kind in FitOptions.__annotations__.items():
+        typed = "--" + name.replace("_", "-")
+        if kind.__forward_arg__ == "bool":
+            group.add_argument(typed, action="store_true", default=None)
+        elif kind.__forward_arg__.startswith("Mapping"):
+            group.add_argument(typed, action="append", metavar="NAME=VALUE")
+        else:
+            group.add_argument(typed, metavar="VALUE")
+
+
+def _options(words: argparse.Namespace) -> Any:
+    found = {name: getattr(words, name) for name in FitOptions.__annotations__ if getattr(words, name) is not None}
+    if "set" in found:
+        found["set"] = dict(word.partition("=")[::2] for word in found["set"])
+    return found
 
 
 def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
@@ -68,14 +89,13 @@ def main() -> int:
     parser.add_argument("scene", help="an .mci file with one run")
     parser.add_argument("measured", help="a table, lines NAME,PLACE,VALUE,ERROR: Rd,,0.31,0.003 or Rd_r,0.05,1.2,0.1")
     parser.add_argument("parameters", nargs="+", help="NAME=LOW:HIGH: layer1.mua=0.01:10")
-    parser.add_argument("--photons", type=float, help="of a flight, instead of the file's")
-    parser.add_argument("--seed", type=int)
     parser.add_argument("--flights", type=int, default=6, help="at most so many, default 6")
     parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
+    _add_options(parser)
     words = parser.parse_args()
     try:
         found = fit(words.scene, _bounds(words.parameters), _measured(words.measured, words.scene), flights=words.flights,
-                    **{name: getattr(words, name) for name in ("photons", "seed") if getattr(words, name) is not None})
+                    **_options(words))
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:

@@ -127,6 +127,13 @@ for text in samples/input samples/output src/cli/options/fit; do
 done
 expect_error 2 "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml help fit says more)" \
     fit scene.mci measured.csv layer1.mua=1:2 --flights 3
+expect_code 0 help --set
+test "$(head -1 "$work/out" | cut -c 1-18)" = "  --set NAME=VALUE" && grep -q "^| .above.n., .below.n. | n of the media outside |$" "$work/out" &&
+    ! grep -q "^\*\*.--sweep" "$work/out" || complain "help --set: $(cat "$work/out")"
+expect_code 0 help --aim
+test "$(grep -c '^\*\*.--aim ' "$work/out")" -eq 2 || complain "help --aim: $(cat "$work/out")"
+expect_code 0 help --quiet
+expect_error 2 "unknown option --sett (did you mean --set?)" help --sett
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything
 

@@ -72,7 +72,7 @@ function item(line) {
 function end_item() {
     if (left != "") {
         if (section == "@list" && part == "exit codes") add("@EXIT_CODES@", ".TP\n.B " left "\n" prose(right))
-        if (section == "@list" && part == "topics of help" && left != "COMMAND") topics = topics " " left
+        if (section == "@list" && part == "topics of help" && left !~ /[A-Z]/) topics = topics " " left
         if (section == "@command" && part == "examples") add("@EXAMPLES@", roff(left))
         if (section == "@command" && part != "examples") own = own " " names(left, " ")
         if (section == "@options") option()

@@ -85,9 +85,10 @@ const struct cml_command_def cml_commands[] = {
                              "clustermcml devices\n"},
     [CML_COMMAND_HELP] = {"help", "[TOPIC]", 0, 1, "this list, or the text on a topic",
                           "Prints the list of commands; of a command what it does and its options; all "
-                          "options; or a text: what an "
+                          "options, or one, with what the texts say of it; or a text: what an "
                           "input file may hold, what the output is.",
                           "clustermcml help run\n"
+                          "clustermcml help --set\n"
                           "clustermcml help input | less\n"},
 };
 _Static_assert(sizeof cml_commands / sizeof *cml_commands == CML_NUM_COMMANDS, "a command without a row");

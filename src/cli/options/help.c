@@ -83,6 +83,7 @@ static void print_topics(FILE *stream)
     fprintf(stream, "\ntopics of help\n");
     print_item(stream, "COMMAND", "what it does, its options and an example");
     print_item(stream, "options", "all options");
+    print_item(stream, "--OPTION", "one, and what the texts say of it, as the names that --set takes");
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
         char title[80];
         const char *begin = text->text + strspn(text->text, "# ");
@@ -125,6 +126,29 @@ static void print_command(FILE *stream, enum cml_command which)
         fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
+/* Of a text what begins like "**`--set`**" or "**`--sweep TABLE`**", to the next that begins so or has a
+ * heading. */
+static void print_passages(FILE *stream, const char *text, const char *typed)
+{
+    static const char mark[] = "\n\n**`", heading[] = "\n\n## ";
+    for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark)) {
+        const char *word = at + strlen(mark), *next = strstr(at + 1, mark), *above = strstr(at + 1, heading);
+        const char *end = next && (!above || next < above) ? next : above ? above : at + strlen(at);
+        const size_t length = strlen(typed);
+        if (strncmp(word, typed, length) == 0 && strchr("` ", word[length]))
+            fprintf(stream, "%.*s\n", (int)(end - at - 1), at + 1);
+    }
+}
+
+static void print_one_option(FILE *stream, const struct cml_option *option)
+{
+    char typed[48];
+    snprintf(typed, sizeof typed, "--%s", option->name);
+    print_option(stream, option, true);
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
+        print_passages(stream, text->text, typed);
+}
+
 static cml_status refuse(const char *topic, struct cml_error *err)
 {
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
@@ -145,6 +169,12 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     if (strcmp(topic, "options") == 0) {
         fputs(usage, stream);
         print_options(stream, CML_NUM_COMMANDS);
+        return CML_OK;
+    }
+    const struct cml_option *option =
+        strncmp(topic, "--", 2) == 0 ? cml_option_find(topic + 2, strlen(topic + 2)) : NULL;
+    if (option) {
+        print_one_option(stream, option);
         return CML_OK;
     }
     const enum cml_command command = cml_command_find(topic);

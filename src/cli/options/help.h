@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-/* topic: a command, "options", or the name of a text; NULL: the list of commands. CML_E_INPUT when there is
- * no such topic; nothing is printed then. */
+/* topic: a command, "options", "--NAME" of one of them, or the name of a text; NULL: the list of commands.
+ * CML_E_INPUT when there is no such topic; nothing is printed then. */
 CML_NODISCARD cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err);
 
 /* A text of the sources, as it stands there (help_texts.cmake writes the list). */

@@ -215,6 +215,16 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
     }
 }
 
+/* help --set: the option is what help is wanted on, and the next word not its value. */
+static bool is_topic(struct words *words, const struct cml_options *options)
+{
+    if (options->which != CML_COMMAND_HELP || !words->option || words->typed[1] != '-' ||
+        cml_option_belongs(words->option, CML_COMMAND_HELP))
+        return false;
+    if (words->value && words->value == words->argv[words->at - 1]) words->at--;
+    return true;
+}
+
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);
@@ -224,7 +234,7 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
     int operands = 0;
     for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {
-        if (kind == WORD_OPERAND) {
+        if (kind == WORD_OPERAND || is_topic(&words, options)) {
             argv[1 + operands++] = words.operand; /* behind `at`, so that no word is lost */
             continue;
         }

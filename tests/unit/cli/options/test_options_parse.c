@@ -141,10 +141,27 @@ static void an_option_belongs_to_the_commands_of_its_row(void **state)
                      "%s: --%s does not apply (it belongs to: ", cml_commands[command].name, option->name);
             const bool right =
                 parse(line, &options, &err) == CML_OK || strncmp(err.text, start, strlen(start)) != 0;
+            if (command == CML_COMMAND_HELP) continue;
             if (right != cml_option_belongs(option, (enum cml_command)command))
                 fail_msg("%s: %s", line, err.text);
         }
     }
+}
+
+/* Behind help an option is what help is wanted on, but for those of every command. */
+static void an_option_is_a_topic_of_help(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < cml_option_count; i++) {
+        const struct cml_option *option = &cml_option_table[i];
+        const bool own = cml_option_belongs(option, CML_COMMAND_HELP);
+        char line[128];
+        snprintf(line, sizeof line, "help --%s", option->name);
+        const struct cml_options options = accepted(line);
+        assert_int_equal(options.num_operands, !own);
+        if (!own) assert_string_equal(options.operands[0] + 2, option->name);
+    }
+    refused("help --photons cpu", "usage: clustermcml help [TOPIC] (try clustermcml help help)");
 }
 
 static void an_option_may_belong_to_one_engine(void **state)
@@ -193,6 +210,7 @@ int main(void)
         cmocka_unit_test(a_value_may_look_like_anything),
         cmocka_unit_test(names_are_written_out),
         cmocka_unit_test(an_option_belongs_to_the_commands_of_its_row),
+        cmocka_unit_test(an_option_is_a_topic_of_help),
         cmocka_unit_test(an_option_may_belong_to_one_engine),
         cmocka_unit_test(operands_are_counted),
         cmocka_unit_test(no_words_at_all),

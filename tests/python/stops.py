@@ -1,0 +1,63 @@
+"""Signals to a Python process that flies, and to the program that flies for it: each stops, a checkpoint stays, and how to go on is said."""
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import unittest.mock
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import TOP, mc, xr  # noqa: E402
+from clustermcml.program import _start  # noqa: E402
+
+
+class Stops(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def interrupted(self, number):
+        """Exit code and words of a Python process that gets this signal behind the first checkpoint of a run that it flies."""
+        script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
+                  "mc.run(sys.argv[2], photons=1.5e6, threads=1, checkpoint=0.1, output_dir=sys.argv[3])")
+        process = subprocess.Popen([sys.executable, "-c", script, sys.path[0], os.path.join(TOP, "samples", "thick.mci"), self.folder],
+                                   stderr=subprocess.PIPE, text=True)
+        checkpoint = os.path.join(self.folder, "thick.mco.checkpoint")
+        while not os.path.exists(checkpoint) and process.poll() is None:
+            time.sleep(0.02)
+        process.send_signal(number)
+        _, said = process.communicate()
+        self.assertTrue(os.path.exists(checkpoint))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "thick.mco")))
+        return process.returncode, said
+
+    def test_interrupt(self):
+        """Ctrl-C or SIGTERM while it flies: the program stops, its checkpoint stays, and resuming gives the result of one run."""
+        self.assertEqual(self.interrupted(signal.SIGTERM), (143, ""))
+        os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
+        self.assertIn("KeyboardInterrupt", self.interrupted(signal.SIGINT)[1])
+        resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.5e6, resume=True, output_dir=self.folder)
+        self.assertEqual(resumed.photons, 1500000)
+        xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.5e6))
+
+    def test_a_program_that_is_stopped(self):
+        """SIGTERM to the program, not to Python: it says so, and how to go on."""
+        def starts_and_is_stopped(*arguments):
+            process = _start(*arguments)
+            threading.Thread(target=lambda: (time.sleep(0.5), process.terminate())).start()
+            return process
+
+        scene = os.path.join(TOP, "samples", "thick.mci")
+        for options, text in (({"output_dir": self.folder}, f"resume=True continues from {self.folder}/thick.mco.checkpoint$"),
+                              ({}, "run and sweep keep a checkpoint in output_dir, from which resume=True continues$"),
+                              ({"checkpoint": "off"}, "^clustermcml was ended by SIGTERM$")):
+            with unittest.mock.patch("clustermcml.program._start", starts_and_is_stopped), self.assertRaisesRegex(mc.ClustermcmlError, text):
+                mc.run(scene, photons=1e8, threads=1, **options)
+
+
+if __name__ == "__main__":
+    unittest.main()

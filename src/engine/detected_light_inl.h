@@ -32,11 +32,28 @@ static inline uint64_t cml_square_of(uint64_t w)
     return rounded * rounded;
 }
 
-/* Weight times a number in units, into its parts. */
-static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *light, double units)
+static inline size_t cml_num_media(const struct cml_world *world)
 {
-    const uint64_t number =
-        (uint64_t)(int64_t)((units < CML_MOMENT_MOST ? units : CML_MOMENT_MOST - 1) + 0.5);
+    return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
+}
+
+/* What weights of moments are multiplied by (struct cml_profile_offsets) but for interactions: a length, and
+ * the largest depth, cm, in units. */
+static inline uint64_t cml_length_in_units(const struct cml_world *world, double length)
+{
+    const double units = length * world->detection.per_length;
+    return (uint64_t)(int64_t)((units < CML_MOMENT_MOST ? units : CML_MOMENT_MOST - 1) + 0.5);
+}
+
+static inline uint64_t cml_deepest_in_units(const struct cml_world *world, const struct cml_trail *trail)
+{
+    const double deepest = (trail ? (double)trail->deepest : 0) - world->detection.top;
+    return deepest > 0 ? cml_length_in_units(world, deepest) : 0;
+}
+
+/* Weight times a number, into its parts. */
+static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *light, uint64_t number)
+{
     const cml_u128 product = (cml_u128)light->w * number;
     const uint64_t mask = ((uint64_t)1 << CML_MOMENT_BITS) - 1;
     for (int i = 0; i < CML_MOMENT_CELLS; i++)
@@ -47,17 +64,15 @@ static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *l
 static inline void cml_add_moments(const struct cml_world *world, const struct cml_light_out *light,
                                    uint64_t *moments)
 {
-    const struct cml_detection *detection = &world->detection;
     const struct cml_trail *trail = light->trail;
-    const size_t media = (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
-    const double deepest = (trail ? (double)trail->deepest : 0) - detection->top;
+    const size_t media = cml_num_media(world);
+    const uint64_t deepest = cml_deepest_in_units(world, trail);
     for (size_t m = 0; trail && m < media; m++) {
         uint64_t *const parts = moments + m * CML_MOMENT_CELLS;
-        if (trail->length[m] > 0) cml_add_moment(parts, light, trail->length[m] * detection->per_length);
+        if (trail->length[m] > 0) cml_add_moment(parts, light, cml_length_in_units(world, trail->length[m]));
         if (trail->count[m]) cml_add_moment(parts + media * CML_MOMENT_CELLS, light, trail->count[m]);
     }
-    if (deepest > 0)
-        cml_add_moment(moments + 2 * media * CML_MOMENT_CELLS, light, deepest * detection->per_length);
+    if (deepest) cml_add_moment(moments + 2 * media * CML_MOMENT_CELLS, light, deepest);
 }
 
 /* What a packet adds to the squares of a pixel. Where something of it has come there before, both make one
@@ -133,8 +148,7 @@ static inline void cml_add_to_detector(const struct cml_world *world, const stru
 {
     const struct cml_setup *setup = &world->setup;
     const size_t detectors = (size_t)world->detection.num_detectors, gates = (size_t)setup->gates.count,
-                 moments =
-                     CML_MOMENT_CELLS * (2 * ((size_t)setup->num_layers + 2 + (size_t)setup->num_bodies) + 1);
+                 moments = CML_MOMENT_CELLS * (2 * cml_num_media(world) + 1);
     uint64_t *const sums_t = sums + detectors, *const means = sums_t + (gates ? detectors * (gates + 1) : 0);
     sums[k] += light->times * light->w;
     if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;

@@ -81,6 +81,8 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
         .rows = options->derivatives ? 2 * (scene->num_layers + scene->num_bodies) : options->rows.count,
         .derivatives = options->derivatives,
         .row_depths = options->rows.depths,
+        .row_times = options->rows.times && scene->time.gates > 0,
+        .row_means = options->rows.means && scene->num_detectors > 0,
         .saved = {scene->saved.limit, scene->saved.detected,
                   (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies, (uint64_t)scene->num_beams}};
     for (int k = 0; k < scene->num_detectors; k++) {

@@ -23,6 +23,8 @@ struct cml_engine_rows {
     int count;
     const double *more; /* [media][count] by how much they absorb more than the scene, 1/cm; borrowed */
     bool depths;        /* with A(z) and A(r,z), if cml_engine_rows_blind_in gives -1 */
+    bool times;         /* with A(t), where there are gates */
+    bool means;         /* with means of detectors */
 };
 
 /* What a sampled interaction (row_cells.h) is worth in A(z) of a row that absorbs so much more than the

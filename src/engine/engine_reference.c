@@ -38,7 +38,7 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     if (engine->tally.saved) engine->tally.saved->to = options->saved;
     if (status == CML_OK) status = cml_branches_create(&engine->owned.world, &engine->branches, err);
     const size_t rows = cml_row_stride(&grid);
-    engine->factor = calloc(rows + 1, sizeof *engine->factor);
+    engine->factor = calloc(cml_row_factors(rows), sizeof *engine->factor);
     if (status == CML_OK && !engine->factor)
         status = cml_fail_memory(err, (double)(rows * sizeof *engine->factor), "the rows");
     if (status != CML_OK)

@@ -17,6 +17,8 @@
 struct cml_row_sums {
     int count;  /* 0: there are no rows */
     int scores; /* they are scores */
+    int timed;  /* they have A_t */
+    int means;  /* they have means of detectors */
     struct cml_row_bins at;
     size_t batch;          /* cells of a batch */
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
@@ -32,6 +34,8 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     struct cml_row_sums sums = {.count = world->rows.count};
     if (sums.count == 0) return sums;
     sums.scores = world->rows.hits != NULL;
+    sums.timed = grid->row_times;
+    sums.means = grid->row_means;
     sums.at = cml_row_bins(grid);
     sums.batch = cml_row_batch(grid, 1);
     sums.cells = tally->rows;
@@ -57,11 +61,20 @@ struct cml_row_packet {
     real rounding;   /* of their weights, 0 to below 1 */
 };
 
-/* Behind those of all rows stands how many interactions the packet had when it was booked last, less whole
- * 2^24, which floats hold. */
-static inline size_t cml_row_factors(const struct cml_row_sums *sums)
+/* Behind the factors of all rows stands what was so when the packet was booked last: how many interactions it
+ * had, less whole 2^24, which floats hold; the optical path that it had flown in the material, and outside of
+ * it (P11), cm. */
+enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
+
+static inline size_t cml_row_factors(size_t rows)
 {
-    return (size_t)sums->count + 1;
+    return rows + CML_ROW_MEMORY;
+}
+
+/* The time of that, as an optical path. */
+static inline real cml_row_booked_at(const real *factor, size_t rows)
+{
+    return factor[rows + CML_ROW_INSIDE] + factor[rows + CML_ROW_OUTSIDE];
 }
 
 /* A packet's own, of both words of its index and of all of the run's key, so that what chance does to one
@@ -120,15 +133,18 @@ CML_ROWS_INLINE uint64_t cml_row_part(int scores, real unit, real factor, real r
                   : (uint64_t)cml_row_weight(unit, factor, rounding);
 }
 
-/* A packet of weight w is launched, with all its rows; or with -1 times that taken back, as it was never
- * inside. What they weigh then, rounded, is summed in the place of the first row. Scores begin with 0. */
-static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w, int times)
+/* A packet of weight w is launched, with all its rows, path as in cml_packet; or with -1 times that taken
+ * back, as it was never inside. What they weigh then, rounded, is summed in the place of the first row.
+ * Scores begin with 0. */
+static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w, int times, real path)
 {
+    real *memory = rows->factor + rows->sums->count;
     const int scores = rows->sums->scores;
     const uint64_t launched = scores ? 0 : cml_row_weight(cml_row_unit(w), 1, rows->rounding);
     *cml_row_bin(rows, CML_BALANCE_LAUNCHED) += times < 0 ? 0 - launched : launched;
     for (int i = 0; i < rows->sums->count; i++) rows->factor[i] = scores ? 0 : 1;
-    rows->factor[rows->sums->count] = 0;
+    memory[CML_ROW_INTERACTIONS] = memory[CML_ROW_OUTSIDE] = 0;
+    memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
 /* cml_rows_fly for scores: adds to each what the flight of length t (cm) makes of it. */
@@ -143,8 +159,9 @@ static inline void cml_scores_fly(const struct cml_world *world, const struct cm
     real *restrict score = rows->factor;
     uint64_t *restrict absorbed = cml_row_bin(rows, rows->sums->at.A_l + (size_t)medium);
     const cml_u32 seen = interactions & 0xffffffu;
-    const real times = (real)((seen - (cml_u32)score[count]) & 0xffffffu);
-    score[count] = (real)seen;
+    real *last = &score[count + CML_ROW_INTERACTIONS];
+    const real times = (real)((seen - (cml_u32)*last) & 0xffffffu);
+    *last = (real)seen;
 #pragma omp simd
     for (int i = 0; i < count; i++) {
         const real s = score[i], after = CML_FMA(hits[i], times, CML_FMA(more[i], t, s));
@@ -153,20 +170,16 @@ static inline void cml_scores_fly(const struct cml_world *world, const struct cm
     }
 }
 
-/* A packet of weight `before` has flown `path` (as in cml_packet) in a medium, and there is `left` of it: the
- * rest of every row is absorbed there. Factors below 1e-20 are 0, as arithmetic with the smallest numbers is
- * slow. interactions: of the packet, so far. */
-static inline void cml_rows_fly(const struct cml_world *world, const struct cml_row_packet *rows, int medium,
-                                real path, cml_u32 interactions, cml_u32 before, cml_u32 left)
+/* Weight `before` of a packet has become `left` over t (cm) in a medium: the rest of every row is absorbed
+ * there, and in the gate by_t where rows have A_t. Factors below 1e-20 are 0, as arithmetic with the smallest
+ * numbers is slow. */
+CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world,
+                                        const struct cml_row_packet *rows, int medium, real t, cml_u32 before,
+                                        cml_u32 left, uint64_t *restrict by_t)
 {
     const int count = rows->sums->count;
     const real rounding = rows->rounding;
     const real in = cml_row_unit(before), out = cml_row_unit(left);
-    const real t = path > 0 ? path / world->media[medium].n : (real)0;
-    if (rows->sums->scores) {
-        cml_scores_fly(world, rows, medium, t, interactions, before, left);
-        return;
-    }
     const real *restrict more = world->rows.more + (size_t)medium * (size_t)count;
     real *restrict factor = rows->factor;
     uint64_t *restrict absorbed = cml_row_bin(rows, rows->sums->at.A_l + (size_t)medium);
@@ -174,9 +187,74 @@ static inline void cml_rows_fly(const struct cml_world *world, const struct cml_
     for (int i = 0; i < count; i++) {
         const real f = factor[i], after = f * cml_exp_minus(more[i] * t);
         const real kept = after > (real)1e-20 ? after : (real)0;
-        absorbed[i] += (uint64_t)(cml_row_weight(in, f, rounding) - cml_row_weight(out, kept, rounding));
+        const uint64_t part = cml_row_weight(in, f, rounding) - cml_row_weight(out, kept, rounding);
+        absorbed[i] += part;
+        if (timed) by_t[i] += part;
         factor[i] = kept;
     }
+}
+
+/* The same gate by gate. All that the packet itself has lost since it was booked last it has lost in the gate
+ * of that time, as it is booked at the first interaction of any other; rows lose on all of the way. Its ends
+ * are known to the rounding of times, its length is not cut by them. */
+static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
+                                           int medium, real path, cml_u32 before, cml_u32 left)
+{
+    const struct cml_gates gates = world->setup.gates;
+    const size_t count = (size_t)rows->sums->count;
+    const real n = world->media[medium].n;
+    real at = cml_row_booked_at(rows->factor, count), rest = path;
+    int gate = cml_gate(gates, at);
+    for (const int last = cml_gate(gates, at + path); gate < last; gate++) {
+        const real end = (real)(gate + 1) / gates.per_cm, way = end > at ? end - at : (real)0,
+                   part = way < rest ? way : rest;
+        cml_rows_absorb_as(1, world, rows, medium, part / n, before, left,
+                           cml_row_bin(rows, rows->sums->at.A_t + (size_t)gate));
+        before = left;
+        rest -= part;
+        at = end;
+    }
+    cml_rows_absorb_as(1, world, rows, medium, rest / n, before, left,
+                       cml_row_bin(rows, rows->sums->at.A_t + (size_t)gate));
+    rows->factor[count + CML_ROW_INSIDE] += path;
+}
+
+/* A packet of weight `before` has flown `path` (as in cml_packet) in a medium, and there is `left` of it.
+ * interactions: of the packet, so far. */
+static inline void cml_rows_fly(const struct cml_world *world, const struct cml_row_packet *rows, int medium,
+                                real path, cml_u32 interactions, cml_u32 before, cml_u32 left)
+{
+    const real flown = path > 0 && !cml_is_outer(world, medium) ? path : (real)0,
+               t = flown / world->media[medium].n;
+    if (rows->sums->scores)
+        cml_scores_fly(world, rows, medium, t, interactions, before, left);
+    else if (rows->sums->timed)
+        cml_rows_absorb_by_time(world, rows, medium, flown, before, left);
+    else
+        cml_rows_absorb_as(0, world, rows, medium, t, before, left, NULL);
+}
+
+/* The optical path outside of the material of a packet that is in it: of all its visits there. */
+static inline real cml_rows_outside(const struct cml_world *world, const struct cml_trail *trail)
+{
+    const int below = world->setup.num_layers + 1;
+    return (real)(world->media[0].n * trail->length[0] + world->media[below].n * trail->length[below]);
+}
+
+/* Whether such a packet has been outside since it was booked last. Rows with A_t are booked before they fly
+ * on: what they have lost until then is of the time before. */
+static inline int cml_rows_have_returned(const struct cml_world *world, const struct cml_row_packet *rows,
+                                         const struct cml_trail *trail)
+{
+    return rows->sums->timed &&
+           rows->factor[rows->sums->count + CML_ROW_OUTSIDE] != cml_rows_outside(world, trail);
+}
+
+/* Behind cml_rows_fly: all the time outside has passed. */
+static inline void cml_rows_pass_time(const struct cml_world *world, const struct cml_row_packet *rows,
+                                      const struct cml_trail *trail)
+{
+    if (rows->sums->timed) rows->factor[rows->sums->count + CML_ROW_OUTSIDE] = cml_rows_outside(world, trail);
 }
 
 /* To a bin of depth and one of radius and depth. wide: a part may be more than 31 bits hold, which vectors of
@@ -326,7 +404,7 @@ static inline void cml_rows_end(const struct cml_setup *setup, const struct cml_
     else if (fate == CML_FATE_LOST)
         cml_rows_change(rows, w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
     else if (fate == CML_FATE_SPECULAR)
-        cml_rows_launch(rows, w, -1);
+        cml_rows_launch(rows, w, -1, 0);
 }
 
 /* ---- where they have left to, besides radius and angle: detectors (P13), gates (P11), directions (P7) ----
@@ -353,6 +431,41 @@ static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
         for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
 }
 
+/* The light, as each row weighs it, times a number, which counts 2^-16, into both parts of a row's moment. */
+static inline void cml_rows_add_moment(const struct cml_row_light *of, size_t bin, uint64_t number)
+{
+    const struct cml_row_packet *rows = of->rows;
+    const int count = rows->sums->count;
+    const real unit = cml_row_unit(of->light->w), rounding = rows->rounding;
+    const uint32_t high = (uint32_t)(number >> CML_ROW_MOMENT_SHIFT),
+                   low = (uint32_t)number & ((1u << CML_ROW_MOMENT_SHIFT) - 1);
+    uint64_t *restrict to = cml_row_bin(rows, bin), *restrict upper = to + count;
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const uint64_t w = cml_row_weight(unit, of->fresh ? (real)1 : rows->factor[i], rounding);
+        const uint64_t part = (w * low + (1u << (CML_ROW_MOMENT_SHIFT - 1))) >> CML_ROW_MOMENT_SHIFT,
+                       moment = w * high + part;
+        to[i] += moment & ((1u << CML_ROW_MOMENT_BITS) - 1);
+        upper[i] += moment >> CML_ROW_MOMENT_BITS;
+    }
+}
+
+/* What means of detector k are made of, as cml_add_moments. */
+static inline void cml_rows_add_moments(const struct cml_world *world, const struct cml_row_light *of,
+                                        size_t k)
+{
+    const struct cml_trail *trail = of->light->trail;
+    const size_t media = cml_num_media(world), first = of->rows->sums->at.moment + 2 * k * (2 * media + 1);
+    const uint64_t deepest = cml_deepest_in_units(world, trail);
+    for (size_t m = 0; trail && m < media; m++) {
+        const uint64_t count = trail->count[m];
+        if (trail->length[m] > 0)
+            cml_rows_add_moment(of, first + 2 * m, cml_length_in_units(world, trail->length[m]));
+        if (count) cml_rows_add_moment(of, first + 2 * (media + m), count << CML_ROW_MOMENT_SHIFT);
+    }
+    if (deepest) cml_rows_add_moment(of, first + 4 * media, deepest);
+}
+
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_row_bins *at = &of->rows->sums->at;
@@ -360,6 +473,7 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     struct cml_seeing seeing = cml_seeing_of(world, &of->light->ray);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
         cml_rows_add(of, at->detector + (size_t)k);
+        if (of->rows->sums->means) cml_rows_add_moments(world, of, (size_t)k);
         if (gates) cml_rows_add(of, at->detector_t + (size_t)k * (gates + 1) + (size_t)of->light->gate);
     }
 }

@@ -30,54 +30,76 @@ struct row_walk {
     int medium;                        /* that of the last booking, or an inner one since */
     cml_u32 w;                         /* the packet's weight then */
     cml_u64 gained, roulette, backing; /* its terms then */
-    cml_u32 interactions;              /* after the last step */
+    cml_u32 interactions, now;         /* after the last step; its weight then */
 };
 
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
-    cml_rows_launch(&its, packet->w, 1);
+    cml_rows_launch(&its, packet->w, 1, packet->path);
     /* What lies above absorbs in no row. A trail's clock has not begun where the path is below 0. */
     if (packet->path > 0 || !packet->trail.length) packet->path = 0;
     rows->medium = packet->medium;
-    rows->w = packet->w;
+    rows->w = rows->now = packet->w;
     rows->gained = rows->roulette = rows->backing = 0;
     rows->interactions = packet->interactions;
 }
 
-/* Whether the step has been an interaction that A(r,z) of rows is made of. */
-static inline bool rows_sample(const struct cml_world *world, struct row_walk *rows,
-                               const struct cml_packet *packet)
+/* Whether interaction n is one that A(r,z) of rows is made of. */
+static inline bool rows_sample(const struct cml_world *world, cml_u64 index, cml_u32 n)
 {
-    const cml_u32 n = packet->interactions, before = rows->interactions;
-    rows->interactions = n;
-    if (!world->rows.part || n == before) return false;
-    const cml_u32 low = (cml_u32)packet->index, high = (cml_u32)(packet->index >> 32);
-    return cml_row_samples(cml_row_hash_of(&world->setup, low, high), n);
+    const cml_u32 low = (cml_u32)index, high = (cml_u32)(index >> 32);
+    return world->rows.part && cml_row_samples(cml_row_hash_of(&world->setup, low, high), n);
+}
+
+/* Books what the packet has lost since the last time; left: its weight before roulette or a backing took any.
+ */
+static inline void rows_fly(const struct cml_world *world, struct row_walk *rows,
+                            const struct cml_row_packet *its, struct cml_packet *packet, cml_u32 left)
+{
+    cml_rows_fly(world, its, rows->medium, packet->path, packet->interactions, rows->w, left);
+    cml_rows_pass_time(world, its, &packet->trail);
+    packet->path = 0;
+    rows->w = left;
+}
+
+/* The packet has interacted: where that is in another gate (P11), what came before it is booked first. */
+static inline void rows_keep_time(const struct cml_world *world, struct row_walk *rows,
+                                  const struct cml_row_packet *its, struct cml_packet *packet)
+{
+    const real since = cml_row_booked_at(its->factor, (size_t)its->sums->count);
+    const struct cml_gates gates = world->setup.gates;
+    if (its->sums->timed && cml_gate(gates, since + packet->path) != cml_gate(gates, since))
+        rows_fly(world, rows, its, packet, rows->now);
 }
 
 /* After a step: books where lanes of a bundle do (cml_flush_deposits), so not on the way out and back. */
 static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
+    const struct cml_row_packet its =
+        cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     const cml_u32 gained = (cml_u32)(packet->gained - rows->gained),
                   lost = (cml_u32)(packet->roulette - rows->roulette),
                   kept = (cml_u32)(packet->backing - rows->backing);
     const cml_u32 left = packet->w - gained + lost + kept;
-    const int moved = packet->medium != rows->medium && !cml_is_outer(world, packet->medium),
-              sampled = rows_sample(world, rows, packet);
-    if (!moved && !sampled && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
-    const struct cml_row_packet its =
-        cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
-    cml_rows_fly(world, &its, rows->medium, packet->path, packet->interactions, rows->w, left);
+    const int inside = !cml_is_outer(world, packet->medium), moved = packet->medium != rows->medium && inside,
+              back = inside && cml_rows_have_returned(world, &its, &packet->trail),
+              interacted = packet->interactions != rows->interactions,
+              sampled = interacted && rows_sample(world, packet->index, packet->interactions);
+    if (interacted) rows_keep_time(world, rows, &its, packet);
+    rows->interactions = packet->interactions;
+    rows->now = packet->w;
+    if (!moved && !back && !sampled && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
+    const cml_u32 before = rows->w;
+    rows_fly(world, rows, &its, packet, left);
     if (sampled)
         cml_rows_sample(world, &its, rows->medium, cml_rows_sampled_at(world, &its, rows->medium, packet->p),
-                        rows->w, left);
+                        before, left);
     if (kept)
         cml_rows_backing(&its, left, packet->w);
     else
         cml_rows_roulette(&its, left, packet->w);
-    packet->path = 0;
     if (moved) rows->medium = packet->medium;
     rows->w = packet->w;
     rows->gained = packet->gained;

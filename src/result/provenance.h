@@ -28,7 +28,7 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
     D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g", NULL)                                  \
     D(photons, setup->photons, 0, NULL, NULL, NULL, NULL)                                                            \
     D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(absorption, options->absorption || options->rows.depths, 0, NULL, NULL, NULL, "absorption by place")                                   \
+    D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL, "absorption by place")                                    \
     D(aim, options->tail != NULL, 0, NULL, NULL, NULL, NULL)                                                         \
     D(windows, options->windows ? options->windows->detector ? -options->windows->detector : options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \
     D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \

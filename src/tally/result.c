@@ -20,10 +20,10 @@ static size_t cells_ra(const struct cml_tally_grid *grid)
     return (size_t)cml_cell_groups(grid) * (size_t)grid->nr * (size_t)grid->na;
 }
 
-/* Rd_t, Tt_t and, where absorption is tallied, A_t, each with what is later. */
+/* Rd_t, Tt_t and, where there is one, A_t, each with what is later. */
 static size_t cells_t(const struct cml_tally_grid *grid)
 {
-    return grid->gates ? ((size_t)grid->gates + 1) * (grid->absorption ? 3 : 2) : 0;
+    return grid->gates ? ((size_t)grid->gates + 1) * (cml_tally_has_A_t(grid) ? 3 : 2) : 0;
 }
 
 /* What each detector has seen, its gates with what is later, and moments. */
@@ -99,7 +99,7 @@ static void set_gates(struct cml_result *result)
     result->Rd_t_later = result->Rd_t + gates;
     result->Tt_t = result->Rd_t + both;
     result->Tt_t_later = result->Tt_t + gates;
-    if (!grid->absorption) return;
+    if (!cml_tally_has_A_t(grid)) return;
     result->A_t = result->Tt_t + both;
     result->A_t_later = result->A_t + gates;
 }

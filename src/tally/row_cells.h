@@ -46,9 +46,17 @@ struct cml_row_bins {
     size_t Rd_t, Tt_t; /* [gates + 1], the last for all that is later; or none */
     size_t detector;   /* [detectors] */
     size_t detector_t; /* [detectors][gates + 1]; or none */
+    size_t moment;     /* [detectors][cml_tally_moments][2]; or none */
+    size_t A_t;        /* [gates + 1]; or none */
     size_t A_z;        /* [nz + 2], from above the first depth to below the last; or none */
     size_t all;        /* of a batch */
 };
+
+/* Moments, of which a row's means of detectors are made, are weight times whole numbers of interactions, or
+ * of 2^16 units of length or depth: up to 62 bits, in parts of 31, the lower first, so that 2^30 of them fit
+ * into a tally. */
+#define CML_ROW_MOMENT_SHIFT 16
+#define CML_ROW_MOMENT_BITS 31
 
 static inline struct cml_row_bins cml_row_bins(const struct cml_tally_grid *grid)
 {
@@ -63,7 +71,9 @@ static inline struct cml_row_bins cml_row_bins(const struct cml_tally_grid *grid
     at.Tt_t = at.Rd_t + gates;
     at.detector = at.Tt_t + gates;
     at.detector_t = at.detector + (size_t)grid->detectors;
-    at.A_z = at.detector_t + (size_t)grid->detectors * gates;
+    at.moment = at.detector_t + (size_t)grid->detectors * gates;
+    at.A_t = at.moment + (grid->row_means ? (size_t)grid->detectors * cml_tally_moments(grid) * 2 : 0);
+    at.A_z = at.A_t + (grid->row_times ? gates : 0);
     at.all = at.A_z + (grid->row_depths ? (size_t)grid->nz + 2 : 0);
     return at;
 }

@@ -52,6 +52,30 @@ static void take_times(const struct row *row, size_t batch)
     if (!gates) return;
     take_gates(row, first + row->at.Rd_t, to->Rd_t + batch * gates, &to->Rd_t_later[batch]);
     take_gates(row, first + row->at.Tt_t, to->Tt_t + batch * gates, &to->Tt_t_later[batch]);
+    if (to->A_t) take_gates(row, first + row->at.A_t, to->A_t + batch * gates, &to->A_t_later[batch]);
+}
+
+/* Number m of detector k, in units of those of flights (P13). */
+static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
+{
+    const size_t media = cml_tally_media(&row->to->grid),
+                 bin = batch * row->at.all + row->at.moment + 2 * (k * cml_tally_moments(&row->to->grid) + m);
+    const cml_u128 whole = (cell(row, bin + 1) << CML_ROW_MOMENT_BITS) + cell(row, bin);
+    return m / media == 1 ? whole : whole << CML_ROW_MOMENT_SHIFT; /* interactions are numbers as they are */
+}
+
+static void take_means(const struct row *row, size_t batch)
+{
+    struct cml_result *to = row->to;
+    const size_t n = (size_t)to->grid.detectors, media = cml_tally_media(&to->grid);
+    for (size_t k = 0; to->detector_path && k < n; k++) {
+        const size_t first = (batch * n + k) * media;
+        for (size_t m = 0; m < media; m++) {
+            to->detector_path[first + m] = moment(row, batch, k, m);
+            to->detector_interactions[first + m] = moment(row, batch, k, media + m);
+        }
+        to->detector_deepest[batch * n + k] = moment(row, batch, k, 2 * media);
+    }
 }
 
 static void take_detected(const struct row *row, size_t batch)
@@ -97,6 +121,7 @@ static void take_batch(const struct row *row, size_t batch)
     take_bins(row, batch, row->at.A_l, media, to->A_l, media);
     take_times(row, batch);
     take_detected(row, batch);
+    take_means(row, batch);
     take_depths(row, batch);
     take_totals(row, batch);
 }
@@ -162,7 +187,7 @@ static void take_directions(const struct row *row, size_t first)
     }
 }
 
-/* What of a row is summed by batch. Of detectors there are no means, and no pixels, and of times no A_t. */
+/* What of a row is summed by batch. Detectors have no pixels. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_tally_grid *flown = &row->flight->grid;
@@ -173,14 +198,16 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                         .num_bodies = flown->num_bodies,
                                         .absorption = flown->row_depths,
                                         .row_depths = flown->row_depths,
+                                        .row_times = flown->row_times,
                                         .gates = flown->gates,
                                         .nt = flown->derivatives ? 0 : flown->nt,
                                         .np = flown->np,
-                                        .detectors = flown->detectors};
+                                        .detectors = flown->detectors,
+                                        .path_unit = flown->path_unit,
+                                        .path_top = flown->path_top};
     struct cml_result *to = row->to;
     CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
-    to->detector_path = to->detector_interactions = to->detector_deepest = NULL;
-    to->A_t = to->A_t_later = NULL;
+    if (!flown->row_means) to->detector_path = to->detector_interactions = to->detector_deepest = NULL;
     to->summary = row->flight->summary;
     for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
         if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;

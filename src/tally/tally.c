@@ -66,7 +66,7 @@ static size_t tally_cells_t(const struct cml_tally_grid *grid)
 /* How many of Rd_t, Tt_t and A_t there are. */
 static size_t num_t(const struct cml_tally_grid *grid)
 {
-    return grid->absorption || grid->depths ? 3 : 2;
+    return cml_tally_has_A_t(grid) ? 3 : 2;
 }
 
 /* Cells of what detectors have seen: sums, gates, and moments. */

@@ -47,11 +47,19 @@ struct cml_tally_grid {
     int rows;            /* of a sweep, that come of one flight; or scores */
     bool derivatives;    /* they are scores */
     bool row_depths;     /* they have A_z and A_rz, by samples: these do not add up to A to the last bit */
+    bool row_times;      /* they, or the row whose result it is, have A_t, where there are gates */
+    bool row_means;      /* they have means of detectors */
     size_t row_cells;    /* of all of them together (row_cells.h) */
     bool backed;         /* some of them lie on a backing, which keeps what does not leave them */
     int scores;          /* of expected values below the last shape (P15); 0: they do not exist */
     const int *exponent; /* [scores]: in a tally they count in 2^-31 2^6 2^-exponent. Borrowed */
 };
+
+/* Whether there is A_t beside Rd_t and Tt_t. Rows of a flight have theirs in row_cells.h. */
+static inline bool cml_tally_has_A_t(const struct cml_tally_grid *grid)
+{
+    return grid->absorption || grid->depths || (grid->row_times && !grid->rows);
+}
 
 /* Media of a grid: layers, the two outer ones, bodies. */
 static inline size_t cml_tally_media(const struct cml_tally_grid *grid)

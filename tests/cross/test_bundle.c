@@ -67,7 +67,7 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     const struct cml_tally_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
-    float *factor = calloc(cml_row_stride(&grid) + 1, sizeof *factor); /* scratch */
+    float *factor = calloc(cml_row_factors(cml_row_stride(&grid)), sizeof *factor); /* scratch */
     assert_non_null(factor);
     struct cml_branches branches;
     require_ok(cml_branches_create(&world.world, &branches, &err), &err);
@@ -118,11 +118,12 @@ static void compare_rows(const struct cml_scene *scene, enum cml_surface_kind ki
     for (int m = 1; m < media; m++)
         for (int i = 0; i < ROWS && m != scene->num_layers + 1; i++)
             more[m * ROWS + i] = (m + i) % 2 ? 0.7 * i * i : 0;
-    const struct cml_engine_rows rows = {ROWS, more, false};
+    const struct cml_engine_rows rows = {.count = ROWS, .more = more};
     const bool reaches = (long)scene->nr * scene->nz < 5000 && cml_engine_rows_blind_in(scene, &rows) < 0;
-    compare_with(scene, kind, photons,
-                 &(struct cml_engine_options){.seed = 6, .reentry = true, .rows = {ROWS, more, reaches}},
-                 NOTHING);
+    compare_with(
+        scene, kind, photons,
+        &(struct cml_engine_options){.seed = 6, .reentry = true, .rows = {ROWS, more, reaches, true, true}},
+        NOTHING);
     free(more);
 }
 

@@ -30,10 +30,10 @@ class Tables(unittest.TestCase):
 
     def test_rows_of_one_flight(self):
         """Each is a flight of its own, within 5 errors, and in its place."""
-        scene = mc.Scene([mc.Layer(1.4, 0.1, 50, 0.8, 0.1)], photons=20000)
+        scene = mc.Scene([mc.Layer(1.4, 0.1, 50, 0.8, 0.1)], photons=20000, time=mc.Time(end=30, n=4), detectors=[mc.Detector("disk", radius=0.1, name="a")])
         values = {"layer1.mua": [2, 0.2], "layer1.mus": [30, 50]}
         swept, own = mc.sweep(scene, values, reweight=True), mc.sweep(scene, values, seed=2)
-        for name in ("Rd", "Tt", "A_l", "A_z"):
+        for name in ("Rd", "Tt", "A_l", "A_z", "A_t", "detector_a_path", "detector_a_interactions", "detector_a_deepest"):
             self.assertEqual(swept[name].dims, own[name].dims)
             error = np.hypot(swept[name + "_se"], own[name + "_se"])
             self.assertTrue(bool((abs(swept[name] - own[name]) <= 5 * error + 1e-12).all()), name)

@@ -17,7 +17,9 @@ import cml  # noqa: E402
 PHOTONS = 200000
 FLAT = cml.mci(["1.5 0.5 0 0 0.02", "1.37 0.5 50 0.8 0.05", "1.4 0.2 30 0.9 0.3"], photons=PHOTONS, bins="10 20 5", grid="0.05 0.05")
 FLAT_ROWS = ["layer1.mua,layer2.mua,layer3.mua", "0.5,0.5,0.2", "2,1,2", "0.7,5,0.3", "3,0.5,10", "1,20,1"]
-PLACES = ("Rd_t", "Tt_t", "detector_near_t", "detector_far_t", "Rd_dir", "Tt_dir")
+PLACES = ("Rd_t", "Tt_t", "A_t", "detector_near_t", "detector_far_t", "Rd_dir", "Tt_dir")
+SEEN = ("detector_near", "detector_far", "Rd_t_later", "Tt_t_later", "A_t_later") + tuple(
+    f"detector_{name}_{mean}" for name in ("near", "far") for mean in ("path", "interactions", "deepest"))
 SURFACE = "b 4 0.05 0.1 0.15 0.05 0.04 0.02 -0.03 0"
 ROUGH = cml.mci(["1.4 0.5 20 0.8 0.2", "1.33 0.3 30 0.9 0.4\ni sphere 0.02 0 0.35 0.08 1.5 1 30 0.5"], photons=PHOTONS, bins="10 20 5",
                 grid="0.05 0.05", surfaces={0: SURFACE}, n_below=1.5,
@@ -102,9 +104,11 @@ def against_own(verdict, name, text, rows, seed):
                     verdict.z(f"{name} {i + 1} {key}", record[key], record[key + "_se"], own[key], own[key + "_se"])
             for (what, value, error), (_, truth, truth_error) in zip(absorbed(sections), absorbed(theirs), strict=True):
                 verdict.z(f"{name} {i + 1} {what}", value, error, truth, truth_error)
-            for key in ("detector_near", "detector_far", "Rd_t_later", "Tt_t_later"):
-                if key in theirs:
-                    verdict.z(f"{name} {i + 1} {key}", sections[key][0], sections["se_" + key][0], theirs[key][0], theirs["se_" + key][0])
+            for key in SEEN if SEEN[0] in theirs else ():
+                for k, (value, error, truth, truth_error) in enumerate(
+                        zip(*(one[before + key] for one in (sections, theirs) for before in ("", "se_")), strict=True)):
+                    if error or truth_error:  # no light comes to this medium
+                        verdict.z(f"{name} {i + 1} {key} {k}", value, error, truth, truth_error)
             depths_z(verdict, f"{name} {i + 1}", record, sections, theirs)
             for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()) + (PLACES if PLACES[0] in theirs else ()):
                 profile_z(verdict, f"{name} {i + 1}", sections, theirs, key)

@@ -159,29 +159,45 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
     }
 }
 
-/* The most cells that A(r,z) of all rows together may have in a thread. */
-#define MOST_DEPTH_CELLS 5e7
+/* The most cells that A(r,z), or what means of detectors are made of, may have of all rows in a thread. */
+#define MOST_CELLS 5e7
 
 /* Whether the rows have A(z); says why, where they cannot. */
 static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group)
 {
     const struct cml_scene *flown = &group->flown;
-    const struct cml_engine_rows rows = {group->count, group->more, false};
+    const struct cml_engine_rows rows = {.count = group->count, .more = group->more};
     const int blind = cml_engine_rows_blind_in(flown, &rows);
-    const bool large = (double)flown->nr * flown->nz * group->count > MOST_DEPTH_CELLS;
+    const bool large = (double)flown->nr * flown->nz * group->count > MOST_CELLS;
     char text[200];
     if (!sweep->options->engine_options.absorption) return false;
     if (blind < 0 && !large) return true;
     if (large)
         snprintf(text, sizeof text,
                  "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)", group->count,
-                 flown->nr, flown->nz, MOST_DEPTH_CELLS);
+                 flown->nr, flown->nz, MOST_CELLS);
     else
         snprintf(
             text, sizeof text,
             "no A_z and A_rz of rows: in medium %d one absorbs more than %g times what scatters there, or "
             "where nothing does what the palest absorbs",
             blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
+    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
+    return false;
+}
+
+/* Whether they have means of detectors, which take 64 batches; says why, where they do not. */
+static bool keeps_means(const struct group *group)
+{
+    const struct cml_scene *flown = &group->flown;
+    const double media = flown->num_layers + 2.0 + flown->num_bodies,
+                 cells = 2 * (2 * media + 1) * flown->num_detectors * group->count * CML_NUM_BATCHES;
+    char text[200];
+    if (cells <= MOST_CELLS) return true;
+    snprintf(text, sizeof text,
+             "no means of detectors of rows: %d of %d detectors and %.0f media take %.3g bins (expected at "
+             "most %g)",
+             group->count, flown->num_detectors, media, cells, MOST_CELLS);
     if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
     return false;
 }
@@ -195,8 +211,12 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
         options.engine_options.absorption = false;
-        options.engine_options.rows = (struct cml_engine_rows){group.count, group.more, false};
-        options.engine_options.rows.depths = reaches_depths(sweep, &group);
+        options.engine_options.rows =
+            (struct cml_engine_rows){.count = group.count,
+                                     .more = group.more,
+                                     .depths = reaches_depths(sweep, &group),
+                                     .times = sweep->options->engine_options.absorption,
+                                     .means = keeps_means(&group)};
         const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
         const struct cml_run_call call = {.options = &options,
                                           .scene = &group.flown,

@@ -100,8 +100,8 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
         cml_continue_lane_outside(f, i, to);
         return;
     }
-    cml_flush_deposits(f, i);
     if (b->trail_length) cml_end_lane_visit(f, i);
+    cml_flush_deposits(f, i);
     b->medium[i] = to;
     if (b->trail_length) cml_count_lane_depth(b, i, p.z);
     cml_load_medium(f, i);

@@ -63,6 +63,18 @@ CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_b
     }
 }
 
+/* P16: of all lanes whether they interact in another gate than that of `since`, when their rows were booked
+ * last: [CML_LANES] each. */
+CML_LOOP void cml_bundle_find_later(const struct cml_setup *setup, const struct cml_bundle *b,
+                                    const real *since, int *later)
+{
+    const struct cml_gates gates = setup->gates;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++)
+        later[i] = (b->task[i] == CML_LANE_INTERACT) &
+                   (cml_gate(gates, since[i] + b->path[i]) != cml_gate(gates, since[i]));
+}
+
 /* Turns the lanes that interact (P4), where no medium has a phase function's table. */
 __attribute__((always_inline)) static inline void cml_bundle_spin(struct cml_bundle *b)
 {

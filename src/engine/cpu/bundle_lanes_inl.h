@@ -57,7 +57,7 @@ static int cml_count_branches(const struct cml_bundle *b, int first, cml_u32 lan
 /* P16: factors of the rows of the lane's packet. */
 static real *cml_lane_factors(const struct cml_flight *f, int i)
 {
-    return f->factors + (size_t)i * cml_row_factors(&f->rows);
+    return f->factors + (size_t)i * cml_row_factors((size_t)f->rows.count);
 }
 
 static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
@@ -65,19 +65,33 @@ static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
     return cml_row_packet_of(&f->world->setup, &f->rows, cml_lane_index(f->b, i), cml_lane_factors(f, i));
 }
 
-/* Launches the rows of the lane's packet; times: as in cml_rows_launch. */
-static void cml_launch_lane_rows(const struct cml_flight *f, int i, int times)
+/* Launches the rows of the lane's packet; times, path: as in cml_rows_launch. */
+static void cml_launch_lane_rows(const struct cml_flight *f, int i, int times, real path)
 {
     const struct cml_row_packet rows = cml_lane_rows(f, i);
-    cml_rows_launch(&rows, f->b->w[i], times);
+    cml_rows_launch(&rows, f->b->w[i], times, path);
 }
 
-/* What rows have absorbed since the lane's deposits, so much of the packet's weight, were last booked. */
-__attribute__((noinline)) static void cml_fly_lane_rows(struct cml_flight *f, int i, cml_u32 deposited)
+/* The trail of the lane's packet (P13); empty where nobody wants it. */
+static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
+{
+    const struct cml_trail none = {0};
+    const size_t row = (size_t)i * (size_t)b->num_media;
+    if (!b->trail_length) return none;
+    return (struct cml_trail){b->trail_length + row, b->trail_count + row, b->deepest[i]};
+}
+
+/* What rows have absorbed since the lane's deposits, so much of the packet's weight, were last booked. Its
+ * loops are vectors only where all that they call is inlined, which compilers leave out where a rare function
+ * calls. */
+__attribute__((noinline, hot, flatten)) static void cml_fly_lane_rows(struct cml_flight *f, int i,
+                                                                      cml_u32 deposited)
 {
     struct cml_bundle *b = f->b;
     const struct cml_row_packet rows = cml_lane_rows(f, i);
+    const struct cml_trail trail = cml_lane_trail(b, i);
     cml_rows_fly(f->world, &rows, b->medium[i], b->path[i], b->interactions[i], b->w[i] + deposited, b->w[i]);
+    cml_rows_pass_time(f->world, &rows, &trail);
     b->path[i] = 0;
 }
 
@@ -114,15 +128,6 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     f->absorbed[i] += deposited;
     b->flushed_w[i] = b->w[i];
     if (f->books_more || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
-}
-
-/* The trail of the lane's packet (P13); empty where nobody wants it. */
-static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
-{
-    const struct cml_trail none = {0};
-    const size_t row = (size_t)i * (size_t)b->num_media;
-    if (!b->trail_length) return none;
-    return (struct cml_trail){b->trail_length + row, b->trail_count + row, b->deepest[i]};
 }
 
 /* P13: the lane is about to come into another medium, or its packet has ended. */
@@ -219,6 +224,15 @@ static struct cml_stretch cml_lane_stretch(const struct cml_bundle *b, int i)
     return s;
 }
 
+/* P16, of a lane that is in the material. */
+static int cml_lane_rows_have_returned(const struct cml_flight *f, int i)
+{
+    if (!f->rows.timed) return 0;
+    const struct cml_row_packet rows = cml_lane_rows(f, i);
+    const struct cml_trail trail = cml_lane_trail(f->b, i);
+    return cml_rows_have_returned(f->world, &rows, &trail);
+}
+
 /* Back into lane i what boundary events of kernels/walk.h can change. If the medium is another one, the
  * deposits in the old one are booked first. */
 static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
@@ -250,7 +264,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
         if (f->factors) cml_keep_lane_rows(f, i, packet->w);
         b->w[i] = b->flushed_w[i] = packet->w;
     }
-    if (packet->medium == b->medium[i]) return;
+    if (packet->medium == b->medium[i] && !cml_lane_rows_have_returned(f, i)) return;
     cml_flush_deposits(f, i);
     b->medium[i] = packet->medium;
     cml_load_medium(f, i);

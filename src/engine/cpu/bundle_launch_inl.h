@@ -141,7 +141,7 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
 static void cml_launch_path(struct cml_flight *f, int i, real path)
 {
     f->b->path[i] = f->factors && !f->b->trail_length ? (real)0 : path;
-    if (f->factors) cml_launch_lane_rows(f, i, 1);
+    if (f->factors) cml_launch_lane_rows(f, i, 1, path);
 }
 
 /* The lane as cml_place puts its packet, where that is another weight or medium than that of the lanes beside
@@ -150,7 +150,7 @@ static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_p
 {
     struct cml_bundle *b = f->b;
     if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
-    if (f->factors) cml_launch_lane_rows(f, i, -1); /* another weight than that of the lanes beside it */
+    if (f->factors) cml_launch_lane_rows(f, i, -1, 0); /* another weight than that of the lanes beside it */
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;
     cml_launch_path(f, i, start->path);
@@ -208,7 +208,8 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
     }
     if (f->b->trail_length) cml_move_trail(f->b, from, to);
     if (f->factors)
-        memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from), cml_row_factors(&f->rows) * sizeof(real));
+        memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from),
+               cml_row_factors((size_t)f->rows.count) * sizeof(real));
     f->absorbed[to] = f->absorbed[from];
     f->late_profiles[to] = f->late_profiles[from];
     f->late |= (f->late >> from & 1u) << to;

@@ -1,6 +1,6 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). Fluence (P14): what lanes score where they interact, and marks on their
- * paths; and interactions of which A(r,z) of rows (P16) is made. SPDX-License-Identifier: MIT */
+ * paths; and interactions of which A(r,z) and A(t) of rows (P16) are made. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_MARKS_INL_H
 #define CML_BUNDLE_MARKS_INL_H
 
@@ -109,6 +109,19 @@ static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
         s.medium = s.u.z < 0 ? 0 : f->world->setup.num_layers + 1;
         (void)cml_mark_far(f->world, &f->to, &s, b->mark[i], CML_INFINITY);
     }
+}
+
+/* P16: rows of lanes that are about to interact in another gate are booked, where they have A_t. */
+static void cml_keep_time_of_rows(struct cml_flight *f)
+{
+    _Alignas(64) real since[CML_LANES];
+    _Alignas(64) int later[CML_LANES];
+    for (int i = 0; i < CML_LANES; i++)
+        since[i] = cml_row_booked_at(cml_lane_factors(f, i), (size_t)f->rows.count);
+    cml_bundle_find_later(&f->world->setup, f->b, since, later);
+    for (int first = 0; first < f->b->lanes; first += CML_GROUP)
+        cml_for_lanes(f, (uint64_t)cml_group_equal(later + first, 1) << first & f->live & ~f->ended,
+                      cml_flush_deposits);
 }
 
 /* P16: lanes whose interaction is a sample for rows. */

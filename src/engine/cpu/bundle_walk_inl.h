@@ -63,8 +63,8 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     struct cml_bundle *b = f->b;
     const int upwards = b->uz[i] < 0, medium = b->medium[i] + 1 - 2 * upwards;
     const real span = f->media[medium].span;
-    cml_flush_deposits(f, i);
     if (b->trail_length) cml_end_lane_visit(f, i);
+    cml_flush_deposits(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
@@ -463,6 +463,7 @@ static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     if (setup->gates.count || f->factors) cml_count_lane_paths(f);
+    if (f->rows.timed) cml_keep_time_of_rows(f);
     if (f->to.phi) cml_mark_interactions(f);
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);

@@ -74,8 +74,8 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
 /* How many numbers the rows of one thread need for their factors. */
 static size_t num_factors(const struct cpu_engine *cpu)
 {
-    const struct cml_row_sums rows = {.count = cpu->owned.world.rows.count};
-    return rows.count ? (size_t)CML_LANES * cml_row_factors(&rows) : 0;
+    const size_t rows = (size_t)cpu->owned.world.rows.count;
+    return rows ? (size_t)CML_LANES * cml_row_factors(rows) : 0;
 }
 
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)

@@ -155,7 +155,7 @@ def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], 
     dim: the name of its dimension, "row" without it; where a column has that name, its values are the axis. coords: names of columns that
     are carried along and not set, or {name: values}, numbers or texts.
     variables: names of what is kept, None for everything. Meshes are built once for all rows that leave them as they are. All else
-    is as for `run`; with reweight=True rows that differ in nothing but mua come of one flight, with A_z and A_rz by every eighth interaction, without A_t; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
+    is as for `run`; with reweight=True rows that differ in nothing but mua come of one flight, with A_z and A_rz by every eighth interaction; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
 
     >>> sweep("scene.mci", {"layer1.mua": []})
     Traceback (most recent call last):

@@ -3,6 +3,8 @@
 
 #include "tally/row_cells.h"
 
+#include <math.h>
+
 /* One row of those that come of a flight. */
 struct row {
     const struct cml_result *flight;
@@ -236,8 +238,22 @@ cml_status cml_score_result(const struct cml_result *flight, int score, struct c
     return take_batches(&row, err);
 }
 
+static double effective_packets(const struct cml_result *result, double relative_error)
+{
+    return 1 / (relative_error * relative_error + 1 / (double)result->photons);
+}
+
 double cml_effective_packets(const struct cml_result *result, enum cml_total total)
 {
-    const double error = cml_result_relative_error(result, total);
-    return 1 / (error * error + 1 / (double)result->photons);
+    return effective_packets(result, cml_result_relative_error(result, total));
+}
+
+double cml_effective_packets_by_depth(const struct cml_result *result)
+{
+    const size_t nz = (size_t)result->grid.nz;
+    cml_u128 sums[CML_NUM_BATCHES] = {0};
+    for (size_t i = 0; i < CML_NUM_BATCHES * nz; i++) sums[i / nz] += result->A_z[i];
+    const double value = cml_result_bin_sum(sums, 1, 0) * (CML_WEIGHT_UNIT / (double)result->photons),
+                 error = cml_result_bin_error(result, sums, 1, 0);
+    return effective_packets(result, value > 0 && error > 0 ? error / value : INFINITY);
 }

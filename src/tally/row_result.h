@@ -20,4 +20,7 @@ CML_NODISCARD cml_status cml_score_result(const struct cml_result *flight, int s
  * photons); 0 of one that is 0. */
 double cml_effective_packets(const struct cml_result *result, enum cml_total total);
 
+/* The same of the sum of A_z, which comes of samples. */
+double cml_effective_packets_by_depth(const struct cml_result *result);
+
 #endif

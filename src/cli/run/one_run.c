@@ -153,31 +153,39 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     return CML_OK;
 }
 
-/* Rows in which a total that the flight has comes of so few packets that the error of its error is no small
- * part of it. */
+/* Rows in which a total that the flight has, or the sum of A_z, comes of so few packets that the error of its
+ * error is no small part of it. */
 struct poor_rows {
     int count, row; /* the poorest, from 0 */
     double packets; /* of that */
 };
 #define LEAST_PACKETS 100
+enum { POOR_A_Z = CML_NUM_GOALS, NUM_POOR };
 
-static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
-                      struct poor_rows poor[CML_NUM_GOALS])
+static void add_poor(double packets, int row, struct poor_rows *poor)
 {
-    for (int i = 0; i < CML_NUM_GOALS; i++) {
-        const double packets = cml_effective_packets(result, cml_goals[i]);
-        if (!(cml_result_total(flight, cml_goals[i]) > 0) || packets >= LEAST_PACKETS) continue;
-        if (poor[i].count++ > 0 && packets >= poor[i].packets) continue;
-        poor[i].row = row;
-        poor[i].packets = packets;
-    }
+    if (packets >= LEAST_PACKETS || (poor->count++ > 0 && packets >= poor->packets)) return;
+    poor->row = row;
+    poor->packets = packets;
 }
 
-static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[CML_NUM_GOALS])
+static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
+                      struct poor_rows poor[NUM_POOR])
+{
+    for (int i = 0; i < CML_NUM_GOALS; i++)
+        if (cml_result_total(flight, cml_goals[i]) > 0)
+            add_poor(cml_effective_packets(result, cml_goals[i]), row, &poor[i]);
+    if (result->A_z && cml_result_total(result, CML_TOTAL_ABSORBED) > 0)
+        add_poor(cml_effective_packets_by_depth(result), row, &poor[POOR_A_Z]);
+}
+
+static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[NUM_POOR])
 {
     char text[200];
-    for (int i = 0; i < CML_NUM_GOALS; i++) {
-        const char *name = cml_quantities[cml_quantity_of_total((int)cml_goals[i])].name;
+    for (int i = 0; i < NUM_POOR; i++) {
+        const enum cml_quantity quantity =
+            i == POOR_A_Z ? CML_QUANTITY_A_z : cml_quantity_of_total((int)cml_goals[i]);
+        const char *name = cml_quantities[quantity].name;
         if (poor[i].count == 0) continue;
         snprintf(
             text, sizeof text,
@@ -212,7 +220,7 @@ static cml_status publish_row(const struct cml_run_call *call, const struct cml_
 static cml_status publish_rows(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                const struct cml_run_result *run, struct cml_error *err)
 {
-    struct poor_rows poor[CML_NUM_GOALS] = {{0}};
+    struct poor_rows poor[NUM_POOR] = {{0}};
     cml_status worst = CML_OK;
     for (int i = 0; cml_cluster_rank() == 0 && i < call->rows->count; i++) {
         struct cml_error why;

@@ -32,7 +32,8 @@ TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
 DETECTOR = "detector_"  # what each has seen
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
-BRACKET = float(np.log(1.35))  # between the first flights, in ln mus
+BRACKET = 0.2  # of the first flights from the middle of the bounds, in ln mus
+NEAR = 0.6  # within which flights tell slopes, in the same
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
 SETTLED = 0.2  # standard errors between the solution and the flight that tells it
 REACH = 2.0  # the same, where one with random numbers of its own follows, and of that
@@ -347,7 +348,7 @@ class _Model:
         dims = len(self.last.mus)
         steps = np.array([flight.mus - self.last.mus for flight in self.others]).reshape(len(self.others), dims)
         terms = np.hstack([steps, steps**2])
-        weighted = terms.T / (1 + (np.abs(steps).max(axis=1, initial=0) / (2 * BRACKET)) ** 4)
+        weighted = terms.T / (1 + (np.abs(steps).max(axis=1, initial=0) / NEAR) ** 4)
         self.inverse = np.linalg.solve(weighted @ terms + np.diag([0.0] * dims + [CURVED**2] * dims), weighted)
         if anchor is not None:
             self.shift = anchor.logs - self.flown(anchor.u)
@@ -541,10 +542,11 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
 
     def moved(found: _Solution, place: Any, reach: float) -> bool:
         return bool(np.any(np.abs(found.u[len(mua):] - place) > np.maximum(reach * found.sigma[len(mua):], 1e-3)))
-    middle = (low[len(mua):] + high[len(mua):]) / 2
-    flown = [fly_at(middle + np.minimum(BRACKET, high[len(mua):] - middle) * e) for e in np.eye(len(mus))] + [fly_at(middle)]
+    first, half = (low + high)[len(mua):] / 2, np.minimum(BRACKET, (high - low)[len(mua):] / 4)
+    flown = [fly_at(first - half + 2 * half * e) for e in [*np.eye(len(mus)), np.zeros(len(mus))]]
     own = bool(mus) and most > len(flown)
     found = _solve(data, _Model(grids, flown), low, high, None)
+    flown.sort(key=lambda flight: -float(np.abs(flight.mus - found.u[len(mua):]).max(initial=0)))  # the closest one counts as the last
     while (open_ := moved(found, flown[-1].mus, REACH if own else SETTLED)) and len(flown) < most - own:
         flown.append(fly_at(found.u[len(mua):]))
         found = _solve(data, _Model(grids, flown), low, high, found.u)

@@ -373,8 +373,8 @@ static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_int
     const char *slash = strrchr(setup->gone, '/');
     char text[512];
     if (!setup->on_note) return;
-    snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it %s",
-             setup->checkpoint, slash ? slash + 1 : setup->gone,
+    snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s %s: it %s",
+             setup->checkpoint, slash ? slash + 1 : setup->gone, setup->how_gone,
              intent == CML_RUN_REPUBLISH ? "is written again" : "begins anew");
     setup->on_note(setup->context, text);
 }

@@ -75,6 +75,19 @@ expect_error 2 "--more (expected no --target-error beside it)" samples/thick.mci
 expect_error 2 "--keep (expected no --target-error beside it)" samples/thick.mci --keep --target-error 0.1 -o "$work"
 expect_error 2 "--more 0 (expected a whole number from 1 to 281474976710656)" samples/thick.mci --more 0 -o "$work"
 
+# With --no-clobber what is extended is what is replaced, and no result of another run.
+mkdir "$work/mine" "$work/theirs"
+expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/mine"
+expect_code 0 samples/thick.mci --photons 100 --seed 2 --quiet -o "$work/theirs"
+mv "$work/mine/thick.mco" "$work/own"
+cp "$work/theirs/thick.mco" "$work/mine"
+expect_error 2 "--no-clobber: $work/mine/thick.mco is of another run (expected that of the run that --more extends)" \
+    samples/thick.mci --more 5 --no-clobber --quiet -o "$work/mine"
+cmp -s "$work/mine/thick.mco" "$work/theirs/thick.mco" || complain "--more replaced another run's result"
+mv "$work/own" "$work/mine/thick.mco"
+expect_code 0 samples/thick.mci --more 5 --no-clobber --quiet -o "$work/mine"
+grep -q '^105 ' "$work/mine/thick.mco" || complain "--more --no-clobber did nothing"
+
 # A finished run whose result was taken away is flown again.
 cp "$work/thick.mco" "$work/expected"
 rm "$work/thick.mco"
@@ -133,7 +146,7 @@ for path in "$work"/many/*; do
     name=$(basename "$path")
     case $name in many.mco | *.checkpoint) continue ;; esac
     mv "$path" "$work/taken"
-    refused="--no-clobber: $work/many/many.mco is there (expected no result that would be replaced)"
+    refused="--no-clobber: $work/many/many.mco is there, but of that run $path is gone (expected all its files, or none that would be replaced)"
     expect_error 2 "$refused" "$work/many.mci" --resume --no-clobber --quiet -o "$work/many"
     expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
     grep -q "its result $name is gone: it is written again" "$work/err" || complain "no word of $name: $(cat "$work/err")"
@@ -141,13 +154,24 @@ for path in "$work"/many/*; do
 done
 # An empty file, a part of a result, and another run's are none of its own.
 cp "$work/many/many.mco" "$work/whole"
-for harm in ': >' 'head -c 2000 "$work/whole" >' 'sed "s/Identity: ..../Identity: abcd/" "$work/whole" >'; do
-    eval "$harm \"$work/many/many.mco\""
+harmed() { # WORDS COMMAND: what it prints takes the place of the result
+    words=$1 harm=$2
+    eval "$harm" >"$work/many/many.mco"
     cmp -s "$work/whole" "$work/many/many.mco" && complain "$harm does no harm"
     expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
-    grep -q 'its result many.mco is gone: it is written again' "$work/err" || complain "no word after $harm: $(cat "$work/err")"
+    grep -q "its result many.mco $words: it is written again" "$work/err" || complain "no word after $harm: $(cat "$work/err")"
     cmp -s "$work/whole" "$work/many/many.mco" || complain "$harm: other bytes"
-done
+}
+harmed 'is empty' true
+harmed 'is no whole result' 'head -c 2000 "$work/whole"'
+harmed 'is of another run' 'sed "s/Identity: ..../Identity: abcd/" "$work/whole"'
+if test -e "$work/many/many_saved.photons.h5"; then
+    mkdir "$work/strange"
+    expect_code 0 "$work/many.mci" --seed 2 --quiet -o "$work/strange"
+    cp "$work/strange/many_saved.photons.h5" "$work/many"
+    expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
+    grep -q "its result many_saved.photons.h5 is of another run: it is written again" "$work/err" || complain "no word of strange packets: $(cat "$work/err")"
+fi
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"
 grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"

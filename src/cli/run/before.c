@@ -30,48 +30,60 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
-/* What is looked for: whole results of this run. */
+/* What is looked for: whole results of this run, or of the one that it extends, which need not be there. */
 struct looking {
     const char *identity;
-    bool resumes;
+    bool resumes, extends;
     struct cml_before *before;
 };
 
-/* Whether a result says to be of this run. `lost` is the last of a whole one. */
-static bool is_of_run(const char *identity, const char *path)
+/* What is wrong with a file that should say to be of this run; NULL: nothing. `lost` is the last of a whole
+ * result. */
+static const char *fault_of_result(const char *identity, const struct cml_report_file *file)
 {
+    const bool saved = file->content == CML_FILE_SAVED;
     struct cml_outcome found;
     struct cml_error ignored;
     char sum[CML_IDENTITY_SUM];
-    if (cml_result_read(path, &found, &ignored) != CML_OK) return false;
+    if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
+        return "is no whole result";
     cml_identity_sum(identity, sum);
-    const bool is = strcmp(found.identity, sum) == 0 && !found.damage && found.value[CML_QUANTITY_lost];
+    const bool whole = saved || (!found.damage && found.value[CML_QUANTITY_lost]),
+               own = strcmp(found.identity, sum) == 0;
     cml_outcome_clear(&found);
-    return is;
+    return !whole ? "is no whole result" : own ? NULL : "is of another run";
 }
 
-/* A directory, or a file that a full disk has left empty, is nothing that a run has written. Of other files
- * than results nobody knows whose they are. */
-static bool is_written(const struct looking *looking, const struct cml_report_file *file)
+/* A directory, or a file that a full disk has left empty, is nothing that a run has written. Of VTK's files
+ * nobody knows whose they are. */
+static const char *fault_of(const struct looking *looking, const struct cml_report_file *file)
 {
     struct stat about;
-    if (stat(file->path, &about) != 0 || !S_ISREG(about.st_mode) || about.st_size == 0) return false;
-    return !looking->resumes || file->content > CML_FILE_FIELDS || is_of_run(looking->identity, file->path);
+    if (stat(file->path, &about) != 0) return "is gone";
+    if (!S_ISREG(about.st_mode) || about.st_size == 0) return "is empty";
+    return (looking->resumes || looking->extends) && file->content <= CML_FILE_SAVED
+               ? fault_of_result(looking->identity, file)
+               : NULL;
 }
 
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
     struct cml_before *before = looking->before;
-    const bool there = access(file->path, F_OK) == 0, gone = !is_written(looking, file);
+    const bool there = access(file->path, F_OK) == 0;
+    const char *fault = fault_of(looking, file);
     if (there && !before->there) CML_TRY(cml_text_copy(file->path, &before->there, err));
-    return gone && !before->gone ? cml_text_copy(file->path, &before->gone, err) : CML_OK;
+    if (!fault || before->gone || (looking->extends && !there)) return CML_OK;
+    before->how = fault;
+    return cml_text_copy(file->path, &before->gone, err);
 }
 
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              struct cml_before *before, struct cml_error *err)
 {
-    struct looking looking = {setup->identity, options->resume, before};
+    const bool extends = setup->base > 0;
+    struct looking looking = {extends ? setup->base_identity : setup->identity, options->resume, extends,
+                              before};
     char *path = NULL;
     cml_status status = CML_OK;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
@@ -104,7 +116,12 @@ static cml_status check_kept(const struct cml_run_setup *setup, const struct cml
                                            .result_stands = before->stands,
                                            .kept = before->there};
     if (cml_run_intent_of(&found) != CML_RUN_REFUSED) return CML_OK;
-    return cml_keep(before->there, err);
+    if (about.kind != CML_CHECKPOINT_FINISHED) return cml_keep(before->there, err);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "--no-clobber: %.300s is there, but of that run %.300s %s (expected all its files, or none "
+        "that would be replaced)",
+        before->there, before->gone, before->how);
 }
 
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
@@ -112,6 +129,10 @@ cml_status cml_before_look(const struct cml_options *options, const struct cml_r
 {
     if (row > 0 && !options->resume) return CML_OK;
     CML_TRY(find_files(options, setup, before, err));
+    if (setup->base > 0 && options->no_clobber && before->gone)
+        return cml_fail(err, CML_E_INPUT,
+                        "--no-clobber: %.400s %s (expected that of the run that --more extends)",
+                        before->gone, before->how);
     before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before);
     const bool keeps = options->no_clobber && options->resume && options->more == 0 && setup->checkpoint;
     return keeps ? check_kept(setup, before, err) : CML_OK;

@@ -6,9 +6,10 @@
 #include "run/run.h"
 
 struct cml_before {
-    char *there,
-        *gone; /* the first of its files that is there, and the first that is not, or is empty; NULL: none */
-    bool stands; /* without a checkpoint: the result that is there says to be of this run */
+    char *there, *gone; /* the first of its files that is there, and the first that is not as a run left it;
+                           NULL: none */
+    const char *how;    /* the latter is not: "is gone" */
+    bool stands;        /* without a checkpoint: the result that is there says to be of this run */
 };
 
 /* On rank 0, of a run with its identity and surfaces; row: of a sweep, from 1, or 0. *before is the caller's

@@ -403,6 +403,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     if (!call->rows && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));
     setup->gone = options.resume ? run->before.gone : NULL;
+    setup->how_gone = run->before.how;
     setup->result_stands = run->before.stands;
     if (call->row == 0 && cml_cluster_rank() == 0)
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));

@@ -251,6 +251,12 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
+/* Of a sweep: the table of all rows. */
+static bool is_table(const struct cml_scene *scene)
+{
+    return cml_file_ends_in(scene->output, ".sweep.csv") || cml_file_ends_in(scene->output, ".sweep.h5");
+}
+
 /* Whether a result that is there may stay. With --resume that of a finished run does, and --more goes on from
  * what is there. Without a checkpoint the result says of which run it is, when the run's identity is known
  * (before.h). */
@@ -259,7 +265,6 @@ static bool stays(const struct cml_options *options, const struct cml_scene *sce
     struct cml_error ignored;
     char *path = NULL;
     bool may = false;
-    if (options->more > 0) return true;
     if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
         const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
         may = kind == CML_CHECKPOINT_FINISHED ||
@@ -269,13 +274,28 @@ static bool stays(const struct cml_options *options, const struct cml_scene *sce
     return may;
 }
 
+/* The tables of a sweep come of its rows, and are written again as they are when all of these stay. */
+static bool all_stay(const struct cml_options *options, const struct cml_scene_list *list)
+{
+    int run = 0;
+    while (run < list->count && (is_table(&list->scenes[run]) || stays(options, &list->scenes[run]))) run++;
+    return run == list->count;
+}
+
+static bool may_stay(const struct cml_options *options, const struct cml_scene_list *list, int run)
+{
+    const struct cml_scene *scene = &list->scenes[run];
+    if (options->more > 0) return true;
+    return options->sweep && is_table(scene) ? all_stay(options, list) : stays(options, scene);
+}
+
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
     for (size_t i = 0; options->no_clobber && i < outputs->count; i++) {
         const struct cml_output_file *file = &outputs->file[i];
         if (file->kind != CML_OUTPUT_CHECKPOINT && access(file->name, F_OK) == 0 &&
-            !stays(options, &list->scenes[file->run]))
+            !may_stay(options, list, file->run))
             return cml_keep(file->name, err);
     }
     return CML_OK;

@@ -259,6 +259,12 @@ def merged_strange(verdict, sound):
                "covers = 1e+18 (expected a whole number from 1": lambda file: file.attrs.modify("covers", 1e18),
                "found = 3 (expected a whole number from 1": lambda file: file.attrs.modify("found", 3.0),
                "weight[2] = nan (expected a number of a packet)": lambda file: file["weight"].write_direct(np.array([np.nan]), dest_sel=np.s_[2:3]),
+               "weight[2] = 1e+30 (expected a number of a packet)": lambda file: file["weight"].write_direct(np.array([1e30]), dest_sel=np.s_[2:3]),
+               "side[0] = 7 (expected a number of a packet)": lambda file: file["side"].write_direct(np.array([7.0]), dest_sel=np.s_[:1]),
+               "detector[1] = 77 (expected a number of a packet)": lambda file: file["detector"].write_direct(np.array([77.0]), dest_sel=np.s_[1:2]),
+               "touches[0] = 1.5 (expected a number of a packet)": lambda file: file["touches"].write_direct(np.array([1.5]), dest_sel=np.s_[:1]),
+               "index[0] = 2000 (expected one of its 2000 photons)": lambda file: file["index"].write_direct(np.array([2000.0]), dest_sel=np.s_[:1]),
+               "has no input (expected the text of its scene)": lambda file: file.attrs.__delitem__("input"),
                "has no seed": lambda file: file.attrs.__delitem__("seed"),
                "index[1] = 0 (expected numbers that rise)": lambda file: file["index"].write_direct(np.array([5.0, 0.0]), dest_sel=np.s_[:2])}
     for said, change in changes.items():

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "output/study/merge_parts.h"
 
+#include "base/text.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -166,8 +168,17 @@ static cml_status check_seeds(const struct cml_merge_input *first, const struct 
     return CML_OK;
 }
 
+/* A scene in words is no scene: of a run's .h5 its text must be there. */
+static cml_status check_origin(const struct cml_merge_input *input, struct cml_error *err)
+{
+    const struct cml_outcome *o = input->outcome;
+    if (o->merged || !cml_file_ends_in(input->name, ".h5") || (o->scene && o->scene[0])) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%.200s: has no input (expected the text of its scene)", input->name);
+}
+
 cml_status cml_merge_check(const struct cml_merge_input *inputs, int count, struct cml_error *err)
 {
+    for (int i = 0; i < count; i++) CML_TRY(check_origin(&inputs[i], err));
     for (int i = 1; i < count; i++) {
         CML_TRY(check_parameters(&inputs[0], &inputs[i], err));
         CML_TRY(check_words(&inputs[0], &inputs[i], err));

@@ -4,6 +4,7 @@
 
 #include "result/h5.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,16 +40,36 @@ struct column {
 
 /* ---- values ---- */
 
+/* The most that a weight of 32 bits, in units of 2^-31, can be. */
+#define MOST_WEIGHT 2.0
+
 /* A number of a row, or what no run writes. Where a packet has touched nothing there is no place. */
-static bool is_sound(const char *name, double value, int results)
+static bool is_sound(const char *name, double value, const struct cml_outcome *of)
 {
-    const char *const places[] = {"x", "y", "z", "deepest"}, *const directions[] = {"ux", "uy", "uz"};
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-        if (strcmp(name, places[i]) == 0) return !isinf(value);
-    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++)
-        if (strcmp(name, directions[i]) == 0) return fabs(value) <= 1 + 1e-6;
-    if (strcmp(name, RESULT) == 0) return value >= 1 && value <= results && value == floor(value);
-    return value >= 0 && value < INFINITY;
+    const struct {
+        const char *names;
+        double least, most;
+        bool whole, none; /* none: NAN, too */
+    } kinds[] = {{" x y z deepest ", -DBL_MAX, DBL_MAX, false, true},
+                 {" ux uy uz ", -1 - 1e-6, 1 + 1e-6, false, false},
+                 {" weight ", 0, MOST_WEIGHT, false, false},
+                 {" side ", 0, 2, true, false},
+                 {" detector ", 0, of->num_detectors, true, false},
+                 {" touches interactions ", 0, UINT32_MAX, true, false},
+                 {" " RESULT " ", 1, of->num_streams, true, false}};
+    char word[72];
+    size_t i = 0;
+    snprintf(word, sizeof word, " %s ", name);
+    while (i < sizeof kinds / sizeof *kinds && !strstr(kinds[i].names, word)) i++;
+    if (i == sizeof kinds / sizeof *kinds) return value >= 0 && value < INFINITY;
+    if (isnan(value)) return kinds[i].none;
+    return value >= kinds[i].least && value <= kinds[i].most && !(kinds[i].whole && value != floor(value));
+}
+
+/* Photons of each beam count from a multiple of 2^48 on. */
+static bool is_index(double value, const struct cml_outcome *of)
+{
+    return value >= 0 && value < 0x1p63 && value == floor(value) && fmod(value, 0x1p48) < (double)of->photons;
 }
 
 static cml_status read_piece(const struct column *column, struct part *part, size_t begin, size_t count,
@@ -58,7 +79,7 @@ static cml_status read_piece(const struct column *column, struct part *part, siz
     const bool result = strcmp(column->name, RESULT) == 0;
     if (array) CML_TRY(cml_hdf5_array_read(&part->arrays, array, begin, count, out, err));
     for (size_t i = 0; array && i < count; i++)
-        if (!is_sound(column->name, out[i], part->of->num_streams))
+        if (!is_sound(column->name, out[i], part->of))
             return cml_fail(err, CML_E_INPUT, "%.400s: %s[%zu] = %g (expected a number of a packet)",
                             part->arrays.file.path, column->name, begin + i, out[i]);
     for (size_t i = 0; result && i < count; i++) out[i] = part->results + (array ? out[i] : 1);
@@ -137,6 +158,17 @@ static cml_status open_part(const struct cml_merge_input *input, struct joined *
     return check_arrays(all, part, err);
 }
 
+static cml_status check_index(const struct part *part, const double *index, size_t i, struct cml_error *err)
+{
+    const char *path = part->arrays.file.path;
+    if (!is_index(index[i], part->of))
+        return cml_fail(err, CML_E_INPUT, "%.400s: index[%zu] = %.17g (expected one of its %.0f photons)",
+                        path, i, index[i], (double)part->of->photons);
+    if (i == 0 || part->of->num_streams > 1 || index[i] >= index[i - 1]) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%.400s: index[%zu] = %g (expected numbers that rise)", path, i,
+                    index[i]);
+}
+
 static cml_status join_indices(struct joined *all, struct cml_error *err)
 {
     all->index = malloc((all->rows + 1) * sizeof *all->index);
@@ -145,11 +177,7 @@ static cml_status join_indices(struct joined *all, struct cml_error *err)
         const struct part *part = &all->part[k];
         if (part->count == 0) continue;
         const struct cml_axis *axis = cml_hdf5_arrays_find(&part->arrays, "weight")->field.axis[0];
-        for (size_t i = 0; i < part->count; i++)
-            if (!(axis->values[i] >= 0 && axis->values[i] < 0x1p63) ||
-                (i > 0 && part->of->num_streams == 1 && !(axis->values[i] >= axis->values[i - 1])))
-                return cml_fail(err, CML_E_INPUT, "%.400s: index[%zu] = %g (expected numbers that rise)",
-                                part->arrays.file.path, i, axis->values[i]);
+        for (size_t i = 0; i < part->count; i++) CML_TRY(check_index(part, axis->values, i, err));
         memcpy(all->index + part->begin, axis->values, part->count * sizeof *all->index);
         all->axis = *axis;
     }

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "run/cluster.h"
 
+#include "base/print_line.h"
 #include "base/version.h"
 #include "cli/command.h"
 #include "cli/options/help.h"
@@ -75,7 +76,9 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
 /* The only place that prints an error. */
 static void complain(cml_status status, const struct cml_error *err)
 {
-    if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err->text);
+    if (status == CML_OK) return;
+    fputs("clustermcml: ", stderr);
+    cml_print_line(stderr, err->text);
 }
 
 /* A file that is opened while one of the three is closed would get its number, and what is meant for the

@@ -39,6 +39,7 @@ expect_error 2 "--photons 0 (expected a whole number from 1 to 281474976710656)"
 expect_error 2 "--photons 1.5 (expected a whole number from 1 to 281474976710656)" $sample --photons 1.5
 expect_error 2 "--photons many (expected a whole number from 1 to 281474976710656)" $sample --photons many
 expect_error 2 "--seed -1 (expected a whole number from 0 to 9007199254740992)" $sample --seed -1
+expect_error 2 '--seed \xff\xc2\x9b31m\xe2\x80\xaeé (expected a whole number from 0 to 9007199254740992)' $sample --seed "$(printf '\377\302\23331m\342\200\256\303\251')"
 expect_error 2 "--threads 0 (expected a whole number from 1 to 4096)" $sample --threads 0
 expect_error 2 "--engine gpu (expected cpu, reference or opencl)" $sample --engine gpu
 expect_error 2 "--boundaries round (expected one of plane cone mesh auto)" $sample --boundaries round

@@ -8,6 +8,7 @@
 #include "input/sweep/sweep_table.h"
 #include "run/launcher.h"
 #include "output/report.h"
+#include "base/print_line.h"
 #include "base/text.h"
 #include "scene/body/body_place.h"
 
@@ -41,7 +42,8 @@ void cml_show_note(void *context, const char *text)
     (void)context;
     char who[32] = "";
     if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
-    fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
+    fprintf(stderr, "clustermcml: note: %s", who);
+    cml_print_line(stderr, text);
 }
 
 /* Shows a note of the reader on rank 0 alone, as all ranks read the same. */

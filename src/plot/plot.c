@@ -77,6 +77,14 @@ static bool is_gap(const struct drawing *d, double y)
     return !(y > 0 || (linear(d) && y == 0));
 }
 
+/* Letters of a name without the ending of a result. */
+static int stem_of(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const bool ends = dot && dot != name && (strcmp(dot, ".mco") == 0 || strcmp(dot, ".h5") == 0);
+    return ends && dot - name < 40 ? (int)(dot - name) : 40;
+}
+
 /* "a, b, c and 4 more": the output names that the scenes carry. */
 static void write_title(const struct drawing *d)
 {
@@ -86,10 +94,8 @@ static void write_title(const struct drawing *d)
     const int named = plot->num_results <= 4 ? plot->num_results : 3;
     for (int i = 0; i < named; i++) {
         const char *scene = cml_plot_base_name(plot->results[i].output ? plot->results[i].output : "?");
-        const char *end = strstr(scene, ".mco");
-        const int length = end && end != scene && end - scene < 40 ? (int)(end - scene) : 40;
-        used +=
-            (size_t)snprintf(title + used, sizeof title - used, "%s%.*s", i > 0 ? ", " : "", length, scene);
+        used += (size_t)snprintf(title + used, sizeof title - used, "%s%.*s", i > 0 ? ", " : "",
+                                 stem_of(scene), scene);
     }
     if (named < plot->num_results)
         snprintf(title + used, sizeof title - used, " and %d more", plot->num_results - named);

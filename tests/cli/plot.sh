@@ -61,6 +61,14 @@ for text in "'at both ends'" "''two'' '''three'''" "'" "a \"quoted\" word\"" 'ba
 done
 test ! -e "$work/called" || complain "a caption was run as a command"
 
+# The title is the scene's name, without an ending of results.
+if "$program" --version | grep -q "HDF5 yes"; then
+    sed 's/^fig5.mco A/fig5.h5 B/' samples/fig5.mci >"$work/fig5.mci"
+    expect_code 0 "$work/fig5.mci" --photons 1000 --quiet -o "$work"
+    expect_code 0 plot "$work/fig5.h5" -o "$work/text.svg"
+    grep -q '>fig5</text>' "$work/text.svg" || complain "the title of an .h5: $(grep -o '>fig5[^<]*<' "$work/text.svg")"
+fi
+
 # But for what XML does not have: the end of CDATA, controls, halves of surrogates, characters too long or beyond the last.
 while read -r bytes drawn; do
     text=$(printf "$bytes") drawn=$(printf "$drawn")

@@ -446,6 +446,8 @@ class Runs(unittest.TestCase):
         closed = mc.Mesh(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces=[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
         with self.assertRaisesRegex(mc.InputError, "^Scene: boundary 0: its surface: the mesh is a closed body"):
             mc.run(mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=2, top=closed)]))
+        with self.assertRaisesRegex(mc.InputError, "^--set: layer2.mua = 1 .expected a name that the Scene knows: photons, "):
+            mc.run(mc.Scene([SLAB]), set={"layer2.mua": 1})
         with self.assertRaisesRegex(mc.InputError, "^parameters: column 1, layer1.mua = -1.0 .expected"):
             mc.sweep(mc.Scene([SLAB]), {"layer1.mua": [1, -1]})
 

@@ -242,7 +242,11 @@ def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
             scene.write(path, OWN)
         except OSError as error:
             raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
-        yield path
+        try:
+            yield path
+        except errors.ClustermcmlError as error:  # no line of a file that the caller has never seen
+            error.args = (re.sub(r"the run in line \d+", "the Scene", str(error)),)
+            raise
 
 
 def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:

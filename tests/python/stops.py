@@ -23,7 +23,7 @@ class Stops(unittest.TestCase):
     def interrupted(self, number):
         """Exit code and words of a Python process that gets this signal behind the first checkpoint of a run that it flies."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
-                  "mc.run(sys.argv[2], photons=1.5e6, threads=1, checkpoint=0.1, output_dir=sys.argv[3])")
+                  "mc.run(sys.argv[2], photons=8e5, threads=1, checkpoint=0.1, output_dir=sys.argv[3])")
         process = subprocess.Popen([sys.executable, "-c", script, sys.path[0], os.path.join(TOP, "samples", "thick.mci"), self.folder],
                                    stderr=subprocess.PIPE, text=True)
         checkpoint = os.path.join(self.folder, "thick.mco.checkpoint")
@@ -40,20 +40,26 @@ class Stops(unittest.TestCase):
         self.assertEqual(self.interrupted(signal.SIGTERM), (143, ""))
         os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
         self.assertIn("KeyboardInterrupt", self.interrupted(signal.SIGINT)[1])
-        resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.5e6, resume=True, output_dir=self.folder)
-        self.assertEqual(resumed.photons, 1500000)
-        xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.5e6))
+        resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5, resume=True, output_dir=self.folder)
+        self.assertEqual(resumed.photons, 800000)
+        xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5))
 
     def test_a_program_that_is_stopped(self):
         """SIGTERM to the program, not to Python: it says so, and how to go on."""
-        def starts_and_is_stopped(*arguments):
-            process = _start(*arguments)
-            threading.Thread(target=lambda: (time.sleep(0.5), process.terminate())).start()
+        def starts_and_is_stopped(words, *rest):
+            process = _start(words, *rest)
+            sign = os.path.join(words[words.index("-o") + 1], "thick.lock" if "off" in words else "thick.mco.checkpoint")
+
+            def stop():
+                while not os.path.exists(sign) and process.poll() is None:
+                    time.sleep(0.02)
+                process.terminate()
+            threading.Thread(target=stop).start()
             return process
 
         scene = os.path.join(TOP, "samples", "thick.mci")
-        for options, text in (({"output_dir": self.folder}, f"resume=True continues from {self.folder}/thick.mco.checkpoint$"),
-                              ({}, "run and sweep keep a checkpoint in output_dir, from which resume=True continues$"),
+        for options, text in (({"checkpoint": 0.1, "output_dir": self.folder}, f"resume=True continues from {self.folder}/thick.mco.checkpoint$"),
+                              ({"checkpoint": 0.1}, "run and sweep keep a checkpoint in output_dir, from which resume=True continues$"),
                               ({"checkpoint": "off"}, "^clustermcml was ended by SIGTERM$")):
             with unittest.mock.patch("clustermcml.program._start", starts_and_is_stopped), self.assertRaisesRegex(mc.ClustermcmlError, text):
                 mc.run(scene, photons=1e8, threads=1, **options)

@@ -205,7 +205,8 @@ static cml_status write_image(const struct cml_report *report, bool volume, cons
         cml_add_volume_fields(&list);
     else
         fill_map(&list);
-    const cml_status status = cml_vti_write(path, &image, list.fields, list.num_fields, err);
+    const cml_status status =
+        cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
     cml_field_list_free(&list);
     return status;
 }
@@ -223,7 +224,8 @@ static cml_status write_picture(const struct cml_report *report, int k, const ch
     struct cml_field_list list;
     CML_TRY(cml_field_list_create(report, &list, err));
     cml_add_detector_fields(&list, k);
-    const cml_status status = cml_vti_write(path, &image, list.fields, list.num_fields, err);
+    const cml_status status =
+        cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
     cml_field_list_free(&list);
     return status;
 }
@@ -239,7 +241,7 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
         cml_add_facet_fields(&list, b, "", per_facet);
-        status = cml_vtp_write(path, &faces, list.fields, list.num_fields, err);
+        status = cml_vtp_write(path, report->identity, &faces, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
     cml_report_faces_free(&faces);
@@ -254,7 +256,7 @@ static cml_status write_bodies(const struct cml_report *report, const char *path
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
         cml_add_body_face_fields(&list, &drawn);
-        status = cml_vtp_write(path, &drawn.faces, list.fields, list.num_fields, err);
+        status = cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
     cml_report_body_faces_free(&drawn);

@@ -168,9 +168,11 @@ harmed 'is of another run' 'sed "s/Identity: ..../Identity: abcd/" "$work/whole"
 if test -e "$work/many/many_saved.photons.h5"; then
     mkdir "$work/strange"
     expect_code 0 "$work/many.mci" --seed 2 --quiet -o "$work/strange"
-    cp "$work/strange/many_saved.photons.h5" "$work/many"
-    expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
-    grep -q "its result many_saved.photons.h5 is of another run: it is written again" "$work/err" || complain "no word of strange packets: $(cat "$work/err")"
+    for name in many_saved.photons.h5 many.map.vti many.boundary0.vtp; do
+        cp "$work/strange/$name" "$work/many"
+        expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
+        grep -q "its result $name is of another run: it is written again" "$work/err" || complain "no word of a strange $name: $(cat "$work/err")"
+    done
 fi
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"

@@ -4,6 +4,7 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "cli/load/scenes.h"
+#include "output/files/vtk.h"
 #include "output/report.h"
 #include "result/h5.h"
 #include "run/identity.h"
@@ -45,25 +46,24 @@ static const char *fault_of_result(const char *identity, const struct cml_report
     struct cml_outcome found;
     struct cml_error ignored;
     char sum[CML_IDENTITY_SUM];
+    cml_identity_sum(identity, sum);
+    if (file->content > CML_FILE_SAVED)
+        return cml_vtk_has_comment(file->path, sum) ? NULL : "is of another run";
     if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
         return "is no whole result";
-    cml_identity_sum(identity, sum);
     const bool whole = saved || (!found.damage && found.value[CML_QUANTITY_lost]),
                own = strcmp(found.identity, sum) == 0;
     cml_outcome_clear(&found);
     return !whole ? "is no whole result" : own ? NULL : "is of another run";
 }
 
-/* A directory, or a file that a full disk has left empty, is nothing that a run has written. Of VTK's files
- * nobody knows whose they are. */
+/* A directory, or a file that a full disk has left empty, is nothing that a run has written. */
 static const char *fault_of(const struct looking *looking, const struct cml_report_file *file)
 {
     struct stat about;
     if (stat(file->path, &about) != 0) return "is gone";
     if (!S_ISREG(about.st_mode) || about.st_size == 0) return "is empty";
-    return (looking->resumes || looking->extends) && file->content <= CML_FILE_SAVED
-               ? fault_of_result(looking->identity, file)
-               : NULL;
+    return looking->resumes || looking->extends ? fault_of_result(looking->identity, file) : NULL;
 }
 
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)

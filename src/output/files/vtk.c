@@ -7,6 +7,10 @@
 #include "base/text.h"
 
 #include <inttypes.h>
+#include <string.h>
+
+#define FIRST_LINE "<?xml version=\"1.0\"?>\n"
+#define COMMENT "<!-- run %s -->\n"
 
 /* One array of the appended data: its description goes into the header, with the place of its bytes. */
 struct layout {
@@ -60,12 +64,14 @@ static void put_field(FILE *out, const struct cml_field *field)
 }
 
 /* Numbers are in this machine's byte order, and the header says which that is. */
-static void begin_file(FILE *out, const char *type)
+static void begin_file(FILE *out, const char *type, const char *comment)
 {
     const uint16_t one = 1;
     const bool little = *(const unsigned char *)&one == 1;
+    fputs(FIRST_LINE, out);
+    if (comment[0]) fprintf(out, COMMENT, comment);
     fprintf(out,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" "
+            "<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" "
             "header_type=\"UInt64\">\n  <%s",
             type, little ? "LittleEndian" : "BigEndian", type);
 }
@@ -83,8 +89,8 @@ static cml_status end_file(struct cml_file *file, struct cml_error *err)
 
 /* The extent counts points between cells: n cells from 0 to n. An extent of 0 in z is a flat image, whose
  * cells are pixels. */
-cml_status cml_vti_write(const char *path, const struct cml_image *image, const struct cml_field *fields,
-                         int num_fields, struct cml_error *err)
+cml_status cml_vti_write(const char *path, const char *comment, const struct cml_image *image,
+                         const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     struct cml_file file;
     CML_TRY(cml_file_create(path, &file, err));
@@ -92,7 +98,7 @@ cml_status cml_vti_write(const char *path, const struct cml_image *image, const 
     char extent[96];
     struct layout layout = {.out = out};
     snprintf(extent, sizeof extent, "0 %zu 0 %zu 0 %zu", image->n[0], image->n[1], image->n[2]);
-    begin_file(out, "ImageData");
+    begin_file(out, "ImageData", comment);
     fprintf(out, " WholeExtent=\"%s\" Origin=\"%.17g %.17g %.17g\" Spacing=\"%.17g %.17g %.17g\">\n", extent,
             image->origin[0], image->origin[1], image->origin[2], image->spacing[0], image->spacing[1],
             image->spacing[2]);
@@ -130,14 +136,14 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
 }
 
 /* Points in 64 bits: a small facet far from the axis would lose its shape in 32. */
-cml_status cml_vtp_write(const char *path, const struct cml_faces *faces, const struct cml_field *fields,
-                         int num_fields, struct cml_error *err)
+cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
+                         const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     struct cml_file file;
     CML_TRY(cml_file_create(path, &file, err));
     FILE *out = file.stream;
     struct layout layout = {.out = out};
-    begin_file(out, "PolyData");
+    begin_file(out, "PolyData", comment);
     fprintf(out, ">\n    <Piece NumberOfPoints=\"%zu\" NumberOfPolys=\"%zu\">\n", faces->num_points,
             faces->num_faces);
     describe_faces(&layout, faces);
@@ -146,4 +152,15 @@ cml_status cml_vtp_write(const char *path, const struct cml_faces *faces, const 
     put_faces(out, faces);
     for (int i = 0; i < num_fields; i++) put_field(out, &fields[i]);
     return end_file(&file, err);
+}
+
+bool cml_vtk_has_comment(const char *path, const char *comment)
+{
+    char expected[128], found[sizeof expected];
+    FILE *in = fopen(path, "rb");
+    if (!in) return false;
+    snprintf(expected, sizeof expected, FIRST_LINE COMMENT, comment);
+    const size_t length = strlen(expected), count = fread(found, 1, length, in);
+    fclose(in);
+    return count == length && memcmp(found, expected, length) == 0;
 }

@@ -25,10 +25,14 @@ struct cml_faces {
 };
 
 /* cml_vti_write and cml_vtp_write write atomically (atomic_file.h); CML_E_IO on failure. A field has as many
- * values as there are cells, or a multiple: then so many components per cell, the component fastest. */
-CML_NODISCARD cml_status cml_vti_write(const char *path, const struct cml_image *image,
+ * values as there are cells, or a multiple: then so many components per cell, the component fastest.
+ * comment: some letters and digits for the second line, which says of which run the file is; "": none. */
+CML_NODISCARD cml_status cml_vti_write(const char *path, const char *comment, const struct cml_image *image,
                                        const struct cml_field *fields, int num_fields, struct cml_error *err);
-CML_NODISCARD cml_status cml_vtp_write(const char *path, const struct cml_faces *faces,
+CML_NODISCARD cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
                                        const struct cml_field *fields, int num_fields, struct cml_error *err);
+
+/* Whether a file begins as these with that comment. */
+bool cml_vtk_has_comment(const char *path, const char *comment);
 
 #endif

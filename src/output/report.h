@@ -81,9 +81,6 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_gr
 /* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);
 
-/* Whether a run of it leaves its result alone: an .mco, or by its format an .h5. */
-bool cml_report_is_one_file(const struct cml_scene *scene);
-
 /* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
  * caller's to free; CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,

@@ -36,11 +36,6 @@ bool cml_report_wants_fields(const struct cml_scene *scene)
     return scene->format == 'B' || has_pictures(scene);
 }
 
-bool cml_report_is_one_file(const struct cml_scene *scene)
-{
-    return !has_pictures(scene) && scene->saved.limit == 0;
-}
-
 /* All files of a run share the stem, whichever of them the user named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {

@@ -177,6 +177,9 @@ fi
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"
 grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"
+rm "$work/many/many.mco.checkpoint" # all its files say that they are of this run
+expect_code 0 "$work/many.mci" --resume --no-clobber -o "$work/many"
+grep -q '^  finished before$' "$work/out" || complain "all files are there, and no checkpoint: $(cat "$work/out" "$work/err")"
 
 # The object of a finished run names files where they are now, in a folder that was moved, and is the same else.
 mkdir "$work/there"

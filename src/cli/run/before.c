@@ -94,13 +94,12 @@ static cml_status find_files(const struct cml_options *options, const struct cml
     return status;
 }
 
-/* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result, and
- * of files beside it nobody knows whose they are. */
+/* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result. */
 static bool result_stands(const struct cml_options *options, const struct cml_run_setup *setup,
                           const struct cml_before *before)
 {
     return options->resume && !options->json && !options->keep && before->there && !before->gone &&
-           !has_checkpoint(setup->checkpoint) && cml_report_is_one_file(setup->scene);
+           !has_checkpoint(setup->checkpoint);
 }
 
 /* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.

@@ -267,8 +267,7 @@ static bool stays(const struct cml_options *options, const struct cml_scene *sce
     bool may = false;
     if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
         const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
-        may = kind == CML_CHECKPOINT_FINISHED ||
-              (kind == CML_CHECKPOINT_NONE && !options->sweep && cml_report_is_one_file(scene));
+        may = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
     }
     free(path);
     return may;

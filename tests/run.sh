@@ -20,7 +20,7 @@ if test $# -gt 0; then
     exec ctest --test-dir build $by "^$1\$" --no-tests=error --output-on-failure -j2
 fi
 cmake --build build --parallel 2 --target all benches
-ctest --test-dir build -LE long --output-on-failure -j3 # many wait for files
+ctest --test-dir build -LE long --output-on-failure -j4 # many wait for files
 
 CC=clang CXX=clang++ cmake --preset asan >/dev/null
 cmake --build build-asan --parallel 2 --target clustermcml units fuzzers

@@ -77,9 +77,9 @@ def version(mmc):
     return found.group(1) if found else "?"
 
 
-def fly_mmc(mmc, stem, photons, seed):
+def fly_mmc(mmc, stem, photons, seed, tracer=TRACER):
     """(photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed it."""
-    line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", TRACER, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
+    line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
                "-d", "0", "-n", str(photons), "-E", str(seed)]
     text, _, disturbed = runs.run_alone(line, os.path.dirname(stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
     rate, absorbed = (re.search(pattern, plain(text)) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))

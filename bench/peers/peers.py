@@ -146,7 +146,7 @@ def prepare(scene, program, their_mmc, shared):
     scene.write_mmc(program)
     alike = [option for option in mmc.ALIKE if option != "--no-reentry"]
     ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 200000),
-            *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, tracer, photons, seed), 40000)
+            *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, photons, seed, tracer), 40000)
               for tracer in TRACERS)]
     if not shared:
         scene.write_mitsuba()

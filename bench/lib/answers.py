@@ -102,11 +102,11 @@ def answers():
     yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
     yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082"),
            "python3 bench/peers/mmc.py --mmc PATH", "4", "")
-    yield ("And below an overhang?", "%s (A) and %s (S6a) times MMC's B, %s and %s its S" % tuple(
+    yield ("And below an overhang?", "%s (A) and %s (S6a) times MMC's B, %s and %s its S, %s and %s Mitsuba" % tuple(
         cells("peers/results/peers-shared-amd-epyc-2core.md", "overhang", medium)[column].split()[0]
-        for column in (12, 11) for medium in ("A", "S6a")), "python3 bench/peers/peers.py --mmc PATH --shared --only overhang", "5", "")
+        for column in (15, 14, 17) for medium in ("A", "S6a")), "python3 bench/peers/peers.py --mmc PATH --shared --only overhang", "3", "")
     yield ("What do MMC and Mitsuba 3 say of any mesh?", "of %d shares MMC's S is %s errors off, its B %s, Mitsuba %s at most" % farthest(
-        "peers/results/peers-amd-epyc-2core.md", (7, 9, 12)), "python3 bench/peers/peers.py --mmc PATH", "15", "")
+        "peers/results/peers-shared-amd-epyc-2core.md", (7, 9, 12)), "python3 bench/peers/peers.py --mmc PATH --shared", "15", "")
     yield ("What does MMC say of a vessel?", "the same: %s errors apart" % cells(
         "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
     yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),

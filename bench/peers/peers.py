@@ -6,8 +6,8 @@ Eight shapes, each in four media, on one thread: ours without re-entry beside MM
 by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
 others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
 difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
-in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only; --shared: on a machine that others use, beside MMC
-only, by user seconds less those of a start, nothing is repeated. bench/peers/README.md says more.
+in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only; --shared: on a machine that others use, by user
+seconds less those of a start, nothing is repeated, Mitsuba only if there. bench/peers/README.md says more.
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -56,17 +56,18 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 class Way:
     """One program with its options on one scene: fly(photons, seed) gives (photons per second, absorbed share, disturbed); with `start`,
-    the user seconds of few photons, a second is one of the program's own."""
+    the user seconds of few photons, a second is one of the program's own; own_clock: as its fly counts them."""
 
-    def __init__(self, name, fly, pilot):
-        self.name, self.fly_once, self.photons, self.runs, self.start = name, fly, pilot, [], None
+    def __init__(self, name, fly, pilot, own_clock=False):
+        self.name, self.fly_once, self.photons, self.own_clock, self.runs, self.start = name, fly, pilot, own_clock, [], None
 
     def fly(self, photons, seed):
         rate, absorbed, disturbed = self.fly_once(photons, seed)
         return (rate, absorbed, disturbed) if self.start is None else ((photons - FEW) / (runs.spent - self.start), absorbed, False)
 
     def find_start(self):
-        self.start = min((self.fly_once(FEW, seed), runs.spent)[1] for seed in (1, 2))
+        if not self.own_clock:
+            self.start = min((self.fly_once(FEW, seed), runs.spent)[1] for seed in (1, 2))
 
     def calibrate(self, seconds):
         """A pilot on a shared machine must be long beside what its start takes now and then."""
@@ -142,15 +143,15 @@ def fly_mitsuba(scene):
     return fly
 
 
-def prepare(scene, program, their_mmc, shared):
+def prepare(scene, program, their_mmc, mitsuba):
     scene.write_mmc(program)
     alike = [option for option in mmc.ALIKE if option != "--no-reentry"]
     ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 200000),
             *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, photons, seed, tracer), 40000)
               for tracer in TRACERS)]
-    if not shared:
+    if mitsuba:
         scene.write_mitsuba()
-        ways += [Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 200000), Way("Mitsuba", fly_mitsuba(scene), 10000)]
+        ways += [Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 200000), Way("Mitsuba", fly_mitsuba(scene), 10000, True)]
     scene.ways = {way.name: way for way in ways}
 
 
@@ -208,14 +209,13 @@ def how(rounds, disturbed, quick, shared):
     return text + ("; user seconds, on a machine that others use" if shared else "; disturbed by others: %d of our runs, %d of theirs" % disturbed)
 
 
-def report(program, their_mmc, scenes, rounds, quick, shared):
+def report(program, their_mmc, scenes, rounds, quick, shared, mitsuba):
     disturbed = tuple(sum(run[2] for scene in scenes for name, way in scene.ways.items() if name.startswith("ours") == mine for run in way.runs)
                       for mine in (True, False))
-    mitsuba = "" if shared else "; Mitsuba %s" % importlib.metadata.version("mitsuba")
-    yield tables.measured(tables.machine(program, rounds)) + "; MMC %s%s; %s." % (
-        mmc.version(their_mmc), mitsuba, how(rounds, disturbed, quick, shared))
+    versions = mmc.version(their_mmc) + ("; Mitsuba %s" % importlib.metadata.version("mitsuba") if mitsuba else "")
+    yield tables.measured(tables.machine(program, rounds)) + "; MMC %s; %s." % (versions, how(rounds, disturbed, quick, shared))
     yield ""
-    titles, speeds = (TITLES, SPEEDS) if shared else (TITLES + MITSUBA_TITLES, SPEEDS + MITSUBA_SPEEDS)
+    titles, speeds = (TITLES, SPEEDS) if not mitsuba else (TITLES + MITSUBA_TITLES, SPEEDS + MITSUBA_SPEEDS)
     yield from tables.table(titles + (() if quick else speeds), [row(scene, quick) for scene in scenes])
     yield ""
     yield "More than %d errors apart: %s." % (BROKEN, "; ".join(broken(scenes)) or "none")
@@ -228,7 +228,8 @@ def main():
     parser.add_argument("--shared", action="store_true")
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
-    if not arguments.shared and not importlib.util.find_spec("mitsuba"):
+    mitsuba = bool(importlib.util.find_spec("mitsuba"))
+    if not arguments.shared and not mitsuba:
         parser.error("mitsuba is missing: pip install mitsuba")
     if not shutil.which("tetgen"):
         parser.error("tetgen is missing")
@@ -240,7 +241,7 @@ def main():
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
         scenes = [Scene(shape, medium, work) for shape in command.only(arguments.only, SHAPES, parser) for medium in MEDIA]
         for scene in scenes:
-            prepare(scene, program, arguments.mmc, arguments.shared)
+            prepare(scene, program, arguments.mmc, mitsuba)
             for way in scene.ways.values():
                 if arguments.shared:
                     way.find_start()
@@ -250,7 +251,7 @@ def main():
             for seed, scene in list(enumerate(scenes, index * len(scenes) + 1))[::1 if index % 2 == 0 else -1]:
                 for way in scene.ways.values():
                     way.runs.append(way.fly(way.photons, seed))
-        lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick, arguments.shared))
+        lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick, arguments.shared, mitsuba))
     tables.keep(os.path.join(arguments.out, "peers-shared.md" if arguments.shared else "peers.md"), lines)
 
 

@@ -71,6 +71,12 @@ for mua in 60000:"note: A_z of 1 of 2 rows comes of fewer than 100 effective pac
     grep -qF "${mua#*:}" "$work/err" || complain "dark row: $(cat "$work/err")"
 done
 
+# Means of many detectors, media and rows would take too much.
+awk 'FNR == 5 { for (i = 0; i < 100; i++) print "detector disk 0.1" } { print } /^1.37/ { for (i = 0; i < 1000; i++)
+    print "i sphere", i % 25 * 0.01, int(i / 25) * 0.01, 0.025, 0.004, 1.37, 1, 50, 0.8 }' "$work/two.mci" | sed 's/^20000$/10/' >"$work/many.mci"
+expect_code 0 "$work/many.mci" --sweep "$work/seen.csv" --reweight -o "$work/three" --quiet --ignore-absorption
+grep -qF "note: no means of detectors of rows: 2 of 100 detectors and 1004 media take 5.14e+07" "$work/err" || complain "means: $(cat "$work/err")"
+
 # --json: one object a row, in the order of the table.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --json
 test "$(sed 's/.*"row":\([0-9]*\),.*"residue":\([0-9.]*\)[,}].*/\1:\2/' "$work/out" | tr '\n' ' ')" = "1:0.0 2:0.0 3:0.0 4:0.0 5:0.0 6:0.0 " ||

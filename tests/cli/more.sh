@@ -194,8 +194,17 @@ for output in thick.h5 thick.mco; do
     mv "$work/moved" "$work/there"
 done
 
+# Tallies that would be lost are told, or kept.
+mkdir "$work/tallies"
+expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/tallies"
+rm "$work/tallies/thick.mco"
+expect_error 2 "--no-clobber: $work/tallies/thick.mco.checkpoint is there, of a finished run with its tallies (expected --more or --resume, or none)" \
+    samples/thick.mci --photons 50 --no-clobber --quiet -o "$work/tallies"
+expect_code 0 samples/thick.mci --photons 50 -o "$work/tallies"
+grep -q "begins anew, and its tallies go$" "$work/err" || complain "no word of tallies that go: $(cat "$work/err")"
+
 expect_code 0 samples/thick.mci --photons 200 -o "$work"
-grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
+grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew$" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"
 
 # What is replaced is told, with its photons, or kept.

@@ -26,6 +26,8 @@ for signal in TERM HUP USR1 USR2 XCPU; do
         "$work/err" || complain "SIG$signal: $(cat "$work/err")"
     test "$(echo "$work"/thick*)" = "$work/thick.mco.checkpoint" || complain "SIG$signal: $(ls "$work")"
 done
+expect_error 2 "--no-clobber: $work/thick.mco.checkpoint is there, of a run that was stopped (expected --resume, which goes on, or none)" \
+    $scene --photons 1000 --no-clobber --quiet -o "$work"
 # A shell's background jobs ignore SIGINT, and what was ignored stays ignored: so by way of another parent.
 python3 - "$program" "$work" <<'E2' || complain "SIGINT"
 import signal, subprocess, sys, time

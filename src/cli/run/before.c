@@ -123,10 +123,23 @@ static cml_status check_kept(const struct cml_run_setup *setup, const struct cml
         before->there, before->gone, before->how);
 }
 
+/* With --no-clobber alone: a checkpoint that would be overwritten may hold hours of flight. */
+static cml_status keep_checkpoint(const char *path, struct cml_error *err)
+{
+    const struct cml_checkpoint_about about = cml_checkpoint_look(path);
+    const bool stopped = about.kind == CML_CHECKPOINT_PARTIAL;
+    if (!stopped && !about.tallies) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--no-clobber: %.400s is there, of a %s", path,
+                    stopped ? "run that was stopped (expected --resume, which goes on, or none)"
+                            : "finished run with its tallies (expected --more or --resume, or none)");
+}
+
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
     if (row > 0 && !options->resume) return CML_OK;
+    if (setup->checkpoint && options->no_clobber && !options->resume && options->more == 0)
+        CML_TRY(keep_checkpoint(setup->checkpoint, err));
     CML_TRY(find_files(options, setup, before, err));
     if (setup->base > 0 && options->no_clobber && before->gone)
         return cml_fail(err, CML_E_INPUT,
@@ -157,13 +170,14 @@ static void note_no_checkpoint(const char *path)
 }
 
 /* Notes a checkpoint that will be overwritten, which may not be what the user wants. */
-static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
+static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind, bool tallies)
 {
     char text[512];
     if (kind == CML_CHECKPOINT_NONE) return;
     if (kind == CML_CHECKPOINT_FINISHED)
-        snprintf(text, sizeof text, "%.400s is of a finished run; without --more or --resume it begins anew",
-                 path);
+        snprintf(text, sizeof text,
+                 "%.400s is of a finished run; without --more or --resume it begins anew%s", path,
+                 tallies ? ", and its tallies go" : "");
     else
         snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew",
                  path);
@@ -216,8 +230,10 @@ void cml_before_note(const struct cml_options *options, const struct cml_run_set
 {
     const char *path = setup->checkpoint;
     const bool resume = options->resume;
-    const enum cml_checkpoint_kind kind = path ? cml_checkpoint_look(path).kind : CML_CHECKPOINT_NONE;
-    if (path && !resume) note_old_checkpoint(path, kind);
+    const struct cml_checkpoint_about about =
+        path ? cml_checkpoint_look(path) : (struct cml_checkpoint_about){.kind = CML_CHECKPOINT_NONE};
+    const enum cml_checkpoint_kind kind = about.kind;
+    if (path && !resume) note_old_checkpoint(path, kind, about.tallies);
     if (row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || before->stands) return;
     if (path && resume) note_no_checkpoint(path);
     note_dark_beams(setup->scene, setup->photons);

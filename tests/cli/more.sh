@@ -174,6 +174,13 @@ if test -e "$work/many/many_saved.photons.h5"; then
         grep -q "its result $name is of another run: it is written again" "$work/err" || complain "no word of a strange $name: $(cat "$work/err")"
     done
 fi
+for name in many.map.vti many.boundary0.vtp; do
+    cp "$work/many/$name" "$work/whole"
+    head -c -1 "$work/whole" >"$work/many/$name"
+    expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
+    grep -q "its result $name is no whole result: it is written again" "$work/err" || complain "no word of a cut $name: $(cat "$work/err")"
+    cmp -s "$work/whole" "$work/many/$name" || complain "a cut $name: other bytes"
+done
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"
 grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"

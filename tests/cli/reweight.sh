@@ -19,7 +19,7 @@ mkdir "$work/one" "$work/three" "$work/reference" "$work/own" "$work/stopped" "$
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/one" --threads 1
 grep -q ': 6 rows of .* in 3 flights$' "$work/out" || complain "flights: $(cat "$work/out")"
 test "$(cat "$work/err")" = "clustermcml: note: Tt of 1 of 4 rows comes of fewer than 100 effective packets, that of row 6 of $(sed -n \
-    's/.*row 6 of \([0-9]*\):.*/\1/p' "$work/err"): there its standard error is rough" || complain "note: $(cat "$work/err")"
+    's/.*row 6 of \([0-9]*\) packets:.*/\1/p' "$work/err") packets: there its standard error is rough" || complain "note: $(cat "$work/err")"
 for how in "--reweight:3" ":6"; do # check knows it before
     expect_code 0 check "$work/two.mci" --sweep "$work/t.csv" ${how%:*}
     test "$(tail -1 "$work/out")" = "  6 rows of $work/t.csv: ${how#*:} flights" || complain "check $how: $(tail -1 "$work/out")"

@@ -47,8 +47,8 @@ static const char *fault_of_result(const char *identity, const struct cml_report
     struct cml_error ignored;
     char sum[CML_IDENTITY_SUM];
     cml_identity_sum(identity, sum);
-    if (file->content > CML_FILE_SAVED)
-        return cml_vtk_has_comment(file->path, sum) ? NULL : "is of another run";
+    if (file->content > CML_FILE_SAVED && !cml_vtk_has_comment(file->path, sum)) return "is of another run";
+    if (file->content > CML_FILE_SAVED) return cml_vtk_is_whole(file->path) ? NULL : "is no whole result";
     if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
         return "is no whole result";
     const bool whole = saved || (!found.damage && found.value[CML_QUANTITY_lost]),

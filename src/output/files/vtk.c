@@ -9,6 +9,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define LAST_LINE "</VTKFile>\n"
 #define FIRST_LINE "<?xml version=\"1.0\"?>\n"
 #define COMMENT "<!-- run %s -->\n"
 
@@ -83,7 +84,7 @@ static void begin_data(FILE *out, const char *type)
 
 static cml_status end_file(struct cml_file *file, struct cml_error *err)
 {
-    fprintf(file->stream, "\n  </AppendedData>\n</VTKFile>\n");
+    fprintf(file->stream, "\n  </AppendedData>\n" LAST_LINE);
     return cml_file_commit(file, err);
 }
 
@@ -163,4 +164,16 @@ bool cml_vtk_has_comment(const char *path, const char *comment)
     const size_t length = strlen(expected), count = fread(found, 1, length, in);
     fclose(in);
     return count == length && memcmp(found, expected, length) == 0;
+}
+
+bool cml_vtk_is_whole(const char *path)
+{
+    char found[sizeof LAST_LINE];
+    const size_t length = strlen(LAST_LINE);
+    FILE *in = fopen(path, "rb");
+    if (!in) return false;
+    const bool whole = fseek(in, -(long)length, SEEK_END) == 0 && fread(found, 1, length, in) == length &&
+                       memcmp(found, LAST_LINE, length) == 0;
+    fclose(in);
+    return whole;
 }

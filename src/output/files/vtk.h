@@ -35,4 +35,7 @@ CML_NODISCARD cml_status cml_vtp_write(const char *path, const char *comment, co
 /* Whether a file begins as these with that comment. */
 bool cml_vtk_has_comment(const char *path, const char *comment);
 
+/* Whether a file ends as these do. */
+bool cml_vtk_is_whole(const char *path);
+
 #endif

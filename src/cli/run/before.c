@@ -38,8 +38,8 @@ struct looking {
     struct cml_before *before;
 };
 
-/* What is wrong with a file that should say to be of this run; NULL: nothing. `lost` is the last of a whole
- * result. */
+/* What is wrong with a file that should say to be of this run; NULL: nothing. `lost` is the last number that
+ * every .mco has: what is cut off behind it, as flux_body, is not seen. */
 static const char *fault_of_result(const char *identity, const struct cml_report_file *file)
 {
     const bool saved = file->content == CML_FILE_SAVED;

@@ -189,8 +189,7 @@ static void note_poor(const struct cml_run_rows *rows, const struct poor_rows po
         if (poor[i].count == 0) continue;
         snprintf(text, sizeof text,
                  "%s of %d of %d rows comes of fewer than %d effective packets, that of row %d of %.0f "
-                 "packets: there "
-                 "its standard error is rough",
+                 "packets: there its standard error is rough",
                  name, poor[i].count, rows->count, LEAST_PACKETS, poor[i].row + 1, poor[i].packets);
         cml_show_note(NULL, text);
     }

@@ -4,11 +4,12 @@
 Flies each scene N times with and without --aim Tt, in turns, on one thread: tops and inner boundaries that are rough, so
 that light goes down into flat layers from above, under a beam of 0.3 cm; and bottoms that are, where packets are split on
 their way instead. Fibres far from a pencil are aimed at by name; their counted error is that of the ring of the same width on which they
-lie, less the ratio of areas, for of the fibre a plain flight would see a packet or none. The gain in time to the same error is the mean
+lie, less the ratio of areas and what their aperture leaves of the light in an aimed flight, for of the fibre a plain flight would see a
+packet or none. The gain in time to the same error is the mean
 square of the counted errors over that of the expected ones (of those counted in windows), times the processor time of the flight without over that
 with; of rare light the counted error is that of few packets, which makes its gain known to some tens of percent. Beside
-it stand what comes before the flight, in seconds of a processor, and how far expected and counted values are apart, in
-errors of the difference. Leaves aim.md in DIR. SPDX-License-Identifier: MIT
+it stand what plan says of windows, what comes before the flight, in seconds of a processor, and how far expected and counted values are
+apart, in errors of the difference. Leaves aim.md in DIR. SPDX-License-Identifier: MIT
 """
 import json
 import math
@@ -26,11 +27,15 @@ import tables
 
 RIPPLE = "b 6 0.002 0.03 -0.002 0.03 0.002 0.03 -0.002 0.03 0.002 0.03 0 0.3"
 SKIN = "1.4 0.3 120 0.8 3"
-# name: medium or layers, mesh of the top, radius of the fibre, distance, photons in units of --photons
+# name: medium or layers, mesh of the top, radius of the fibre, distance, its aperture, photons in units of --photons
 FIBRES = {
-    "fibre of 0.01 at 1 cm": (SKIN, "0.018", 0.01, 1.0, 1),
-    "fibre of 0.01 at 0.3 cm": (SKIN, "0.018", 0.01, 0.3, 1),
-    "skin7 fibre of 0.01 at 1 cm": ("S5", "0.0009", 0.01, 1.0, 1),
+    "fibre of 0.01 at 1 cm": (SKIN, "0.018", 0.01, 1.0, "", 1),
+    "fibre of 0.01 at 0.3 cm": (SKIN, "0.018", 0.01, 0.3, "", 1),
+    "fibre of 0.01 at 0.3 cm, 0.22": (SKIN, "0.018", 0.01, 0.3, "na=0.22", 1),
+    "fibre of 0.05 at 0.5 cm, 0.5": (SKIN, "0.018", 0.05, 0.5, "na=0.5", 1),
+    "fibre of 0.05 at 1 cm, 0.22": (SKIN, "0.018", 0.05, 1.0, "na=0.22", 1),
+    "skin7 fibre of 0.01 at 1 cm": ("S5", "0.0009", 0.01, 1.0, "", 1),
+    "skin7 fibre of 0.02 at 0.3 cm, 0.22": ("S5", "0.0009", 0.02, 0.3, "na=0.22", 1),
 }
 # name: medium or layers, boundary that is rough, amplitude of a mesh [cm] or a line, photons in units of --photons, layer
 # whose absorption is shown
@@ -51,9 +56,10 @@ def scene_of(name):
     """Medium, boundary that is rough, how, photons, and the lines for light and detectors."""
     if name in SCENES:
         return *SCENES[name][:4], ["beam disk 0.3"]
-    medium, rough, size, away, factor = FIBRES[name]
+    medium, rough, size, away, aperture, factor = FIBRES[name]
+    disk = "detector disk %g at=%g,0 " % (size, away)
     ring = "detector ring %.17g %.17g name=ring" % (away - size, away + size)
-    return medium, 0, rough, factor, ["detector disk %g at=%g,0 name=fibre" % (size, away), ring]
+    return medium, 0, rough, factor, [disk + aperture + " name=fibre", disk + "name=open", ring]
 
 
 def write(name, folder):
@@ -86,6 +92,12 @@ def fly(program, path, photons, seed, *options):
     return dict(json.loads(done.stdout), all_s=processor() - began)
 
 
+def planned(program, path, aim):
+    """The gain of windows that plan says."""
+    done = subprocess.run([program, "plan", path, "--photons", "64", "--threads", "1", "--json"], stdout=subprocess.PIPE, check=True)
+    return json.loads(done.stdout)["gains"].get(aim)
+
+
 def square(records, key):
     return statistics.fmean(record[key] ** 2 for record in records)
 
@@ -99,27 +111,35 @@ def gain(plain, aimed, key, other, pace, share=1):
     return share * square(plain, other + "_se") / square(aimed, key + "_se") * pace
 
 
+def share_of(name, aimed):
+    """Of what is counted beside it, what comes to a fibre."""
+    if name not in FIBRES:
+        return 1
+    accepted = sum(record["detector_fibre"] for record in aimed) / sum(record["detector_open"] for record in aimed)
+    return FIBRES[name][2] / FIBRES[name][3] / 4 * accepted
+
+
 def row(name, arguments, folder):
     path, factor = write(name, folder)
     photons, layer = factor * arguments.photons, SCENES[name][4] if name in SCENES else None
-    aim, other, share = "Tt", "Tt", 1
-    if name in FIBRES:
-        aim, other, share = "fibre", "detector_ring", FIBRES[name][2] / FIBRES[name][3] / 4
+    aim, other = ("fibre", "detector_ring") if name in FIBRES else ("Tt", "Tt")
     pairs = [(fly(arguments.program, path, photons, seed), fly(arguments.program, path, photons, seed, "--aim", aim))
              for seed in range(1, arguments.runs + 1)]
     plain, aimed = zip(*pairs)
+    share = share_of(name, aimed)
     pace = statistics.median(a["cpu_s"] / b["cpu_s"] for a, b in pairs)
     before = statistics.median((b["all_s"] - b["cpu_s"]) - (a["all_s"] - a["cpu_s"]) for a, b in pairs)
     key = "Tt_expected" if "Tt_expected" in aimed[0] else "Tt" if aim == "Tt" else "detector_fibre"
     value = statistics.fmean(record[key] for record in aimed)
     apart = (value - share * statistics.fmean(record[other] for record in plain)) / math.hypot(
         mean_error(aimed, key + "_se"), share * mean_error(plain, other + "_se"))
+    plan = "" if key == "Tt_expected" else "%.2g" % planned(arguments.program, path, "Tt_r" if aim == "Tt" else aim)
     deep = ""
     if layer:
         deep = "%.2g" % (statistics.fmean(record["A_l_se"][layer - 1] ** 2 for record in plain) /
                          statistics.fmean(record["A_l_expected_se"][layer - 1] ** 2 for record in aimed) * pace)
     return [name, "%d" % photons, "%.4g" % value, "%+.1f" % apart, "%.2f" % (1 / pace), "%.1f" % before,
-            "%.2g" % gain(plain, aimed, key, other, pace, share), "%.2g" % gain(plain, aimed, "Rd", "Rd", pace),
+            "%.2g" % gain(plain, aimed, key, other, pace, share), plan, "%.2g" % gain(plain, aimed, "Rd", "Rd", pace),
             "%.2g" % gain(plain, aimed, "A", "A", pace), deep]
 
 
@@ -132,7 +152,7 @@ def main():
     tables.keep(os.path.join(arguments.out, "aim.md"), [
         tables.measured(tables.machine(arguments.program, arguments.runs)) + "; %d runs." % arguments.runs, "",
         *tables.table(("scene", "photons", "Tt, or what the fibre sees", "apart, errors", "time of flight", "before it, s", "gain of it",
-                       "of Rd", "of A", "of A of the deepest layer"), rows)])
+                       "as planned", "of Rd", "of A", "of A of the deepest layer"), rows)])
 
 
 if __name__ == "__main__":

@@ -129,7 +129,7 @@ static double longest_pilot(const struct plan *plan)
 
 static void print_gain(const struct cml_window_table *windows, const char *aim, const char *name)
 {
-    const double gain = cml_windows_gain(windows);
+    const double gain = windows->gain;
     if (gain > 0)
         printf("--aim %s would take some %.2g times less time for %s.\n", aim, gain, name);
     else
@@ -147,7 +147,7 @@ static void print_windows(const struct plan *plan)
         if (plan->seen[k].cells == 0) continue;
         const char *name = plan->scene->detectors[k].name;
         printf("  Through planes %s sees some %.1g of the light: ", name,
-               plan->seen[k].worth * plan->seen[k].share);
+               plan->seen[k].worth * plan->seen[k].share * plan->seen[k].accepted);
         print_gain(&plan->seen[k], name, "it");
     }
     if (plan->unaimed.text[0]) printf("  without aim: %s\n", plan->unaimed.text);
@@ -194,12 +194,10 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
 static json_t *gains_json(const struct plan *plan)
 {
     json_t *gains = json_object();
-    if (plan->aim.windows.cells > 0)
-        json_object_set_new(gains, "Tt_r", json_real(cml_windows_gain(&plan->aim.windows)));
+    if (plan->aim.windows.cells > 0) json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
     for (int k = 0; k < MOST_DETECTORS; k++)
         if (plan->seen[k].cells > 0)
-            json_object_set_new(gains, plan->scene->detectors[k].name,
-                                json_real(cml_windows_gain(&plan->seen[k])));
+            json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->seen[k].gain));
     return gains;
 }
 

@@ -9,12 +9,14 @@
 
 /* Owned. Zeroed: none. */
 struct cml_window_table {
-    int layers;    /* light is wanted that comes out of so many of the scene's */
-    int detector;  /* or that this one sees, from 1 */
-    double share;  /* below 1: the scene is the same all about x, y, and of light that leaves on a circle the
-                    * detector sees the share that lies in it, on average so much */
-    double worth;  /* which share of the light does, of the flat twin's */
-    double spread; /* below 1: so much less is gained, as a detector is no disk, which windows take it for */
+    int layers;   /* light is wanted that comes out of so many of the scene's */
+    int detector; /* or that this one sees, from 1 */
+    double share; /* below 1: the scene is the same all about x, y, and of light that leaves on a circle the
+                   * detector sees the share that lies in it, on average so much */
+    double worth; /* which share of the light does, of the flat twin's */
+    double accepted; /* below 1: so much of what comes to the detector lies in its aperture */
+    double gain; /* in how much less time it is known as well as by plain flights, within a factor of 2 or 3;
+                  * 0: in no less */
     int cells, rings; /* of equal depth; about x, y, borders at reach (i / rings)^2; 1: depth alone counts */
     double depth;     /* where the last cell ends, cm; the first begins at 0 */
     double x, y, reach; /* cm, of the scene */

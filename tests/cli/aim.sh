@@ -171,12 +171,14 @@ windows() { # OPTIONS: in force, without expected values, and the same bytes on 
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 expect_code 0 plan "$work/x.mci" --photons 2048
 grep -Eq '^  Through planes in place of all shapes comes [0-9.e-]+ of the light: --aim Tt_r would' "$work/out" || complain "plan: $(cat "$work/out")"
-slits='detector rectangle 0.02 0.02 at=0.6,0 name=square\ndetector rectangle 0.0005 0.8 at=0.6,0 name=slit\n'
+slits='detector rectangle 0.02 0.02 at=0.6,0 name=square\ndetector rectangle 0.0005 0.8 at=0.6,0 name=slit\ndetector rectangle 0.02 0.02 at=0.6,0 na=0.25 name=narrow\n'
 grid="100\n${slits}0.01 0.01\n20 20 3\n"
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 expect_code 0 plan "$work/x.mci" --photons 2048
-sed -n 's/.*--aim s.* would take some \([0-9.e+]*\) times less time for it.$/\1/p' "$work/out" | paste -s |
-    awk '{ exit !($1 / $2 > 8 && $1 / $2 < 10) }' || complain "plan, slit: $(cat "$work/out")"
+sed -n 's/.*--aim [sn].* would take some \([0-9.e+]*\) times less time for it.$/\1/p' "$work/out" | paste -s |
+    awk '{ exit !($1 / $2 > 8 && $1 / $2 < 10 && $3 / $1 > 1.9 && $3 / $1 < 2.2) }' || complain "plan, slit, aperture: $(cat "$work/out")"
+sed -n 's/^  Through planes .* sees some \([0-9.e-]*\) of the light: .*/\1/p' "$work/out" | paste -s |
+    awk '{ exit !($1 == $2 && $1 / $3 > 8 && $1 / $3 < 32) }' || complain "plan, aperture's share: $(cat "$work/out")"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 windows --aim Tt

@@ -29,11 +29,6 @@ double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result);
 
-/* In how much less time windows give Tt, or what a detector sees, the same error, within a factor of 2 or 3.
- * Packets of plain flights have the relative variance 0.008 / worth, as they weigh little when they come out
- * below, and 0.1 / worth for a detector. 0: in no less. */
-double cml_windows_gain(const struct cml_window_table *windows);
-
 /* What --aim asks for: expected values below the level, where scores is not 0, windows where cells is not. */
 struct cml_aim {
     struct cml_flat_tail tail;

@@ -31,7 +31,7 @@ static void print_all(const struct cml_window_table *windows, const struct cml_r
                       const struct cml_result *plain)
 {
     print_costs(result, plain);
-    if (cml_windows_gain(windows) == 0)
+    if (windows->gain == 0)
         printf("  windows gain nothing for what %.2g of the light comes to\n", windows->worth);
 }
 

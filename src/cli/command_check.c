@@ -124,6 +124,31 @@ static void print_meshes(const struct cml_scene *scene)
         if (scene->bodies[k].form == CML_BODY_MESH) print_body_box(&scene->bodies[k], k);
 }
 
+enum { WORTH_A_NOTE = 100 }; /* of a thickness, the part by which shapes may change it unsaid */
+
+/* A boundary whose mean is not at its depth makes its layers thicker or thinner, which may do more than its
+ * roughness. */
+static void print_means(const struct cml_scene *scene, const struct cml_mean_shapes *mean)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const enum cml_boundary_form form = scene->boundaries[b].form;
+        if (form == CML_FORM_PLANE) continue;
+        printf("  boundary %d: mean height %.6g cm", b, mean->height[b]);
+        if (form == CML_FORM_TILE && mean->area[b] > 0)
+            printf(" over a period\n");
+        else
+            printf(mean->area[b] > 0 ? " over its %.4g cm2\n" : "\n", mean->area[b]);
+    }
+    for (int l = 0; l < scene->num_layers; l++) {
+        const double d = scene->media[l + 1].d, change = mean->thickness[l] / d - 1;
+        if (!(fabs(change) > 1.0 / WORTH_A_NOTE)) continue;
+        printf("  note: layer %d is %.6g cm thick in the mean, %.3g %% %s than its d; the flat scene of that "
+               "volume: --ignore-heightfields --set layer%d.d=%.6g\n",
+               l + 1, mean->thickness[l], 100 * fabs(change), change > 0 ? "more" : "less", l + 1,
+               mean->thickness[l]);
+    }
+}
+
 /* Prints the map that the scene asks for, if it does. */
 static void print_map(const struct cml_scene *scene)
 {
@@ -150,7 +175,8 @@ static void print_map(const struct cml_scene *scene)
 
 /* Prints the scene for people. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
-                        const struct cml_surface_set *surfaces, const int *starts)
+                        const struct cml_surface_set *surfaces, const int *starts,
+                        const struct cml_mean_shapes *mean)
 {
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
@@ -170,6 +196,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
                    def->bytes / 1048576);
     }
     print_meshes(scene);
+    print_means(scene, mean);
     cml_print_memory(options, scene, surfaces);
 }
 
@@ -186,16 +213,17 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
 /* The memory is looked at before the twin takes some of it. */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, const int *starts,
-                       const struct cml_sweep_size *sweep, struct cml_error *err)
+                       const struct cml_mean_shapes *mean, const struct cml_sweep_size *sweep,
+                       struct cml_error *err)
 {
     const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
     bool known = false;
-    if (!options->json) print_scene(options, scene, surfaces, starts);
+    if (!options->json) print_scene(options, scene, surfaces, starts, mean);
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
     if (status == CML_OK && options->json)
-        status =
-            cml_report_check_json(stdout, scene, surfaces, sweep, bytes, starts, known ? &exact : NULL, err);
+        status = cml_report_check_json(stdout, scene, surfaces, sweep, bytes, starts, mean,
+                                       known ? &exact : NULL, err);
     else if (status == CML_OK && known)
         cml_report_flat_twin(stdout, scene, &exact);
     else if (status == CML_OK)
@@ -210,9 +238,12 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
                               const struct cml_sweep_size *sweep, int **starts, struct cml_error *err)
 {
     struct cml_surface_set surfaces;
+    struct cml_mean_shapes mean = {0};
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     cml_status status = cml_note_beam(scene, &surfaces, starts, err);
-    if (status == CML_OK) status = show(options, scene, &surfaces, *starts, sweep, err);
+    if (status == CML_OK) status = cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err);
+    if (status == CML_OK) status = show(options, scene, &surfaces, *starts, &mean, sweep, err);
+    cml_mean_shapes_clear(&mean);
     cml_surfaces_free(&surfaces);
     return status;
 }

@@ -26,6 +26,18 @@ static double shown_limit(double error)
     return error < 1e-99 ? 0 : error;
 }
 
+/* exp(-3) is 5 %: of so many packets that are to be expected, none comes with that chance. */
+#define LEFT_UNSEEN 3.0
+
+/* An error of 0 says nothing where no packet has come. What light that has entered could do, of which a
+ * backing lets none pass. */
+static bool left_unseen(const struct cml_report *report, enum cml_total total)
+{
+    const bool passes = total == CML_TOTAL_REFLECTED ||
+                        (total == CML_TOTAL_TRANSMITTED && report->scene->backing.kind == CML_BACKING_NONE);
+    return passes && !(cml_result_total(report->sums, total) > 0);
+}
+
 /* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
  */
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
@@ -39,6 +51,9 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
         fprintf(stream,
                 is_small(report->exact->value[total]) ? "   exact %.4e +- %.1g" : "   exact %.7f +- %.1g",
                 report->exact->value[total], shown_limit(report->exact->error[total]));
+    if (left_unseen(report, total))
+        fprintf(stream, "   no packet came: below %.2g at 95 %%",
+                LEFT_UNSEEN / (double)report->sums->photons);
     fputc('\n', stream);
 }
 

@@ -7,7 +7,7 @@
 #include "result/outcome.h"
 #include "result/timing.h"
 #include "scene/flat_tail.h"
-#include "surface/surface.h"
+#include "surface/mean_depth.h"
 #include "tally/control.h"
 
 struct cml_report {
@@ -167,12 +167,12 @@ struct cml_sweep_size {
 };
 
 /* What check says of a scene, as one object on one line, keys as documented in samples/output.md. bytes: the
- * most memory that its run will hold; starts: in which medium each beam starts; flat: the totals of its flat
- * twin, NULL: not known. */
+ * most memory that its run will hold; starts: in which medium each beam starts; mean: of the scene; flat: the
+ * totals of its flat twin, NULL: not known. */
 CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_surface_set *surfaces,
                                                const struct cml_sweep_size *sweep, double bytes,
-                                               const int *starts, const struct cml_exact *flat,
-                                               struct cml_error *err);
+                                               const int *starts, const struct cml_mean_shapes *mean,
+                                               const struct cml_exact *flat, struct cml_error *err);
 
 #endif

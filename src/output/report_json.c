@@ -25,8 +25,9 @@ struct subject {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
     const struct cml_result *sums;
-    uint64_t *dealt;   /* [num_beams] photons of each beam; owned */
-    const int *starts; /* [num_beams] the medium that each starts in; NULL: not known */
+    uint64_t *dealt;                    /* [num_beams] photons of each beam; owned */
+    const int *starts;                  /* [num_beams] the medium that each starts in; NULL: not known */
+    const struct cml_mean_shapes *mean; /* NULL: not asked for */
 };
 
 /* A list that may be long: its elements are made while they are written, one at a time. In the object `key`
@@ -42,10 +43,13 @@ static json_t *boundary_json(const struct subject *subject, int b)
 {
     const struct cml_surface_def *def = &subject->surfaces->item[b];
     const struct cml_expectation *expect = &def->expectation;
-    return json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind", cml_surface_kind_name(def->kind),
-                     "reason", def->reason, "primitives", (json_int_t)def->primitives, "build_s",
-                     def->build_seconds, "MiB", def->bytes / 1048576, "bias", cml_json_real(expect->bias),
-                     "query_ns", expect->query_ns, "deviation", expect->deviation);
+    json_t *object =
+        json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind", cml_surface_kind_name(def->kind),
+                  "reason", def->reason, "primitives", (json_int_t)def->primitives, "build_s",
+                  def->build_seconds, "MiB", def->bytes / 1048576, "bias", cml_json_real(expect->bias),
+                  "query_ns", expect->query_ns, "deviation", expect->deviation);
+    if (subject->mean) set_real(object, "mean_height", subject->mean->height[b]);
+    return object;
 }
 
 /* Key `phase` of a medium that has one: the words of its line. */
@@ -363,8 +367,9 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
 static json_t *layer_json(const struct subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
-    return with_phase(json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus",
-                                medium->mus, "g", medium->g, "d", medium->d),
+    return with_phase(json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus",
+                                medium->mus, "g", medium->g, "d", medium->d, "mean_d",
+                                subject->mean->thickness[l]),
                       medium->phase);
 }
 
@@ -411,11 +416,11 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
-                                 double bytes, const int *starts, const struct cml_exact *flat,
-                                 struct cml_error *err)
+                                 double bytes, const int *starts, const struct cml_mean_shapes *mean,
+                                 const struct cml_exact *flat, struct cml_error *err)
 {
     const char format[] = {scene->format, '\0'};
-    struct subject subject = {.scene = scene, .surfaces = surfaces, .starts = starts};
+    struct subject subject = {.scene = scene, .surfaces = surfaces, .starts = starts, .mean = mean};
     const struct list lists[] = {{"layers", scene->num_layers, layer_json},
                                  {"beams", scene->num_beams, beam_json},
                                  {"boundaries", surfaces->count, boundary_json},

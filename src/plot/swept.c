@@ -108,6 +108,14 @@ static int choose_by(const struct columns *c)
     return best;
 }
 
+/* What has an axis, and means of detectors, are in no table. */
+static bool is_of_rows(const char *name)
+{
+    int i = 0;
+    while (i < CML_NUM_QUANTITIES && strcmp(cml_quantities[i].name, name) != 0) i++;
+    return i < CML_NUM_QUANTITIES || strncmp(name, "detector_", 9) == 0;
+}
+
 static cml_status fail_name(const struct cml_sweep_table *table, const char *option, const char *name,
                             struct cml_error *err)
 {
@@ -115,8 +123,9 @@ static cml_status fail_name(const struct cml_sweep_table *table, const char *opt
     for (int i = 0; i < table->num_columns && strlen(names) < 500; i++)
         snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i > 0 ? ", " : "",
                  table->name[i]);
-    return cml_fail(err, CML_E_INPUT, "--%s %.80s (expected a column of %.200s: %s)", option, name,
-                    table->text.path, names);
+    return cml_fail(err, CML_E_INPUT, "--%s %.80s (expected a column of %.200s: %s%s)", option, name,
+                    table->text.path, names,
+                    is_of_rows(name) ? "; of a row it stands in the result that the column file names" : "");
 }
 
 /* A column of numbers that the user has named. */

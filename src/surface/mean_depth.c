@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/mean_depth.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 /* Volume between the cones and the plane beyond them, cm3, below 0 above it: rings of a linear depth. */
 static double cones_volume(const struct cml_radial *radial)
 {
@@ -14,43 +17,107 @@ static double cones_volume(const struct cml_radial *radial)
     return volume;
 }
 
-/* The volume between a sheet and the plane at z: prisms, whose areas count below 0 where the sheet overhangs.
- */
-static double sheet_volume(const struct cml_mesh *mesh, double z)
+/* Adds the area of a sheet from above, and the volume between it and the plane at z: prisms, whose areas
+ * count below 0 where the sheet overhangs. */
+static void add_sheet(const struct cml_mesh *mesh, double z, double *area, double *volume)
 {
-    double volume = 0;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         const uint32_t *corner = mesh->triangle[t];
         const double *a = mesh->vertex[corner[0]], *b = mesh->vertex[corner[1]], *c = mesh->vertex[corner[2]];
         const double twice = (c[0] - a[0]) * (b[1] - a[1]) - (b[0] - a[0]) * (c[1] - a[1]);
-        volume += twice / 2 * ((a[2] + b[2] + c[2]) / 3 - z);
+        *area += twice / 2;
+        *volume += twice / 2 * ((a[2] + b[2] + c[2]) / 3 - z);
     }
-    return volume;
+}
+
+/* What of a boundary is not level. */
+struct relief {
+    bool endless;        /* a tile */
+    double outer;        /* depth of the plane around it, cm; of a tile that which heights count from */
+    double area, volume; /* cm2 of it, of a tile a period; cm3 between it and that plane, below 0 above it */
+};
+
+/* A representation that is a plane has no area. */
+static cml_status find_relief(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
+                              const struct cml_surface_options *options, struct relief *relief,
+                              struct cml_error *err)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_surface_def *surface = &set->item[b];
+    const double pi = 3.14159265358979323846;
+    *relief = (struct relief){.outer = surface->depth};
+    if (surface->kind == CML_SURFACE_PLANE) return CML_OK;
+    relief->outer = boundary->z;
+    if (boundary->form == CML_FORM_TILE) {
+        relief->endless = true;
+        relief->area = cml_tile_period(&boundary->tile, 0) * cml_tile_period(&boundary->tile, 1);
+        relief->volume = -cml_tile_mean(&boundary->tile) * relief->area;
+        return CML_OK;
+    }
+    const struct cml_radial *radial = &boundary->radial;
+    const bool sheet = boundary->form == CML_FORM_MESH;
+    const double outer = sheet ? boundary->mesh.z_border : -radial->h[radial->n - 1];
+    relief->outer += outer;
+    if (surface->kind != CML_SURFACE_MESH) {
+        relief->area = pi * radial->r[radial->n - 1] * radial->r[radial->n - 1];
+        relief->volume = cones_volume(radial);
+        return CML_OK;
+    }
+    struct cml_mesh mesh;
+    CML_TRY(cml_boundary_mesh(scene, b, options, &mesh, err));
+    add_sheet(&mesh, outer, &relief->area, &relief->volume);
+    cml_mesh_clear(&mesh);
+    return CML_OK;
+}
+
+/* Over a level area; of a tile over whole periods. */
+static double depth_over(const struct relief *relief, double area)
+{
+    if (relief->endless) area = relief->area;
+    return relief->outer + (relief->area > 0 ? relief->volume / area : 0);
 }
 
 cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                           const struct cml_surface_options *options, double area, double *depth,
                           struct cml_error *err)
 {
-    const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_surface_def *surface = &set->item[b];
-    const bool radial = boundary->form == CML_FORM_RADIAL, tile = boundary->form == CML_FORM_TILE;
-    if (surface->kind == CML_SURFACE_PLANE) {
-        *depth = surface->depth;
-        return CML_OK;
-    }
-    const double outer = radial ? -boundary->radial.h[boundary->radial.n - 1]
-                         : tile ? 0
-                                : boundary->mesh.z_border;
-    double volume = 0;
-    if (surface->kind == CML_SURFACE_MESH) {
-        struct cml_mesh mesh;
-        CML_TRY(cml_boundary_mesh(scene, b, options, &mesh, err));
-        volume = sheet_volume(&mesh, outer);
-        cml_mesh_clear(&mesh);
-    } else
-        volume = cones_volume(&boundary->radial);
-    if (tile) area = cml_tile_period(&boundary->tile, 0) * cml_tile_period(&boundary->tile, 1);
-    *depth = boundary->z + outer + volume / area;
+    struct relief relief;
+    CML_TRY(find_relief(scene, set, b, options, &relief, err));
+    *depth = depth_over(&relief, area);
     return CML_OK;
+}
+
+static cml_status measure(const struct cml_scene *scene, const struct cml_surface_set *set,
+                          const struct cml_surface_options *options, struct cml_mean_shapes *mean,
+                          struct cml_error *err)
+{
+    struct relief upper = {0}, lower;
+    for (int b = 0; b <= scene->num_layers; b++, upper = lower) {
+        CML_TRY(find_relief(scene, set, b, options, &lower, err));
+        mean->area[b] = lower.area;
+        mean->height[b] = scene->boundaries[b].z - depth_over(&lower, lower.area);
+        const double area = fmax(upper.endless ? 0 : upper.area, lower.endless ? 0 : lower.area);
+        if (b > 0) mean->thickness[b - 1] = depth_over(&lower, area) - depth_over(&upper, area);
+    }
+    return CML_OK;
+}
+
+cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surface_set *set,
+                           const struct cml_surface_options *options, struct cml_mean_shapes *mean,
+                           struct cml_error *err)
+{
+    const size_t n = (size_t)scene->num_layers + 1;
+    *mean = (struct cml_mean_shapes){calloc(n, sizeof(double)), calloc(n, sizeof(double)),
+                                     calloc(n, sizeof(double))};
+    if (!mean->height || !mean->area || !mean->thickness)
+        return cml_fail_memory(err, 3.0 * (double)(n * sizeof(double)), "mean heights");
+    return measure(scene, set, options, mean, err);
+}
+
+void cml_mean_shapes_clear(struct cml_mean_shapes *mean)
+{
+    free(mean->height);
+    free(mean->area);
+    free(mean->thickness);
+    *mean = (struct cml_mean_shapes){0};
 }

@@ -54,12 +54,15 @@ with open(f"{work}/mixed.txt") as file:
     text = file.read()
 assert mixed["photons"] == 5e5 and mixed["format"] == "A" and mixed["map"] is None and mixed["facets"] is False
 assert (mixed["n_above"], mixed["n_below"]) == (1, 1)
-assert mixed["layers"][1] == {"n": 1.33, "mua": 0.1, "mus": 5, "g": 0.5, "d": 0.4} and len(mixed["layers"]) == 3
+assert mixed["layers"][1] == {"n": 1.33, "mua": 0.1, "mus": 5, "g": 0.5, "d": 0.4, "mean_d": mixed["layers"][1]["mean_d"]} and len(mixed["layers"]) == 3
 assert mixed["grid"] == {"dz": 0.01, "dr": 0.01, "nz": 90, "nr": 200, "na": 1}
 for b, (kind, reason) in enumerate(re.findall(r"boundary \d: (\w+) at .*?\(([^)]*)\)", text)):
     assert (mixed["boundaries"][b]["kind"], mixed["boundaries"][b]["reason"]) == (kind, reason), b
 assert [b["kind"] for b in mixed["boundaries"]] == ["plane", "cone", "mesh", "plane"]
 assert [b["primitives"] for b in mixed["boundaries"]] == [1, 4, 4, 1]
+heights = [b["mean_height"] for b in mixed["boundaries"]]  # of both shapes, over areas of their own
+assert heights[0] == heights[3] == 0 and abs(heights[2] - 1 / 24) < 1e-12 and 0.01 < heights[1] < 0.02
+assert [round(l["mean_d"] - l["d"] - b, 12) for l, b in zip(mixed["layers"], (-heights[1], None, heights[2])) if b is not None] == [0, 0]
 for key in "build_s", "MiB", "bias", "query_ns", "deviation":
     assert all(key in b for b in mixed["boundaries"])
 most = float(re.search(r"memory: at most (\d+) MiB", text).group(1))

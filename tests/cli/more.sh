@@ -183,10 +183,10 @@ for name in many.map.vti many.boundary0.vtp; do
 done
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet --output /dev/null # has no checkpoint
 expect_code 0 "$work/many.mci" --resume -o "$work/many"
-grep -q '^  finished before$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"
+grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "all files are there: $(cat "$work/out" "$work/err")"
 rm "$work/many/many.mco.checkpoint" # all its files say that they are of this run
 expect_code 0 "$work/many.mci" --resume --no-clobber -o "$work/many"
-grep -q '^  finished before$' "$work/out" || complain "all files are there, and no checkpoint: $(cat "$work/out" "$work/err")"
+grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "all files are there, and no checkpoint: $(cat "$work/out" "$work/err")"
 
 # The object of a finished run names files where they are now, in a folder that was moved, and is the same else.
 mkdir "$work/there"
@@ -218,7 +218,7 @@ grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume i
 grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
 kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
 expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
-test ! -s "$work/err" && grep -q '^  finished before$' "$work/out" || complain "a result of this run, --resume: $(cat "$work/err")"
+test ! -s "$work/err" && grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "a result of this run, --resume: $(cat "$work/err")"
 expect_code 0 samples/thick.mci --photons 300 --resume -o "$work"
 grep -q "replaces $work/thick.mco of 200 photons$" "$work/err" || complain "no word with --resume: $(cat "$work/err")"
 grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew" "$work/err" ||
@@ -229,7 +229,7 @@ expect_error 2 "$kept" samples/thick.mci --photons 300 --no-clobber -o "$work"
 # Without a checkpoint the result says whether it is of this run.
 rm "$work/thick.mco.checkpoint"
 expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber -o "$work"
-test ! -s "$work/err" && grep -q '^  finished before$' "$work/out" || complain "--no-clobber, a result of this run: $(cat "$work/err")"
+test ! -s "$work/err" && grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "--no-clobber, a result of this run: $(cat "$work/err")"
 expect_error 2 "$kept" samples/thick.mci --photons 301 --resume --no-clobber --quiet -o "$work"
 grep -q '^300 ' "$work/thick.mco" || complain "--no-clobber replaced a result"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"

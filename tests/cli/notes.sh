@@ -124,6 +124,15 @@ sed '/^second/d; /^#/d; s/50.1/50/' "$work/odd.mci" >"$work/even.mci"
 expect_code 0 check "$work/even.mci"
 test ! -s "$work/err" || complain "a number behind the last run, and nothing else, is noted: $(cat "$work/err")"
 
+# A total of 0 has an error of 0: the summary says what that tells, but where a backing lets nothing pass.
+printf '1.0\n1\ndeep.mco A\n200\n0.1 0.1\n5 5 1\n1\n1\n1.4 9 50 0.8 5\n1\n' >"$work/deep.mci"
+expect_code 0 "$work/deep.mci" -o "$work"
+grep -q '^  Tt   0.000000 +- 0.000000   exact .*   no packet came: below 0.015 at 95 %$' "$work/out" && test "$(grep -c 'no packet' "$work/out")" -eq 1 ||
+    complain "no word of a total that nothing came to: $(cat "$work/out")"
+sed 's/^1$/&/; $s/.*/backing 0.5\n1/' "$work/deep.mci" >"$work/backed.mci"
+expect_code 0 "$work/backed.mci" --output backed -o "$work"
+grep -q 'no packet came' "$work/out" && complain "light below a backing: $(cat "$work/out")"
+
 # A pencil shows of a mesh or a map the point that it meets: of a roof of slope 0.5, 0.2 cm high, 0.1 cm from its ridge; in
 # slanted light where 0.25 + h = x and h = 0.2 - x / 2; of a map two periods from its middle.
 {
@@ -131,9 +140,9 @@ test ! -s "$work/err" || complain "a number behind the last run, and nothing els
     printf 'f 1 5 6 4\nf 2 3 6 5\nf 1 2 5\nf 3 4 6\n'
 } >"$work/roof.obj"
 printf 'ncols 4 nrows 2 cellsize 0.1\n0 0.05 0.1 0.05\n0 0.05 0.1 0.05\n' >"$work/roof.asc"
-pencil() { # LINE BOUNDARY HEIGHT ARGUMENTS...: the one note
+pencil() { # LINE BOUNDARY HEIGHT ARGUMENTS...: the one note, which advises a beam $wide
     expected="clustermcml: note: $work/scene.mci:$1: a pencil meets boundary $2 at one point: height $3 cm, slope 0.5 \
-(for what the whole surface does: a beam over many periods, beam disk R)"
+(for what the whole surface does: a beam over $wide)"
     shift 3
     rm -f "$work"/n.* # replacing it is noted
     expect_code 0 "$@"
@@ -144,6 +153,7 @@ no_pencil() { # ARGUMENTS...
     test ! -s "$work/err" || complain "$*: $(cat "$work/err")"
 }
 printf 'layer1.g\n0.1\n0.2\n' >"$work/g.csv"
+wide="whole periods, beam rectangle W H"
 scene n.mco 'm "roof.obj" units=cm' 'beam pencil at=0.1,0.05'
 for command in check "check --json" "run -o $work --photons 10 --quiet" "run -o $work --photons 10 --json" \
     "run -o $work --photons 10 --quiet --sweep $work/g.csv"; do
@@ -153,7 +163,7 @@ no_pencil check "$work/scene.mci" --boundaries plane
 scene n.mco 'm "roof.obj" units=cm' 'beam pencil at=0.25,0.05 angle=45 azimuth=180'
 pencil 10 0 0.05 check "$work/scene.mci"
 scene n.mco 'm "roof.asc" units=cm tile' 'beam pencil at=0.8,0.02'
-pencil 10 0 0.075 check "$work/scene.mci"
+wide="one period, beam rectangle 0.4 0.2" pencil 10 0 0.075 check "$work/scene.mci"
 scene n.mco 'm "roof.asc" units=cm tile' 'beam disk 0.1'
 no_pencil check "$work/scene.mci"
 scene n.mco 'b 2 0.1 0.1 0 0.1' 'beam pencil at=0.1,0.05'

@@ -88,6 +88,9 @@ expect_error 2 "--logx (expected with curves only)" plot "$grid" --logx --over l
 printf 'row,"a",layer1.mua,photons,seed,Rsp,Rd\n1,x,1,9,1,0,0.5\n2,x,1,9,1,0,0.6\n' >"$work/same.sweep.csv"
 columns="row, layer1.mua, layer1.mus, photons, seed, Rsp, Rsp_se, Rd, Rd_se, A, A_se, Tt, Tt_se, layer1.A, layer1.A_se, lost, file"
 expect_error 2 "--of nix (expected a column of $grid: $columns)" plot "$grid" --of nix
+for name in A_t detector_far_path Rd_r; do
+    expect_error 2 "--of $name (expected a column of $grid: $columns; of a row it stands in the result that the column file names)" plot "$grid" --of $name
+done
 expect_error 2 "--over file (expected a column of numbers)" plot "$grid" --over file
 expect_error 2 "$work/same.sweep.csv: rows 1 and 2 both have layer1.mua = 1 (expected --by, a column that tells them apart)" plot "$work/same.sweep.csv" --over layer1.mua
 expect_error 2 "$work/same.sweep.csv: row 2 has layer1.mua = 1 and seed = 1 as another (expected one row for each)" plot "$work/same.sweep.csv" --over layer1.mua,seed

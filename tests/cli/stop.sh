@@ -111,7 +111,7 @@ for resume in "" --resume; do
     touch -d 2001-01-01 "$work/first.mco"
 done
 expect_code 0 "$work/two.mci" --resume -o "$work"
-grep -q '^  finished before$' "$work/out" || complain "the first run flew again"
+grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "the first run flew again"
 test "$(date -r "$work/first.mco" +%Y)" = 2001 || complain "the first result was written again"
 for file in first.mco thick.mco; do
     sed '/^# User time/d' "$work/$file" >"$work/a"
@@ -136,7 +136,7 @@ for name in $names; do
     "$program" $scene --photons 1000 --quiet -o "$work" --output $name || complain "$name"
     touch -d 2001-01-01 "$work/$name"
     expect_code 0 $scene --photons 1000 --resume -o "$work" --output $name
-    grep -q '^  finished before$' "$work/out" && test ! -s "$work/err" || complain "$name flew again: $(cat "$work/err")"
+    grep -q '^  finished before: nothing was written, its results stand$' "$work/out" && test ! -s "$work/err" || complain "$name flew again: $(cat "$work/err")"
     test "$(date -r "$work/$name" +%Y)" = 2001 || complain "$name was written again"
     for other in "--photons 1001" "--photons 1000 --json" "--photons 1000 --roulette mcml"; do
         touch -d 2001-01-01 "$work/$name"
@@ -155,5 +155,5 @@ grep -q "finds no $work/again.mco.checkpoint: the run begins anew" "$work/err" |
 # Files beside it say of which run they are, too.
 "$program" samples/skinmap.mci --photons 100 --quiet -o "$work" || complain "skinmap"
 expect_code 0 samples/skinmap.mci --photons 100 --resume -o "$work"
-grep -q '^  finished before$' "$work/out" && test ! -s "$work/err" || complain "several files: $(cat "$work/err")"
+grep -q '^  finished before: nothing was written, its results stand$' "$work/out" && test ! -s "$work/err" || complain "several files: $(cat "$work/err")"
 finish

@@ -22,6 +22,34 @@ expect_code 0 check "$work/mirror.mci"
 grep -q '60 x 40 heights, 0.005 x 0.005 cm apart, mirrored and repeated every 0.59 x 0.39 cm' "$work/out" ||
     complain "a mirrored tile: $(grep tile "$work/out")"
 
+# Of a period of one high sample in two by two the triangles' mean is a third of it or a sixth, by which ends of diagonals it
+# is: here diagonals meet in it. A layer of the mean's thickness is named, and its flat scene has the volume.
+printf 'ncols 2 nrows 2 cellsize 0.1\n0 0\n0.06 0\n' >"$work/peak.asc"
+scene peak 'm "peak.asc" units=cm tile'
+expect_code 0 check "$work/peak.mci"
+grep -q '^  boundary 0: mean height 0.02 cm over a period$' "$work/out" &&
+    grep -q '^  note: layer 1 is 0.32 cm thick in the mean, 6.67 % more than its d; the flat scene of that volume: --ignore-heightfields --set layer1.d=0.32$' \
+        "$work/out" || complain "the mean of a tile: $(grep mean "$work/out")"
+expect_code 0 check "$work/peak.mci" --json
+python3 -c 'import json, sys; told = json.load(sys.stdin); print(told["layers"][0]["mean_d"], told["boundaries"][0]["mean_height"])' <"$work/out" >"$work/means"
+awk '{ exit !(($1 - 0.32) ^ 2 < 1e-24 && ($2 - 0.02) ^ 2 < 1e-24) }' "$work/means" || complain "means in JSON: $(cat "$work/means")"
+expect_code 0 check "$work/peak.mci" --ignore-heightfields --set layer1.d=0.32
+grep -q 'in the mean' "$work/out" && complain "planes differ from their mean: $(cat "$work/out")"
+scene peak 'm "peak.asc" units=cm tile shift=0,0,-0.02'
+expect_code 0 check "$work/peak.mci"
+grep -q '^  note: layer' "$work/out" && complain "a tile about its mean: $(grep mean "$work/out")"
+# A cone of 0.06 cm over a radius of 0.2 cm fills a third of its cylinder; a roof's half prism, on a plane 0.01 cm up.
+scene peak 'b 2 0.06 0.2 0 1'
+expect_code 0 check "$work/peak.mci"
+grep -q '^  boundary 0: mean height 0.02 cm over its 0.1257 cm2$' "$work/out" || complain "the mean of a cone: $(cat "$work/out")"
+printf 'v %s\n' '0.2 0.1 0' '-0.2 0.1 0' '-0.2 -0.1 0' '0.2 -0.1 0' '0 0.1 0.03' '0 -0.1 0.03' >"$work/tent.obj"
+printf 'f %s\n' '1 5 6 4' '2 3 6 5' >>"$work/tent.obj"
+printf 'v %s\n' '-0.2 0.2 0' '0.2 0.2 0' '-0.2 -0.2 0' '0.2 -0.2 0' >>"$work/tent.obj"
+printf 'f %s\n' '2 7 5' '7 8 5' '8 1 5' '3 9 6' '9 10 6' '10 4 6' >>"$work/tent.obj"
+scene peak 'm "tent.obj" shift=0,0,0.01' # the prism, and slopes to both ends: pyramids of a third
+expect_code 0 check "$work/peak.mci"
+grep -q '^  boundary 0: mean height 0.0225 cm over its 0.16 cm2$' "$work/out" || complain "the mean of a mesh: $(grep -e mean -e error "$work/out")"
+
 # A level tile is a plane.
 printf 'ncols 3 nrows 2 cellsize 1\n0 0 0\n0 0 0\n' >"$work/level.asc"
 scene level 'm "level.asc" units=cm tile'

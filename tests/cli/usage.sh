@@ -122,7 +122,7 @@ expect_code 0 help options
 test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
 
 # texts are those of the sources
-for text in samples/input samples/output src/cli/options/fit; do
+for text in samples/input samples/output samples/cluster src/cli/options/fit; do
     expect_code 0 help "${text##*/}"
     cmp -s $text.md "$work/out" || complain "help is not $text.md"
 done
@@ -134,6 +134,25 @@ test "$(head -1 "$work/out" | cut -c 1-18)" = "  --set NAME=VALUE" && grep -q "^
 expect_code 0 help --aim
 test "$(grep -c '^\*\*.--aim ' "$work/out")" -eq 2 || complain "help --aim: $(cat "$work/out")"
 expect_code 0 help --quiet
+expect_code 0 help --derivatives
+grep -q 'the derivatives of the totals' "$work/out" && ! grep -q 'a comparison differs' "$work/out" ||
+    complain "help --derivatives: $(cat "$work/out")"
+for option in more:--resume keep:1.kB resume:returns.at.once no-clobber:that.were.kept checkpoint:5.%; do
+    expect_code 0 help "--${option%%:*}"
+    test "$(wc -l <"$work/out")" -ge 3 && grep -q -e "${option#*:}" "$work/out" || complain "help --${option%%:*}: $(cat "$work/out")"
+done
+expect_code 0 help beam # an example, the grammar, and what it means, to its tables
+test "$(sed -n '2{s/ *\[.*//;p;}' "$work/out")" = "    beam SHAPE" && grep -q '^| `light=`' "$work/out" && ! grep -q '^\*\*`map`' "$work/out" ||
+    complain "help beam: $(cat "$work/out")"
+for word in detector fluence photons m b i; do
+    expect_code 0 help $word
+    grep -q "^    $word" "$work/out" && grep -q "^\*\*.$word" "$work/out" || complain "help $word: $(cat "$work/out")"
+done
+for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r; do
+    expect_code 0 help $word
+    test "$(grep -c '^| `' "$work/out")" -ge 1 || complain "help $word: $(cat "$work/out")"
+done
+expect_error 2 "help: no text on layer1.mux (try clustermcml help)" help layer1.mux
 expect_error 2 "unknown option --sett (did you mean --set?)" help --sett
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything

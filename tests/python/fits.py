@@ -2,6 +2,7 @@
 is said. With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles; fits are unbiased, and
 95 % intervals hold 95 +- 3 %."""
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -143,6 +144,12 @@ class Shell(unittest.TestCase):
                       set={"layer1.g": 0.85, "layer1.n": 1.45})
         self.assertEqual(code, 0, said)
         self.assertTrue(said.startswith(str(same)), said)
+        for name, value, error in (("Rd", 0.30, 0.003), ("Tt", 0.36, 0.003)):
+            model, noise, z = map(float, re.search(rf"model: {name} = (\S+) \+- (\S+), measured {value:g} \+- {error:g}, z (\S+)\n", said).groups())
+            self.assertAlmostEqual(model, same.prediction[name], 5)
+            self.assertAlmostEqual(z, (value - model) / (noise**2 + error**2) ** 0.5, 1)
+        code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\n")
+        self.assertEqual((code, len(re.findall(r"^model: Rd_r at 0.0(?:15|45) = \S+ \+- \S+, measured (?:0.5|1.2) \+- 0.1, z ", said, re.M))), (0, 2), said)
 
     def test_tables_that_do_not_fit(self):
         for table, text in (("Rd,,0.3\n", ":1 = 'Rd,,0.3' (expected name,place,value,error)"), ("Rd,,0.3,0.1\nRd,,0.3,0.1\n", ":2 = 'Rd' (expected each total once)"),

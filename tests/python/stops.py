@@ -8,6 +8,7 @@ import threading
 import time
 import unittest
 import unittest.mock
+import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import TOP, mc, xr  # noqa: E402
@@ -43,6 +44,28 @@ class Stops(unittest.TestCase):
         resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5, resume=True, output_dir=self.folder)
         self.assertEqual(resumed.photons, 800000)
         xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5))
+
+    def test_a_finished_run_is_not_flown_again(self):
+        """As the shell finds it, by its result; one that is gone is."""
+        mapped = mc.Scene([mc.Layer(n=1.4, mua=1, mus=50, g=0.8, d=0.1)], photons=2000, map=mc.Map(4, 4, 0.1, 0.1))
+        for scene, name in ((os.path.join(TOP, "samples", "thick.mci"), "thick.mco"), (mapped, "scene.h5")):
+            path = os.path.join(self.folder, name)
+            mc.run(scene, photons=2000, output_dir=self.folder)
+            written = os.stat(path)
+            again = mc.run(scene, photons=2000, output_dir=self.folder, resume=True)
+            self.assertEqual((os.stat(path).st_mtime_ns, os.stat(path).st_ino), (written.st_mtime_ns, written.st_ino), name)
+            xr.testing.assert_equal(again, mc.read(path))
+            self.assertNotIn("seconds", again.attrs)
+            os.remove(path)
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                flown = mc.run(scene, photons=2000, output_dir=self.folder, resume=True)
+            self.assertEqual(len({str(note.message) for note in said}), len(said), said)
+            self.assertIn("seconds", flown.attrs)
+            xr.testing.assert_equal(flown, again)
+            kept = os.stat(path).st_mtime_ns  # and now by its checkpoint
+            self.assertEqual(mc.run(scene, photons=2000, output_dir=self.folder, resume=True).attrs["seconds"], flown.attrs["seconds"])
+            self.assertEqual(os.stat(path).st_mtime_ns, kept)
 
     def test_a_program_that_is_stopped(self):
         """SIGTERM to the program, not to Python: it says so, and how to go on."""

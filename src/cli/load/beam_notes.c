@@ -79,12 +79,16 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
     struct cml_mesh_crossing at;
     if (!cml_mesh_surface_hit(def->mesh, p, u, 0, 4 * room / u[2], -1, 0, 1, 0, &at)) return;
     if (at.primitive == CML_OUTER_PLANE) return;
+    char advice[64] = "whole periods, beam rectangle W H";
+    const struct cml_heightmap *tile = &scene->boundaries[b].tile;
+    if (scene->boundaries[b].form == CML_FORM_TILE && beam->azimuth == 0)
+        snprintf(advice, sizeof advice, "one period, beam rectangle %.6g %.6g",
+                 cml_tile_period(tile, 0) * u[2], cml_tile_period(tile, 1));
     note(scene, b,
          "a pencil meets boundary %d at one point: height %.3g cm, slope %.3g (for what the whole surface "
-         "does: a "
-         "beam over many periods, beam disk R)",
+         "does: a beam over %s)",
          b, scene->boundaries[b].z - def->depth - at.point[2],
-         hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]));
+         hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]), advice);
 }
 
 /* Whether light about the axis has rays between the angles t and pi - t to the vertical, on either side. */

@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "cli/options/option_table.h"
+#include "input/mci_lines.h"
 
 #include <string.h>
 
@@ -84,6 +85,8 @@ static void print_topics(FILE *stream)
     print_item(stream, "COMMAND", "what it does, its options and an example");
     print_item(stream, "options", "all options");
     print_item(stream, "--OPTION", "one, and what the texts say of it, as the names that --set takes");
+    print_item(stream, "WORD",
+               "a line of the scene (beam), a name that --set takes (layer1.mua), an array (Rd_r)");
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
         char title[80];
         const char *begin = text->text + strspn(text->text, "# ");
@@ -126,27 +129,97 @@ static void print_command(FILE *stream, enum cml_command which)
         fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
-/* Of a text what begins like "**`--set`**" or "**`--sweep TABLE`**", to the next that begins so or has a
- * heading. */
-static void print_passages(FILE *stream, const char *text, const char *typed)
+/* Whether the word, or it and what follows a blank, stands between grave accents somewhere in the text. */
+static bool is_named(const char *text, size_t length, const char *word)
 {
-    static const char mark[] = "\n\n**`", heading[] = "\n\n## ";
-    for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark)) {
-        const char *word = at + strlen(mark), *next = strstr(at + 1, mark), *above = strstr(at + 1, heading);
-        const char *end = next && (!above || next < above) ? next : above ? above : at + strlen(at);
-        const size_t length = strlen(typed);
-        if (strncmp(word, typed, length) == 0 && strchr("` ", word[length]))
-            fprintf(stream, "%.*s\n", (int)(end - at - 1), at + 1);
+    for (const char *at = memchr(text, '`', length); at;
+         at = memchr(at + 1, '`', length - (size_t)(at + 1 - text))) {
+        const size_t left = length - (size_t)(at + 1 - text), own = strlen(word);
+        if (own < left && strncmp(at + 1, word, own) == 0 && strchr("` ", at[1 + own])) return true;
     }
+    return false;
+}
+
+/* Lines of the scene's grammar, which stand indented. Returns how many lines were printed, as those below do.
+ */
+static int print_grammar(FILE *stream, const char *text, const char *word)
+{
+    const size_t length = strlen(word);
+    int count = 0;
+    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        if (strncmp(line, "    ", 4) != 0 || strncmp(line + 4, word, length) != 0) continue;
+        if (line[4 + length] != ' ' && line[4 + length] != '\n') continue;
+        fprintf(stream, "%.*s\n", (int)strcspn(line, "\n"), line);
+        count++;
+    }
+    return count;
+}
+
+/* Rows of tables whose first cell names the word; of layer1.mua those that name `layer1.n`, `.mua`. */
+static int print_rows(FILE *stream, const char *text, const char *word)
+{
+    const size_t group = strcspn(word, ".0123456789");
+    const char *member = strrchr(word, '.');
+    char first[40], last[40];
+    int count = 0;
+    snprintf(first, sizeof first, "`%.*s", (int)group, word);
+    snprintf(last, sizeof last, "%s`", member ? member : "");
+    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        const size_t cell = strcspn(line, "\n"), bar = cell > 2 ? 2 + strcspn(line + 2, "|\n") : 0;
+        char names[200];
+        if (line[0] != '|' || bar >= sizeof names) continue;
+        snprintf(names, sizeof names, "%.*s", (int)bar, line);
+        const bool swept = member && word[0] != '-' && strstr(names, first) && strstr(names, last);
+        if (!swept && !is_named(names, bar, word)) continue;
+        fprintf(stream, "%.*s\n", (int)cell, line);
+        count++;
+    }
+    return count;
+}
+
+/* What begins like "**`--set`**" or "**`--sweep TABLE`**", or, if `elsewhere`, under another heading than an
+ * option's and names it, up to the next heading. */
+static int print_passages(FILE *stream, const char *text, const char *word, bool elsewhere)
+{
+    static const char mark[] = "\n\n**", heading[] = "\n\n## ";
+    int count = 0;
+    for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark)) {
+        const char *title = at + strlen(mark), *next = strstr(at + 1, mark), *above = strstr(at + 1, heading);
+        const char *end = next && (!above || next < above) ? next : above ? above : at + strlen(at);
+        const bool own = title[0] == '`' && is_named(title, strlen(word) + 2, word);
+        if (!own && (!elsewhere || title[0] == '`' || !is_named(title, (size_t)(end - title), word)))
+            continue;
+        fprintf(stream, "%.*s\n", (int)(end - at - 1), at + 1);
+        count++;
+    }
+    return count;
+}
+
+/* What the texts say of a word of a scene, of a name that --set takes, of an array. */
+static int print_word(FILE *stream, const char *word)
+{
+    int count = 0;
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
+        if (cml_mci_is_keyword(word)) count += print_grammar(stream, text->text, word);
+        count += print_rows(stream, text->text, word);
+        count += print_passages(stream, text->text, word, false);
+    }
+    return count;
 }
 
 static void print_one_option(FILE *stream, const struct cml_option *option)
 {
     char typed[48];
+    int found = 0;
     snprintf(typed, sizeof typed, "--%s", option->name);
     print_option(stream, option, true);
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
-        print_passages(stream, text->text, typed);
+        found += print_passages(stream, text->text, typed, false);
+    if (found > 0) return;
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
+        print_rows(stream, text->text, typed);
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
+        print_passages(stream, text->text, typed, true);
 }
 
 static cml_status refuse(const char *topic, struct cml_error *err)
@@ -184,7 +257,7 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     }
     const struct cml_help_text *text = cml_help_texts;
     while (text->name && strcmp(text->name, topic) != 0) text++;
-    if (!text->name) return refuse(topic, err);
+    if (!text->name) return print_word(stream, topic) > 0 ? CML_OK : refuse(topic, err);
     fputs(text->text, stream);
     return CML_OK;
 }

@@ -139,9 +139,9 @@ const struct cml_option cml_option_table[] = {
     {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
      TEXT(directory), .title = "output"},
     {"output", 'o', "FILE", RUN | MERGE | COMPARE | PLOT | CHECK, NULL,
-     "of run (--output only): the result's name in place of the file's, .mco or .h5; of merge: the result. "
-     "Else the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
-     "plot.svg",
+     "of run: the result's name in place of the file's, .mco or .h5, written out, as -o is --output-dir "
+     "there; of merge: the result. Else the picture, .svg, .png, .pdf or .eps; of compare and check: none "
+     "without it; of plot: default plot.svg",
      TEXT(output)},
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE | CROSSCHECK | FURNACE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},

@@ -104,6 +104,27 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
+static cml_status print_path(void *context, const struct cml_report_file *file, struct cml_error *err)
+{
+    (void)context;
+    (void)err;
+    printf("  -> %s\n", file->path);
+    return CML_OK;
+}
+
+/* Of a run that was finished before: where its results are. */
+static cml_status say_finished(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                               struct cml_error *err)
+{
+    char *path = NULL;
+    CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
+    printf("  finished before: nothing was written, its results stand\n");
+    const cml_status status = cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption,
+                                                   path, print_path, NULL, err);
+    free(path);
+    return status;
+}
+
 static bool may_aim(const struct cml_run_setup *setup)
 {
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
@@ -121,8 +142,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     if (run->intent == CML_RUN_NOTHING_LEFT) {
         if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
         cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
-        if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
-        return CML_OK;
+        const bool says = !options->quiet && !options->json && call->row == 0;
+        return says ? say_finished(call, setup, err) : CML_OK;
     }
     struct cml_report report = {
         .scene = setup->scene,

@@ -16,7 +16,7 @@ import numpy as np
 
 from . import errors
 from .commands import check
-from .fit import PROFILES, fit
+from .fit import PROFILES, Fit, fit
 from .options import FitOptions
 
 
@@ -83,6 +83,17 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
     return measured
 
 
+def _beside(found: Fit) -> list[str]:
+    """A line for each number that was measured: the model's, both errors, and by how many of the two together they differ."""
+    lines = []
+    for name in found.measured:
+        columns = [np.atleast_1d(of[name]) for of in (found.prediction, found.prediction_errors, found.measured, found.measured_errors)]
+        places = [f" at {place:.4g}" for place in found.places[name]] if name in found.places else [""]
+        lines += [f"model: {name}{place} = {model:.6g} +- {noise:.2g}, measured {value:.6g} +- {error:.2g}, z {(value - model) / np.hypot(noise, error):+.2f}"
+                  for place, model, noise, value, error in zip(places, *columns)]
+    return lines
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python3 -m clustermcml", description="Fits mua and mus of layers and bodies to what was measured.")
     parser.add_argument("command", choices=["fit"])
@@ -102,8 +113,8 @@ def main() -> int:
         print(f"clustermcml: {error}", file=sys.stderr)
         return error.exit_code
     print(found)
-    for name, values in found.prediction.items():
-        print(f"model: {name} = {' '.join(f'{value:.6g}' for value in np.atleast_1d(values))}")
+    for line in _beside(found):
+        print(line)
     return 0
 
 

@@ -173,14 +173,14 @@ def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
             said.append(text)
 
 
-def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[dict[str, Any]]:
-    """The objects of standard output as they come. An interrupt, or whatever else ends this, is passed on: the program writes its
+def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[str]:
+    """The lines of standard output as they come. An interrupt, or whatever else ends this, is passed on: the program writes its
     checkpoint, and this waits."""
     assert process.stdout is not None
-    told = []
+    told: list[str] = []
     try:
         for line in process.stdout:
-            told.append(json.loads(line))
+            told.append(line)
             if rows:
                 progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows")
         process.wait()
@@ -261,27 +261,33 @@ def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
         os.close(there)
 
 
-def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0) -> list[dict[str, Any]]:
+def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0,
+        notes: bool = True) -> list[dict[str, Any]]:
     """What the program says of every run, as --json does. options: words of its command line. scratch: a folder that will be gone,
-    whose files are not named. rows: of a sweep, 0 of none.
+    whose files are not named. rows: of a sweep, 0 of none. notes: those of the program are warnings."""
+    return [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
+
+
+def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int, notes: bool) -> list[str]:
+    """What the program says on standard output, a line each.
 
     In a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so that it draws a bar.
     """
     said: list[str] = []
-    words = [find_program(), scene, "--json", "-o", folder, *options]
+    words = [find_program(), scene, "-o", folder, *options]
     here, there = os.openpty()
     with _exits_on_sigterm(), Progress(show) as progress, _start(words, here, there) as process:
         bar = Progress(False) if rows else progress
         listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
         listener.start()
         try:
-            told = _read_objects(process, progress, rows)
+            told = _read_lines(process, progress, rows)
         finally:
             listener.join()
             os.close(here)
     said = [renamed(line, scratch) for line in said]
-    for note in (line for line in said if line.startswith(PREFIX + "note: ")):
-        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
+    for note in (line for line in said if notes and line.startswith(PREFIX + "note: ")):
+        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=4)
     if process.returncode != 0:
         raise_failure(process.returncode, said, folder != scratch)
     return told
@@ -295,10 +301,19 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
     if not os.path.isfile(path):
         raise errors.refuse("scene", path, "a scene whose result is a file")
     data = read_h5(path) if h5 else read_mco(path)
-    if any(float(data["book_" + fate]) != told[total] for total, fate in FATES.items()):
+    if any(float(data["book_" + fate]) != told.get(total, float(data["book_" + fate])) for total, fate in FATES.items()):
         raise errors.ClustermcmlError(f"{path}: replaced by another call (expected an output_dir of its own for each)", 5)
     data.attrs.update({key: told[key] for key in MEASURED if told.get(key) is not None})
     return data
+
+
+def _finished(scene: str, folder: str, options: list[str], show: Optional[bool]) -> Optional[dict[str, Any]]:
+    """The files of a run that was finished before and has no checkpoint: for its digits --json would fly it anew. None of any other,
+    which has one after this, that knows all of the run."""
+    said = "".join(_lines(scene, folder, options, show, "", 0, True))
+    names = re.findall(r"^(\S.*): \S+ photons, .*, seed \d+$", said, re.MULTILINE)
+    stands = len(names) == 1 and "\n  finished before" in said and not os.path.exists(os.path.join(folder, names[0] + ".checkpoint"))
+    return {"files": re.findall("^  -> (.*)$", said, re.MULTILINE)} if stands else None
 
 
 @shown
@@ -312,14 +327,18 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
     threads=4, target_error=1e-3, engine="reference", no_reentry=True; `clustermcml help run` lists them.
 
     Raises InputError for what is refused, ClustermcmlError for what fails later; the text is the program's. Notes of the program are
-    warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues.
+    warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues. What is
+    finished there it does not fly again.
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:
         raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")
     with scratch_folder() as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:
-            told = fly(path, folder, option_words(options), progress, scratch)
+            words = option_words(options)
+            resumes = options.get("resume") and output_dir is not None
+            stands = _finished(path, folder, words, progress) if resumes else None
+            told = [stands] if stands else fly(path, folder, words, progress, scratch, notes=not resumes)
             if len(told) != 1:
                 raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
             return result_of(told[0])

@@ -86,6 +86,19 @@ bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;
 }
 
+/* Both triangles of a cell have the ends of its diagonal, each has one of the other corners. */
+double cml_tile_mean(const struct cml_heightmap *tile)
+{
+    double sum = 0;
+    for (int64_t j = 0; j < tile->ny; j++)
+        for (int64_t i = 0; i < tile->nx; i++) {
+            const int one = cml_tile_rises(tile, i, j) ? 0 : 1;
+            sum += cml_tile_height(tile, i + one, j) + cml_tile_height(tile, i + 1 - one, j + 1) +
+                   (cml_tile_height(tile, i + 1 - one, j) + cml_tile_height(tile, i + one, j + 1)) / 2;
+        }
+    return sum / 3 / ((double)tile->nx * (double)tile->ny);
+}
+
 bool cml_tile_is_flat(const struct cml_heightmap *tile)
 {
     for (size_t i = 1; i < (size_t)tile->nx * (size_t)tile->ny; i++)

@@ -39,6 +39,9 @@ double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j);
  * (0, 1). */
 bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j);
 
+/* Mean height of the triangles over a period, cm. */
+double cml_tile_mean(const struct cml_heightmap *tile);
+
 /* True when all heights are the same: the boundary is then the plane of that height. */
 bool cml_tile_is_flat(const struct cml_heightmap *tile);
 

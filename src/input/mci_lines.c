@@ -88,13 +88,6 @@ static const struct {
                {"detector", CML_MCI_DETECTOR},
                {"photons", CML_MCI_PHOTONS}};
 
-bool cml_mci_is_keyword(const char *word)
-{
-    size_t i = 0;
-    while (i < sizeof keyword / sizeof *keyword && strcmp(keyword[i].word, word) != 0) i++;
-    return i < sizeof keyword / sizeof *keyword;
-}
-
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
     struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};

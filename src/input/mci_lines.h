@@ -69,8 +69,6 @@ void cml_mci_close(struct cml_mci_reader *reader);
  * be named "b"). The cursor stands behind the keyword, or at the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
-bool cml_mci_is_keyword(const char *word);
-
 /* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader);
 

@@ -152,6 +152,7 @@ for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r; do
     expect_code 0 help $word
     test "$(grep -c '^| `' "$work/out")" -ge 1 || complain "help $word: $(cat "$work/out")"
 done
+expect_error 2 "help: no text on print (try clustermcml help)" help print # a line of an example in Python
 expect_error 2 "help: no text on layer1.mux (try clustermcml help)" help layer1.mux
 expect_error 2 "unknown option --sett (did you mean --set?)" help --sett
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs

@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "cli/options/option_table.h"
-#include "input/mci_lines.h"
 
 #include <string.h>
 
@@ -140,12 +139,23 @@ static bool is_named(const char *text, size_t length, const char *word)
     return false;
 }
 
-/* Lines of the scene's grammar, which stand indented. Returns how many lines were printed, as those below do.
- */
+/* Whether the text at a title begins like "`beam`" or "`i "vessel.obj"`". */
+static bool is_headed(const char *title, const char *word)
+{
+    const size_t length = strlen(word);
+    return title[0] == '`' && strncmp(title + 1, word, length) == 0 &&
+           (title[1 + length] == '`' || title[1 + length] == ' ');
+}
+
+/* Indented lines that begin with a word of the scene's grammar, of which there is a passage. Returns how many
+ * were printed, as those below do. */
 static int print_grammar(FILE *stream, const char *text, const char *word)
 {
     const size_t length = strlen(word);
+    const char *passage = strstr(text, "\n\n**");
     int count = 0;
+    while (passage && !is_headed(passage + 4, word)) passage = strstr(passage + 1, "\n\n**");
+    if (!passage) return 0;
     for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
         if (strncmp(line, "    ", 4) != 0 || strncmp(line + 4, word, length) != 0) continue;
         if (line[4 + length] != ' ' && line[4 + length] != '\n') continue;
@@ -186,8 +196,8 @@ static int print_passages(FILE *stream, const char *text, const char *word, bool
     for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark)) {
         const char *title = at + strlen(mark), *next = strstr(at + 1, mark), *above = strstr(at + 1, heading);
         const char *end = next && (!above || next < above) ? next : above ? above : at + strlen(at);
-        const bool own = title[0] == '`' && is_named(title, strlen(word) + 2, word);
-        if (!own && (!elsewhere || title[0] == '`' || !is_named(title, (size_t)(end - title), word)))
+        if (!is_headed(title, word) &&
+            (!elsewhere || title[0] == '`' || !is_named(title, (size_t)(end - title), word)))
             continue;
         fprintf(stream, "%.*s\n", (int)(end - at - 1), at + 1);
         count++;
@@ -200,7 +210,7 @@ static int print_word(FILE *stream, const char *word)
 {
     int count = 0;
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
-        if (cml_mci_is_keyword(word)) count += print_grammar(stream, text->text, word);
+        count += print_grammar(stream, text->text, word);
         count += print_rows(stream, text->text, word);
         count += print_passages(stream, text->text, word, false);
     }

@@ -80,8 +80,9 @@ def answers():
            "sh bench/speed/speed.sh --irregular", "9", "")
     yield ("What do bodies cost?", "%s of the speed without (S6a, 1e5 triangles)" % cells(
         "speed/results/bodies-intel-xeon-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
-    yield ("What do sources and phase functions cost?", "%s ns more for lambertian light than for a disk, %s times for a table" % (
-        cells(LIGHT, "disk 0.1 light=lambertian")[2].split()[0], cells(LIGHT, 'table "law.txt"')[2].split()[0]),
+    yield ("What do sources and phase functions cost?", "%.2f times a parallel packet for lambertian light (no medium), %s times a step for a table" % (
+        float(cells(LIGHT, "disk 0.1 light=lambertian")[1].split()[0]) / float(cells(LIGHT, "disk 0.1")[1].split()[0]),
+        cells(LIGHT, 'table "law.txt"')[2].split()[0]),
         "python3 bench/speed/light.py", "2", "")
     yield ("What do ranks cost each other?", "%s %% of 1000 ranks' time is flight (model, 1e8 bins)" % efficiency("1000"),
            "python3 bench/speed/scaling.py", "1", "")

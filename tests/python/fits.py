@@ -46,6 +46,8 @@ class Fits(unittest.TestCase):
         self.assertAlmostEqual(fit.prediction["Rd"], measured[0], 4)
         self.assertLessEqual(fit.flights, 6)
         self.assertLess(fit.correlation[0, 1], 0)
+        self.assertTrue(0.005 < fit.correlation_errors[0, 1] < 0.5, fit.correlation_errors)
+        self.assertRegex(str(fit), r"correlation of layer1.mus and layer1.mua: -0\.\d\d \+- 0\.\d\d\n")
 
     def test_what_was_put_into_a_rough_slab_comes_out(self):
         """Of R, of Tt and of a profile, whose last bin is left out; seven numbers tell two parameters, and chi square is theirs."""

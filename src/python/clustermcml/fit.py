@@ -39,18 +39,22 @@ SETTLED = 0.2  # standard errors between the solution and the flight that tells 
 REACH = 2.0  # the same, where one with random numbers of its own follows, and of that
 OTHER_SEED = 2**40  # from the flights' seed to that of the last one
 NOISY = 0.3  # of what the slopes seem to tell of a parameter, what may be their noise
+BATCHES = 64  # of which the program makes errors
+REDRAWN = 100  # flights, for the error of a correlation
 TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarithm
 
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """values, errors: of the parameters, standard errors. correlation: of these, in their order. chi2, degrees: of freedom. words: what
+    """values, errors: of the parameters, standard errors. correlation: of these, in their order, with
+    correlation_errors by the flights' noise. chi2, degrees: of freedom. words: what
     the data cannot tell, "" where they tell all. prediction, prediction_errors: what the model says of each name that was measured, and
     measured, measured_errors: what was; of profiles in the bins that were known, whose middles are places. flights: how many were flown."""
 
     values: dict[str, float]
     errors: dict[str, float]
     correlation: Any
+    correlation_errors: Any
     chi2: float
     degrees: int
     words: str
@@ -81,7 +85,7 @@ class Fit:
     def __str__(self) -> str:
         lines = [f"{name} = {value:.6g} +- {self.errors[name]:.2g}" for name, value in self.values.items()]
         names = list(self.values)
-        lines += [f"correlation of {names[i]} and {names[k]}: {self.correlation[i, k]:+.3f}" for i in range(len(names)) for k in range(i)]
+        lines += [f"correlation of {names[i]} and {names[k]}: {self.correlation[i, k]:+.2f} +- {self.correlation_errors[i, k]:.2f}" for i in range(len(names)) for k in range(i)]
         lines.append(f"chi square {self.chi2:.3g} with {self.degrees} degrees of freedom, {self.flights} flights")
         return "\n".join(lines + ([self.words] if self.words else []))
 
@@ -450,6 +454,17 @@ def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
     return honest @ honest.T, (np.abs(v[lost]) > 0.1).any(axis=0), np.sum(root**2, axis=1) < (1 - NOISY) * np.sum(honest**2, axis=1)
 
 
+def _root(correlation: Any) -> Any:
+    """R of R R^T."""
+    values, axes = np.linalg.eigh(correlation)
+    return axes * np.sqrt(np.maximum(values, 0))
+
+
+def _correlation(covariance: Any) -> Any:
+    sigma = np.sqrt(np.diag(covariance))
+    return covariance / np.outer(sigma, sigma)
+
+
 def _unlikely(chi2: float, degrees: int) -> bool:
     """Beyond 4 standard deviations, as E. B. Wilson and M. M. Hilferty (1931) make a normal number of a chi square."""
     width = 2 / (9 * max(degrees, 1))
@@ -458,7 +473,8 @@ def _unlikely(chi2: float, degrees: int) -> bool:
 
 @dataclasses.dataclass(frozen=True)
 class _Solution:
-    """u: logarithms of the parameters, with their covariance; lost, noisy: as of _errors. model: the numbers there, and their noise."""
+    """u: logarithms of the parameters, with their covariance; lost, noisy: as of _errors. model: the numbers there, and their noise.
+    correlation_errors: what their noise makes of the correlation."""
 
     u: Any
     residual: Any
@@ -468,6 +484,7 @@ class _Solution:
     noisy: Any
     model: Any
     noise: Any
+    correlation_errors: Any
 
 
 def _solve(data: _Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> _Solution:
@@ -487,8 +504,20 @@ def _solve(data: _Data, model: _Model, low: Any, high: Any, u: Optional[Any]) ->
     spread, alike = model.slopes_noise(u, sigma / there)
     spread *= there[:, None]
     slopes = alike * (spread.T @ (np.linalg.inv(both) * noise / np.outer(sigma, sigma)) @ spread)
-    found, lost, noisy = _errors(_jacobian(residual, u), slopes)
-    return _Solution(u, residual(u), found, np.sqrt(np.diag(found)), lost, noisy, there, np.sqrt(np.diag(covariance)))
+    jacobian = _jacobian(residual, u)
+    found, lost, noisy = _errors(jacobian, slopes)
+
+    turns = factor @ jacobian
+
+    def redrawn(dice: Any) -> Any:
+        """The correlation with slopes, and a covariance from as many batches, of other flights of such noise."""
+        batches = _root(noise) @ dice.standard_normal((len(noise), BATCHES - 1))
+        drawn = _root(noise / np.outer(sigma, sigma)) @ dice.standard_normal(turns.shape) @ _root(alike).T
+        other = np.linalg.cholesky(np.diag(data.errors**2) + batches @ batches.T / (BATCHES - 1))
+        return _correlation(_errors(np.linalg.solve(other, turns + spread * drawn), slopes)[0])
+    dice = np.random.default_rng(1)
+    return _Solution(u, residual(u), found, np.sqrt(np.diag(found)), lost, noisy, there, np.sqrt(np.diag(covariance)),
+                     np.std([redrawn(dice) for _ in range(REDRAWN)], axis=0))
 
 
 def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data: _Data, settled: bool) -> str:
@@ -561,7 +590,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     u, r, sigma = found.u, found.residual, np.where(found.lost, np.inf, found.sigma)
     values = np.exp(u)
     return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
-               correlation=found.covariance / np.outer(found.sigma, found.sigma), chi2=float(r @ r), degrees=len(data.values) - len(names),
+               correlation=_correlation(found.covariance), correlation_errors=found.correlation_errors, chi2=float(r @ r), degrees=len(data.values) - len(names),
                words=_words(names, u, low, high, found, data, not open_), prediction=data.parted(found.model),
                prediction_errors=data.parted(found.noise), flights=count,
                measured=data.parted(data.values), measured_errors=data.parted(data.errors), places=flown[-1].places)

@@ -133,6 +133,16 @@ def tutorial_numbers():
     yield (r"that of a plane, (\S+), to within 2 % .* twice that: (\S+) \+- (\S+)\. At 60 degrees a plane mirrors (\S+)\. Low furrows "
            r"mirror more, (\S+) \+- (\S+) at .* less, (\S+) \+- (\S+) as they are and (\S+) \+- (\S+) at twice",
            (at[0, 0], at[0, 2], (at[0, 2][1], 0), at[60, 0], *(pair for h in (0.5, 1, 2) for pair in (at[60, h], (at[60, h][1], 0)))))
+    thin, (said,) = cml.read_sections("thin.mco"), objects("check", "thin.mci")
+    own, error, mean = thin["A_l"][0], thin["se_A_l"][0], said["layers"][0]["mean_d"]
+    nominal, flat = (objects("exact", "thin.mci", "--set", f"layer1.d={d}")[0]["A_l"][0] for d in (said["layers"][0]["d"], mean))
+    yield (r"Layer 1 absorbs (\S+) \+- (\S+)\. Nominally flat it absorbs (\S+), (\S+) % more; .* it is (\S+) cm thick in the mean, (\S+) % less than its d, .* "
+           r"flat one absorbs (\S+): the roughness itself does (\S+) %\. `shift=0,0,(\S+)`",
+           ((own, error), (error, 0), (nominal, 0), (100 * (nominal / own - 1), 100 * error / own), (mean, 0), (100 * (1 - mean / said["layers"][0]["d"]), 0),
+            (flat, 0), (100 * (1 - own / flat), 100 * error / flat), (-said["boundaries"][0]["mean_height"], 0)))
+    patch = objects("check", "rough.mci")[0]
+    yield (r"mean height of the patch is (\S+) cm, so that the epidermis is as thick as the level one to (\S+) %",
+           ((patch["boundaries"][0]["mean_height"], 0), (100 * (patch["layers"][0]["mean_d"] / patch["layers"][0]["d"] - 1), 0)))
     fibres = cml.read_sections("fibres.mco")
     yield r"all of its way, (\S+) cm, lies in the dermis", ((fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]),)
     deep = cml.read_sections("deep.mco")
@@ -148,8 +158,13 @@ def measured_points():
         return [(float(row["Rd_r"]), float(row["Rd_r_se"]), curve[int(float(row["r_mid_cm"]) / 0.01)]) for row in csv.DictReader(file)]
 
 
+def objects(*words):
+    """What a command prints with --json, of every run."""
+    return [json.loads(line) for line in run([cml.PROGRAM, *words, "--json"], ".")[1].splitlines()]
+
+
 def flat_rsp(scene):
-    return json.loads(run([cml.PROGRAM, "check", scene, "--json"], ".")[1])["flat"]["Rsp"]
+    return objects("check", scene)[0]["flat"]["Rsp"]
 
 
 def thin_loss():
@@ -157,7 +172,7 @@ def thin_loss():
     with open("skin.csv", encoding="utf-8") as file:
         names, *_, last = csv.reader(file, skipinitialspace=True)
     cells = [word for name, value in zip(names, last) for word in ("--set", f"{name}={value}")]
-    return json.loads(run([cml.PROGRAM, "exact", "flat.mci", "--json", *cells], ".")[1])["Tt"]
+    return objects("exact", "flat.mci", *cells)[0]["Tt"]
 
 
 def agrees(said, value, error):
@@ -193,7 +208,7 @@ def check_beams(verdict, folder):
         status, output = run([cml.PROGRAM, "check", scene, "--json"], folder)
         kinds = [json.loads(line)["boundaries"][0]["kind"] for line in output.splitlines()] if status == 0 else []
         with open(scene, encoding="utf-8") as file:
-            wide = re.search("^(#@ )?beam (disk|gaussian)", file.read(), re.MULTILINE)
+            wide = re.search("^(#@ )?beam (disk|gaussian|rectangle)", file.read(), re.MULTILINE)
         verdict.check(scene, wide or "mesh" not in kinds, "lights one point of a mesh")
 
 

@@ -86,9 +86,11 @@ const struct cml_command_def cml_commands[] = {
     [CML_COMMAND_HELP] = {"help", "[TOPIC]", 0, 1, "this list, or the text on a topic",
                           "Prints the list of commands; of a command what it does and its options; all "
                           "options, or one, with what the texts say of it; or a text: what an "
-                          "input file may hold, what the output is.",
+                          "input file may hold, what the output is. Of any other word, such as a line of the "
+                          "scene, a name that --set takes or an array, what the texts say of it.",
                           "clustermcml help run\n"
                           "clustermcml help --set\n"
+                          "clustermcml help beam\n"
                           "clustermcml help input | less\n"},
 };
 _Static_assert(sizeof cml_commands / sizeof *cml_commands == CML_NUM_COMMANDS, "a command without a row");

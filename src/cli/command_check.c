@@ -233,16 +233,18 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
 }
 
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
- * memory needs their size. *starts: in which medium every beam starts, the caller's to free. */
-static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
-                              const struct cml_sweep_size *sweep, int **starts, struct cml_error *err)
+ * memory needs their size. flown: the options with which the largest flight of a sweep flies. *starts: in
+ * which medium every beam starts, the caller's to free. */
+static cml_status check_scene(const struct cml_options *options, const struct cml_options *flown,
+                              const struct cml_scene *scene, const struct cml_sweep_size *sweep, int **starts,
+                              struct cml_error *err)
 {
     struct cml_surface_set surfaces;
     struct cml_mean_shapes mean = {0};
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     cml_status status = cml_note_beam(scene, &surfaces, starts, err);
     if (status == CML_OK) status = cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err);
-    if (status == CML_OK) status = show(options, scene, &surfaces, *starts, &mean, sweep, err);
+    if (status == CML_OK) status = show(flown, scene, &surfaces, *starts, &mean, sweep, err);
     cml_mean_shapes_clear(&mean);
     cml_surfaces_free(&surfaces);
     return status;
@@ -259,10 +261,11 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
     }
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     struct cml_sweep_size sweep;
-    cml_status status = cml_sweep_check(options, &list, &inputs, &sweep, err);
+    struct cml_options flown = *options;
+    cml_status status = cml_sweep_check(options, &list, &inputs, &sweep, &flown.engine_options, err);
     int *starts = NULL, *drawn = NULL; /* drawn: of the run that the picture shows */
     for (int i = 0; status == CML_OK && i < list.count; i++) {
-        status = check_scene(options, &list.scenes[i], &sweep, &starts, err);
+        status = check_scene(options, &flown, &list.scenes[i], &sweep, &starts, err);
         if ((uint64_t)i + 1 == options->run)
             drawn = starts;
         else

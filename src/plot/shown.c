@@ -144,7 +144,7 @@ static double end_of(const struct cml_curve *curve, double width, bool whole)
     return fmin(last + 2, curve->n + !whole) * width;
 }
 
-/* What only some scenes ask for may not be there, or what is left of it. */
+/* What only some scenes ask for may not be there. */
 static cml_status check_there(const struct cml_outcome *o, const char *path, enum cml_quantity quantity,
                               struct cml_error *err)
 {
@@ -152,7 +152,6 @@ static cml_status check_there(const struct cml_outcome *o, const char *path, enu
                        : cml_quantities[quantity].axis[0] == CML_AXIS_theta ? "directions"
                                                                             : "time";
     if (o->value[quantity]) return CML_OK;
-    if (o->damage) return cml_fail(err, CML_E_INPUT, "%s", o->damage);
     return cml_fail(err, CML_E_INPUT, "%s: no %s (expected the result of a scene with a %s line)", path,
                     cml_quantities[quantity].name, line);
 }

@@ -43,9 +43,8 @@ CML_NODISCARD cml_status cml_h5_numbers(const struct cml_hdf5 *file, const char 
                                         double **values, struct cml_hdf5_dataset *shape,
                                         struct cml_error *err);
 
-/* A result from whatever file holds one: an .h5 file, or else an .mco file. CML_E_INPUT; the caller clears it
- * otherwise.
- */
+/* A result from whatever file holds one: an .h5 file, or else an .mco file. CML_E_INPUT, also where sections
+ * of ours are damaged or cut off; the caller clears it otherwise. */
 CML_NODISCARD cml_status cml_result_read(const char *path, struct cml_outcome *outcome,
                                          struct cml_error *err);
 

@@ -11,7 +11,11 @@
 
 cml_status cml_result_read(const char *path, struct cml_outcome *o, struct cml_error *err)
 {
-    return cml_file_ends_in(path, ".h5") ? cml_h5_read(path, o, err) : cml_mco_read(path, o, err);
+    CML_TRY(cml_file_ends_in(path, ".h5") ? cml_h5_read(path, o, err) : cml_mco_read(path, o, err));
+    if (!o->damage) return CML_OK;
+    const cml_status status = cml_fail(err, CML_E_INPUT, "%s", o->damage);
+    cml_outcome_clear(o);
+    return status;
 }
 
 #ifdef CML_HDF5

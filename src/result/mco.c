@@ -46,6 +46,7 @@ static void write_head(FILE *out, const struct cml_outcome *o)
           out);
     fprintf(out, "# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.", seconds,
             seconds / 3600);
+    if (o->program) fputs("  " CML_MCO_HAS_END, out);
     if (o->identity[0]) fprintf(out, "   Identity: %s", o->identity);
     fputs("\n\n", out);
 }
@@ -247,6 +248,7 @@ cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct c
         write_ours(file.stream, o);
         write_heights(file.stream, o);
         write_control(file.stream, o);
+        fputs("\n" CML_MCO_END "\n", file.stream);
     }
     return cml_file_commit(&file, err);
 }

@@ -13,6 +13,7 @@ struct reader {
     struct cml_text text;
     char *cursor; /* what is left of the current line, NULL where no line is */
     bool copied;  /* the parameters are a copy of an .mci file */
+    bool has_end; /* it says that its last line is CML_MCO_END */
     struct cml_outcome *o;
     struct cml_error *err;
 };
@@ -157,6 +158,7 @@ static cml_status read_head(struct reader *r)
         if (strncmp(r->cursor, mark, sizeof mark - 1) == 0) {
             r->cursor += sizeof mark - 1;
             read_identity(r);
+            r->has_end = strstr(r->cursor, CML_MCO_HAS_END);
             CML_TRY(read_double(r, &field_time, &r->o->user_time));
         } else if (!is_blank(r->cursor) && *r->cursor != '#') {
             break;
@@ -332,7 +334,7 @@ static cml_status read_all(struct reader *r)
     CML_TRY(read_totals(r));
     CML_TRY(read_sections(r));
     return cml_mco_read_ours(r->text.cursor < r->text.size ? r->text.data + r->text.cursor : "", r->text.path,
-                             r->o, r->err);
+                             r->has_end, r->o, r->err);
 }
 
 cml_status cml_mco_read(const char *path, struct cml_outcome *o, struct cml_error *err)

@@ -317,9 +317,21 @@ static void check_whole(const struct reader *r)
     }
 }
 
-cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outcome *o, struct cml_error *err)
+/* Nothing but blanks behind it. */
+static bool has_end(const char *text)
+{
+    const char *end = NULL;
+    for (const char *line = text; line; line = line_after(line))
+        if (line[strspn(line, " \t\r\n")]) end = line;
+    return end && begins(end, CML_MCO_END) && strspn(end + strlen(CML_MCO_END), "\r\n") > 0;
+}
+
+cml_status cml_mco_read_ours(const char *text, const char *path, bool ends, struct cml_outcome *o,
+                             struct cml_error *err)
 {
     const struct reader r = {text, path, o};
+    if (ends && !has_end(text))
+        damaged(&r, "%.200s: last line is missing (expected " CML_MCO_END "; the file is cut off)", path);
     CML_TRY(read_comments(&r, err));
     for (const char *line = text; line; line = line_after(line)) {
         struct section section = {&r, "", line_after(line)};

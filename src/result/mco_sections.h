@@ -25,10 +25,15 @@ static inline int cml_mco_columns(const struct cml_outcome *o, const struct cml_
 /* Numbers on a full line of a grid. */
 #define CML_MCO_PER_LINE 5
 
-/* Reads what stands behind the grids: comments and sections of ours. CML_E_INPUT only where memory runs out.
- */
-CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outcome *outcome,
-                                           struct cml_error *err);
+/* Our files end with this line, and say so near their beginning, behind the time: so those of original MCML
+ * and of our older versions, which end without one, are not taken for cut off. */
+#define CML_MCO_END "# end"
+#define CML_MCO_HAS_END " Last line: " CML_MCO_END
+
+/* Reads what stands behind the grids: comments and sections of ours. `has_end`: the file says so. CML_E_INPUT
+ * only where memory runs out. */
+CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, bool has_end,
+                                           struct cml_outcome *outcome, struct cml_error *err);
 
 /* A line "merged FILE: seed S, run R" as one of the outcome's streams; of any other nothing. */
 CML_NODISCARD cml_status cml_mco_read_merged(const char *line, struct cml_outcome *outcome,

@@ -37,7 +37,7 @@ fi
 expect_code 0 "$work/b.mci" --control flat -o "$work"
 grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}   control 0\.[0-9]{7} \+- 0\.[0-9]{7}$' "$work/out" ||
     complain "summary: $(cat "$work/out")"
-sed '1,/^control # Rsp, Rd, A, Tt, A_backing with /d' "$work/b.mco" >"$work/section"
+sed -e '1,/^control # Rsp, Rd, A, Tt, A_backing with /d' -e '/^$/,$d' "$work/b.mco" >"$work/section"
 expect_code 0 "$work/b.mci" --control flat --json -o "$work"
 for end in "" _se; do
     for key in Rsp Rd A Tt A_backing; do value ${key}_control$end "$work/out"; done

@@ -10,7 +10,7 @@ done
 sed 's/^1.37 *1 *100/1.37 1 130/; s/^1.37\t1\t100/1.37\t1\t130/' samples/mcml_sample.mci >"$work/other.mci"
 expect_code 0 "$work/other.mci" --photons 2e4 --seed 3 --quiet -o "$work/3"
 a=$work/1/mcml_sample.mco b=$work/2/mcml_sample.mco c=$work/3/mcml_sample.mco
-plain() { sed '/^# clustermcml /,$d' "$1"; } # what original MCML writes: nothing behind Tt_ra
+plain() { sed -e 's/   Last line: # end.*//' -e '/^# clustermcml /,$d' "$1"; } # what original MCML writes: nothing behind Tt_ra
 plain "$a" >"$work/plain_a.mco"
 plain "$b" >"$work/plain_b.mco"
 

@@ -27,9 +27,9 @@ test "$(ls "$work")" = "$(printf 'err\nhihill.mco\nout\nplain')" || complain "fi
 
 # the file has one section more, and nothing else
 mv "$work/hihill.mco" "$work/controlled"
-sed '/^control #/,$d' "$work/controlled" | sed '$d' >"$work/head"
+sed '/^control #/,/^$/d' "$work/controlled" >"$work/head"
 same "a run with a twin" "$work/head" "$work/plain"
-sed '1,/^control #/d' "$work/controlled" >"$work/section"
+sed -e '1,/^control #/d' -e '/^$/,$d' "$work/controlled" >"$work/section"
 test "$(wc -l <"$work/section")" -eq 8 || complain "section: $(cat "$work/section")"
 expect_code 0 compare "$work/controlled" "$work/plain"
 

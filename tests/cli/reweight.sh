@@ -93,7 +93,27 @@ same_rows "$work/whole" "$work/stopped" "resumed"
 expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
 same_rows "$work/whole" "$work/stopped" "resumed again"
 
+# So it is while rows are written, of which the flight's checkpoint holds all.
+sed -e 's/^20000/100/' -e 's/^20 20 5/20 200 90/' "$work/two.mci" >"$work/slow.mci"
+awk 'BEGIN { print "layer1.mua"; for (i = 0; i < 60; i++) print 0.5 + i / 100 }' >"$work/many.csv"
+mkdir "$work/halted" "$work/unhalted"
+"$program" "$work/slow.mci" --sweep "$work/many.csv" --reweight -o "$work/halted" --quiet 2>"$work/err" &
+until test -e "$work/halted/two-0001.mco"; do kill -0 $! || break; done
+kill -TERM $!
+wait $!
+test $? = 75 && grep -q "two.mco: stopped with 60 of 60 rows to fly; --resume continues" "$work/err" || complain "stopped while writing: $(cat "$work/err")"
+test ! -e "$work/halted/two-0060.mco" || complain "rows were written on"
+expect_code 0 "$work/slow.mci" --sweep "$work/many.csv" --reweight -o "$work/halted" --quiet --resume
+expect_code 0 "$work/slow.mci" --sweep "$work/many.csv" --reweight -o "$work/unhalted" --quiet
+same_rows "$work/unhalted" "$work/halted" "stopped while writing"
+
 # Refused.
+awk 'BEGIN { print "layer1.mua"; for (i = 0; i < 16000; i++) print 1 + i / 1000 }' >"$work/many.csv"
+sed '4a time 1000 50000' "$work/two.mci" >"$work/more.mci"
+for command in run check; do
+    "$program" $command "$work/more.mci" --sweep "$work/many.csv" --reweight >/dev/null 2>"$work/err" && complain "$command: not refused"
+    grep -q "more.mci: two-00001.mco takes [0-9.]*e+0[0-9] GiB (expected at most this machine's" "$work/err" || complain "$command: $(cat "$work/err")"
+done
 expect_error 2 "--reweight (expected --sweep beside it)" "$work/two.mci" --reweight
 expect_error 2 "--reweight (expected --sweep beside it)" check "$work/two.mci" --reweight
 printf 'layer1.mua\n1\n-1\n' >"$work/wrong.csv"

@@ -148,7 +148,7 @@ for name in $names; do
 done
 # Nor where its end is missing.
 "$program" $scene --photons 1000 --quiet -o "$work" --output again.mco || complain "again"
-head -n -3 "$work/again.mco" >"$work/cut" && mv "$work/cut" "$work/again.mco"
+head -n -1 "$work/again.mco" >"$work/cut" && mv "$work/cut" "$work/again.mco"
 expect_code 0 $scene --photons 1000 --resume -o "$work" --output again.mco
 grep -q "finds no $work/again.mco.checkpoint: the run begins anew" "$work/err" || complain "cut off: $(cat "$work/err")"
 

@@ -32,12 +32,12 @@ def scene(line, nz=1):
     return cml.mci(["1 1 9 0 0.4"], photons=100000, bins=f"{nz} 1 1", grid=f"{0.4 / nz} 1", extra=["beam disk 2", line])
 
 
-def run(text, keep, command="run"):
+def run(text, keep, command="run", more=()):
     """What it said, and its peak in MiB."""
     path = os.path.join(keep, "scene.mci")
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
-    where = ["--threads", "2", "-o", keep] if command == "run" else []
+    where = [*more, "--threads", "2", *(["-o", keep] if command == "run" else [])]
     peak = os.path.join(keep, "peak")
     done = subprocess.run([sys.executable, "-c", STARTER, peak, cml.PROGRAM, command, path, *where], capture_output=True, text=True,
                           check=False)
@@ -139,6 +139,19 @@ def check_scenes(verdict):
                 verdict.check(name, 0.7 * said < peak <= said, f"peak {peak:.0f} MiB, printed {said} MiB")
 
 
+def check_rows(verdict):
+    """Rows of one flight, with gates of their own in every batch."""
+    text = cml.mci(["1.4 1 10 0.8 1"], photons=20000, extra=["time 100 1000"])
+    with tempfile.TemporaryDirectory() as keep:
+        more = ["--sweep", os.path.join(keep, "rows.csv"), "--reweight", "--checkpoint", "off"]
+        with open(more[1], "w", encoding="utf-8") as file:
+            file.write("layer1.mua\n" + "".join(f"{1 + i}\n" for i in range(8)))
+        most = printed(verdict, "rows", run(text, keep, "check", more[:3])[0])
+        done, peak = run(text, keep, more=more)
+        print(f"rows: check printed {most} MiB, peak {peak:.0f} MiB")
+        verdict.check("rows", done.returncode == 0 and 0.5 * most < peak <= most, done.stderr)
+
+
 def check_refusal(verdict):
     """Just under 2^31 cells, 48 GiB, and the .h5 file of four arrays in single precision, which is made in memory."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
@@ -156,6 +169,7 @@ def main():
     check(verdict, "volume", "map 200 200 0.02 0.02 volume", 200, 150, "A_xyz", (200, 200, 200))
     check(verdict, "map", "map 2000 2000 0.002 0.002", 1, 300, "Rd_xy", (2000, 2000))
     check_scenes(verdict)
+    check_rows(verdict)
     check_refusal(verdict)
     verdict.finish()
 

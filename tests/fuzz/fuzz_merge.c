@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "output/study/merge.h"
+#include "result/h5.h"
 #include "result/mco.h"
 
 /* The second file, or the first with another digit in its seed; the caller's to free. */
@@ -54,8 +55,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct cml_error err = {CML_OK, ""};
     uint8_t *other = second(data, size, &sizes[0], &sizes[1]);
     const struct cml_merge_input inputs[2] = {{"a.mco", &mco[0]}, {"b.mco", &mco[1]}};
-    cml_status status = cml_mco_read(fuzz_file(data, sizes[0]), &mco[0], &err);
-    if (status == CML_OK) status = cml_mco_read(fuzz_file(other, sizes[1]), &mco[1], &err);
+    cml_status status = cml_result_read(fuzz_file(data, sizes[0]), &mco[0], &err);
+    if (status == CML_OK) status = cml_result_read(fuzz_file(other, sizes[1]), &mco[1], &err);
     if (status == CML_OK) status = cml_merge(inputs, 2, "m.mco", &merged, &err);
     if (status == CML_OK) {
         check(&merged);

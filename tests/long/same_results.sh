@@ -68,6 +68,7 @@ ln -s "$new" "$work/new/clustermcml"
 comparisons=0 differing=0 refusals=0 input=/dev/null
 
 mask='/^# User time:/s/:.*/: TIME/
+/^# end$/d
 s/clustermcml [0-9][0-9.]*( \([^)]*\))?/clustermcml VERSION/
 s/"version":"[^"]*"/"version":VERSION/
 s/^(\/ @version = ).*/\1VERSION/

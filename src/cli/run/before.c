@@ -38,8 +38,7 @@ struct looking {
     struct cml_before *before;
 };
 
-/* What is wrong with a file that should say to be of this run; NULL: nothing. `lost` is the last number that
- * every .mco has: what is cut off behind it, as flux_body, is not seen. */
+/* What is wrong with a file that should say to be of this run; NULL: nothing. */
 static const char *fault_of_result(const char *identity, const struct cml_report_file *file)
 {
     const bool saved = file->content == CML_FILE_SAVED;
@@ -51,10 +50,9 @@ static const char *fault_of_result(const char *identity, const struct cml_report
     if (file->content > CML_FILE_SAVED) return cml_vtk_is_whole(file->path) ? NULL : "is no whole result";
     if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
         return "is no whole result";
-    const bool whole = saved || (!found.damage && found.value[CML_QUANTITY_lost]),
-               own = strcmp(found.identity, sum) == 0;
+    const bool own = strcmp(found.identity, sum) == 0;
     cml_outcome_clear(&found);
-    return !whole ? "is no whole result" : own ? NULL : "is of another run";
+    return own ? NULL : "is of another run";
 }
 
 /* A directory, or a file that a full disk has left empty, is nothing that a run has written. */

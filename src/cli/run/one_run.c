@@ -236,7 +236,8 @@ static cml_status publish_row(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-/* On rank 0: a row whose weight does not balance is written, and so are the others. */
+/* On rank 0: a row whose weight does not balance is written, and so are the others. The checkpoint of the
+ * flight holds them all, where one is asked to stop. */
 static cml_status publish_rows(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                const struct cml_run_result *run, struct cml_error *err)
 {
@@ -244,6 +245,9 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     cml_status worst = CML_OK;
     for (int i = 0; cml_cluster_rank() == 0 && i < call->rows->count; i++) {
         struct cml_error why;
+        if (setup->checkpoint && cml_stop_requested())
+            return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d rows to write; --resume continues",
+                            setup->scene->output, call->rows->count - i, call->rows->count);
         const cml_status status = publish_row(call, setup, run, i, poor, &why);
         if (status != CML_OK) *err = why;
         if (status == CML_E_NUMERIC) worst = status;

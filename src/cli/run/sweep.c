@@ -85,7 +85,9 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
 /* On rank 0. */
 static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
+    struct cml_engine_options ignored = sweep->options->engine_options;
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
+    CML_TRY(cml_sweep_check_groups(sweep, &ignored, err));
     const size_t count = (size_t)sweep->table.num_rows + 2;
     struct cml_scene *scenes = calloc(count, sizeof *scenes);
     if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
@@ -342,7 +344,8 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
 }
 
 cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
-                           struct cml_inputs *inputs, struct cml_sweep_size *size, struct cml_error *err)
+                           struct cml_inputs *inputs, struct cml_sweep_size *size,
+                           struct cml_engine_options *largest, struct cml_error *err)
 {
     struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
     cml_status status = cml_sweep_check_options(options, err);
@@ -351,6 +354,7 @@ cml_status cml_sweep_check(const struct cml_options *options, const struct cml_s
         status = cml_surfaces_create(&list->scenes[0], &options->surface, &sweep.surfaces, err);
     for (int row = 0; status == CML_OK && row < sweep.table.num_rows; row++)
         status = check_row(&sweep, row, err);
+    if (status == CML_OK) status = cml_sweep_check_groups(&sweep, largest, err);
     const int rows = sweep.table.num_rows;
     *size = (struct cml_sweep_size){rows, sweep.group ? sweep.num_groups : rows};
     clear_sweep(&sweep);

@@ -15,10 +15,12 @@
 CML_NODISCARD cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                                    struct cml_inputs *inputs, struct cml_error *err);
 
-/* What check says of a sweep; *size is zeroed where there is none. CML_E_INPUT where options cannot
- * stand together, or the table or one of its rows is wrong. The first three are as in cml_sweep. */
+/* What check says of a sweep; *size is zeroed where there is none. *largest: what the flight of rows that
+ * takes most memory asks of the engine, but for `rows.more`; as it was where no rows fly together.
+ * CML_E_INPUT where options cannot stand together, or the table or one of its rows is wrong. The first three
+ * are as in cml_sweep. */
 CML_NODISCARD cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                                          struct cml_inputs *inputs, struct cml_sweep_size *size,
-                                         struct cml_error *err);
+                                         struct cml_engine_options *largest, struct cml_error *err);
 
 #endif

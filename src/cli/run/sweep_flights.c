@@ -144,7 +144,7 @@ static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, s
     CML_TRY(find_rows(sweep, number, group, err));
     CML_TRY(cml_sweep_row_seed(sweep, group->row[0], seed, err));
     CML_TRY(read_group(sweep, group, err));
-    return identify_group(sweep, group, err);
+    return sweep->identity ? identify_group(sweep, group, err) : CML_OK; /* check needs none */
 }
 
 /* The records are the sweep's from here on. */
@@ -162,44 +162,79 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 /* The most cells that A(r,z), or what means of detectors are made of, may have of all rows in a thread. */
 #define MOST_CELLS 5e7
 
-/* Whether the rows have A(z); says why, where they cannot. */
-static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group)
+/* Whether the rows have A(z); why they cannot is put into text. */
+static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, char text[200])
 {
     const struct cml_scene *flown = &group->flown;
     const struct cml_engine_rows rows = {.count = group->count, .more = group->more};
     const int blind = cml_engine_rows_blind_in(flown, &rows);
     const bool large = (double)flown->nr * flown->nz * group->count > MOST_CELLS;
-    char text[200];
     if (!sweep->options->engine_options.absorption) return false;
     if (blind < 0 && !large) return true;
     if (large)
-        snprintf(text, sizeof text,
-                 "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)", group->count,
-                 flown->nr, flown->nz, MOST_CELLS);
+        snprintf(text, 200, "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)",
+                 group->count, flown->nr, flown->nz, MOST_CELLS);
     else
         snprintf(
-            text, sizeof text,
+            text, 200,
             "no A_z and A_rz of rows: in medium %d one absorbs more than %g times what scatters there, or "
             "where nothing does what the palest absorbs",
             blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
-    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
     return false;
 }
 
-/* Whether they have means of detectors, which take 64 batches; says why, where they do not. */
-static bool keeps_means(const struct group *group)
+/* Whether they have means of detectors, which take 64 batches; why they do not is put into text. */
+static bool keeps_means(const struct group *group, char text[200])
 {
     const struct cml_scene *flown = &group->flown;
     const double media = flown->num_layers + 2.0 + flown->num_bodies,
                  cells = 2 * (2 * media + 1) * flown->num_detectors * group->count * CML_NUM_BATCHES;
-    char text[200];
     if (cells <= MOST_CELLS) return true;
-    snprintf(text, sizeof text,
+    snprintf(text, 200,
              "no means of detectors of rows: %d of %d detectors and %.0f media take %.3g bins (expected at "
              "most %g)",
              group->count, flown->num_detectors, media, cells, MOST_CELLS);
-    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
     return false;
+}
+
+/* What a flight of rows asks of the engine; `notes`: says what its rows go without. */
+static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, const struct group *group,
+                                            bool notes)
+{
+    struct cml_engine_options options = sweep->options->engine_options;
+    char text[2][200] = {"", ""};
+    options.rows = (struct cml_engine_rows){.count = group->count,
+                                            .more = group->more,
+                                            .depths = reaches_depths(sweep, group, text[0]),
+                                            .times = options.absorption,
+                                            .means = keeps_means(group, text[1])};
+    options.absorption = false;
+    for (int i = 0; i < 2; i++)
+        if (notes && text[i][0]) cml_show_note(NULL, text[i]);
+    return options;
+}
+
+cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_engine_options *largest,
+                                  struct cml_error *err)
+{
+    struct cml_options options = *sweep->options;
+    double most = 0;
+    cml_status status = CML_OK;
+    for (int number = 0; status == CML_OK && number < sweep->num_groups; number++) {
+        struct group group = {0};
+        uint64_t seed;
+        status = prepare_group(sweep, number, &group, &seed, err);
+        if (status == CML_OK) {
+            options.engine_options = options_of(sweep, &group, false);
+            status = cml_check_memory(&options, &group.flown, NULL, err);
+        }
+        const double bytes = status == CML_OK ? cml_most_memory(&options, &group.flown, NULL) : 0;
+        if (bytes > most) *largest = options.engine_options;
+        largest->rows.more = NULL;
+        most = bytes > most ? bytes : most;
+        clear_group(&group);
+    }
+    return status;
 }
 
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
@@ -210,13 +245,7 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     uint64_t seed = 0;
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
-        options.engine_options.absorption = false;
-        options.engine_options.rows =
-            (struct cml_engine_rows){.count = group.count,
-                                     .more = group.more,
-                                     .depths = reaches_depths(sweep, &group),
-                                     .times = sweep->options->engine_options.absorption,
-                                     .means = keeps_means(&group)};
+        options.engine_options = options_of(sweep, &group, cml_cluster_rank() == 0);
         const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
         const struct cml_run_call call = {.options = &options,
                                           .scene = &group.flown,

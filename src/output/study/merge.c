@@ -156,7 +156,6 @@ static cml_status check_errors(const struct cml_merge_input *input, struct cml_e
 static cml_status check_input(const struct cml_merge_input *input, struct cml_error *err)
 {
     CML_TRY(check_numbers(input, "user time", &input->outcome->user_time, 1, 0, 0, err));
-    if (input->outcome->damage) return cml_fail(err, CML_E_INPUT, "%s", input->outcome->damage);
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         CML_TRY(check_quantity(input, (enum cml_quantity)i, false, err));
         CML_TRY(check_quantity(input, (enum cml_quantity)i, true, err));

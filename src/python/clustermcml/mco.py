@@ -15,6 +15,7 @@ from . import errors
 
 TOTALS = ("Rsp", "Rd", "A", "Tt")
 LAYER = ("n", "mua", "mus", "g", "d")
+END = "   Last line: # end"  # says, behind the time, that the file ends so; those of original MCML and of older versions do not
 BOOKS = {
     "launched": "launched", "gained": "gained in roulette", "specular": "specular (Rsp)", "reflected": "reflected (Rd)",
     "transmitted": "transmitted (Tt)", "absorbed": "absorbed (A)", "roulette": "lost in roulette", "trapped": "trapped", "lost": "lost",
@@ -199,6 +200,8 @@ def read_mco(path: str) -> xr.Dataset:
             text = file.read()
         if not text.startswith("A1"):
             raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
+        if END in text[:1000] and not text.rstrip(" \t\n").endswith("\n# end"):
+            raise errors.InputError(f"{path}: last line is missing (expected # end; the file is cut off)")
         return _dataset(text, _sections(text))
     except errors.InputError:
         raise

@@ -135,6 +135,16 @@ static char *joined(const char *head, const char *tail)
     return strcat(text, tail);
 }
 
+/* A file of ours, which says where it ends; the caller frees it. */
+static char *whole_of_ours(void)
+{
+    char *head = case_replace(case_open, "this run.", "this run.   Last line: # end"),
+         *body = joined(head, ours), *text = joined(body, "\n# end\n");
+    free(head);
+    free(body);
+    return text;
+}
+
 /* 17.6 s is 0.00489 h, which would print as 0.00, but the file's 18 s is 0.005 h. */
 static void the_hours_are_those_of_the_printed_seconds(void **state)
 {
@@ -152,8 +162,24 @@ static void what_is_read_is_written_again(void **state)
 {
     case_assert_rewritten(state, case_open, case_open);
     case_assert_rewritten(state, case_full, case_full);
-    char *text = joined(case_open, ours);
+    char *text = whole_of_ours();
     case_assert_rewritten(state, text, text);
+    free(text);
+}
+
+/* Wherever it is cut, behind the last section, too. */
+static void a_cut_file_of_ours_is_told(void **state)
+{
+    struct cml_outcome o;
+    struct cml_error err;
+    char *text = whole_of_ours();
+    const size_t size = strlen(text);
+    for (size_t length = size - 1; length >= strlen(case_open); length--) {
+        if (case_read(state, text, length, &o, &err) != CML_OK) continue;
+        case_normalise(state, o.damage);
+        assert_string_equal(o.damage, "x.mco: last line is missing (expected # end; the file is cut off)");
+        cml_outcome_clear(&o);
+    }
     free(text);
 }
 
@@ -451,6 +477,7 @@ int main(void)
         cmocka_unit_test(the_bytes_are_those_of_mcml),
         cmocka_unit_test(the_hours_are_those_of_the_printed_seconds),
         cmocka_unit_test(what_is_read_is_written_again),
+        cmocka_unit_test(a_cut_file_of_ours_is_told),
         cmocka_unit_test(printed_numbers_survive),
         cmocka_unit_test(a_reader_that_counts_lines),
         cmocka_unit_test(a_reader_that_searches_keys),

@@ -32,7 +32,7 @@ def fly(keep, tag, layers, bins, grid, photons, runs, seed, *options):
 def cut(path, out):
     """What original MCML would have written."""
     with open(path, encoding="utf-8") as file, open(out, "w", encoding="utf-8") as plain:
-        plain.write(file.read().split("\n# clustermcml ")[0])
+        plain.write(file.read().replace("   Last line: # end", "").split("\n# clustermcml ")[0])
 
 
 def compare(a, b):

@@ -1,36 +1,101 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE /* fopencookie */
 #include "base/print_line.h"
 
-#include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
+#include <unistd.h>
 
-/* Bytes of the character that begins here and is printable UTF-8, 0: there is none. Controls of terminals
- * (C1) and of the direction of writing are not. */
-static int printable(const unsigned char *text)
+/* Bytes of a character, by its first; 1 where none begins so. */
+static int length_of(unsigned char first)
 {
-    static const uint32_t least[] = {0x20, 0xa0, 0x800, 0x10000};
-    const int more = *text < 0x80 ? 0 : *text < 0xe0 ? 1 : *text < 0xf0 ? 2 : 3;
-    uint32_t code = more ? *text & (0x3fu >> more) : *text;
-    if ((*text >= 0x80 && *text < 0xc0) || *text >= 0xf8) return 0;
-    for (int i = 1; i <= more; i++) {
+    return first < 0xc0 || first >= 0xf8 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+}
+
+/* Controls of terminals (C1) and of the direction of writing, and what has no width. */
+static bool is_control(uint32_t code)
+{
+    static const uint32_t range[][2] = {{0, 0x1f},        {0x7f, 0x9f},     {0x61c, 0x61c},
+                                        {0x200b, 0x200b}, {0x200e, 0x200f}, {0x2028, 0x202e},
+                                        {0x2060, 0x206f}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}};
+    for (size_t i = 0; i < sizeof range / sizeof *range; i++)
+        if (code >= range[i][0] && code <= range[i][1]) return true;
+    return false;
+}
+
+/* Bytes of the character of UTF-8 that begins here, 0: there is none. */
+static int decode(const char *text, uint32_t *code)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char first = (unsigned char)*text;
+    const int bytes = length_of(first);
+    *code = bytes == 1 ? first : first & (0x7fu >> bytes);
+    for (int i = 1; i < bytes; i++) {
         if ((text[i] & 0xc0) != 0x80) return 0;
-        code = code << 6 | (text[i] & 0x3fu);
+        *code = *code << 6 | (text[i] & 0x3fu);
     }
-    const bool control =
-                   code == 0x7f || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069),
-               surrogate = code >= 0xd800 && code < 0xe000;
-    return code < least[more] || code > 0x10ffff || control || surrogate ? 0 : more + 1;
+    const bool none = (bytes == 1 && first >= 0x80) || *code < least[bytes] || *code > 0x10ffff ||
+                      (*code >= 0xd800 && *code < 0xe000);
+    return none ? 0 : bytes;
+}
+
+static void print(FILE *stream, const char *text, const char *as_they_are, bool json)
+{
+    while (*text) {
+        uint32_t code;
+        const int bytes = decode(text, &code);
+        const bool plain =
+            bytes > 0 && (!is_control(code) || (code < 0x80 && strchr(as_they_are, (int)code)));
+        if (plain)
+            fwrite(text, 1, (size_t)bytes, stream);
+        else if (json && bytes > 0)
+            fprintf(stream, "\\u%04x", code);
+        else
+            fprintf(stream, "\\x%02x", (unsigned char)*text);
+        text += plain || (json && bytes > 0) ? bytes : 1;
+    }
 }
 
 void cml_print_line(FILE *stream, const char *text)
 {
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const int bytes = printable(c);
-        if (bytes > 0)
-            fwrite(c, 1, (size_t)bytes, stream);
-        else
-            fprintf(stream, "\\x%02x", *c);
-        c += bytes > 0 ? bytes : 1;
-    }
+    print(stream, text, "", false);
     fputc('\n', stream);
+}
+
+/* What has been written to the stream that stands before standard output: a character may come in pieces. */
+static struct {
+    FILE *to;
+    bool json;
+    char held[5];
+    int count;
+} escaped;
+
+static void pass_on(void)
+{
+    escaped.held[escaped.count] = '\0';
+    print(escaped.to, escaped.held, "\n\t", escaped.json);
+    escaped.count = 0;
+}
+
+static ssize_t write_escaped(void *context, const char *data, size_t size)
+{
+    (void)context;
+    for (size_t i = 0; i < size; i++) {
+        if ((data[i] & 0xc0) != 0x80) pass_on(); /* what was begun before is none */
+        escaped.held[escaped.count++] = data[i];
+        if (escaped.count == length_of((unsigned char)escaped.held[0])) pass_on();
+    }
+    return fflush(escaped.to) == 0 && !ferror(escaped.to) ? (ssize_t)size : 0;
+}
+
+cml_status cml_escape_output(bool json, struct cml_error *err)
+{
+    const cookie_io_functions_t calls = {.write = write_escaped};
+    FILE *stream = fopencookie(NULL, "w", calls);
+    if (!stream) return cml_fail_memory(err, 0, "standard output");
+    setvbuf(stream, NULL, isatty(STDOUT_FILENO) ? _IOLBF : _IOFBF, BUFSIZ);
+    escaped.to = stdout;
+    escaped.json = json;
+    stdout = stream;
+    return CML_OK;
 }

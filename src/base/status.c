@@ -6,21 +6,22 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A message is one line: whatever the user wrote into a file must not be able to break it or drive a
- * terminal. */
-static void make_one_line(char *text)
-{
-    for (unsigned char *c = (unsigned char *)text; *c; c++)
-        if (*c < 0x20 || *c == 0x7f) *c = '?';
-}
+/* Where a message is too long, its middle goes: the names come first, and the reason last. */
+#define FIRST_PART 400
 
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
+    char whole[16384]; /* two paths at least */
     va_list args;
     va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
+    vsnprintf(whole, sizeof whole, format, args);
     va_end(args);
-    make_one_line(err->text);
+    const size_t length = strlen(whole), most = sizeof err->text - 1;
+    if (length <= most)
+        strcpy(err->text, whole);
+    else
+        snprintf(err->text, sizeof err->text, "%.*s ... %s", FIRST_PART, whole,
+                 whole + length - (most - FIRST_PART - strlen(" ... ")));
     err->status = status;
     return status;
 }

@@ -17,7 +17,7 @@ typedef enum cml_status {
 
 struct cml_error {
     cml_status status;
-    char text[1024]; /* one line without a line feed */
+    char text[1024]; /* for cml_print_line: it may hold what users have written */
 };
 
 #define CML_NODISCARD __attribute__((warn_unused_result))
@@ -30,7 +30,7 @@ struct cml_error {
         if (cml_try_status_ != CML_OK) return cml_try_status_;                                               \
     } while (0)
 
-/* Writes the message (cut to the size of err->text; control characters become '?') and returns `status`. */
+/* Writes the message (where it is longer than err->text, without its middle) and returns `status`. */
 CML_NODISCARD CML_PRINTF(3, 4) cml_status
     cml_fail(struct cml_error *err, cml_status status, const char *format, ...);
 

@@ -64,6 +64,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
+    CML_TRY(cml_escape_output(options.json, err));
     cml_cluster_set_timeout(options.timeout);
     cml_announce_meshes(&options);
     options.engine_options.on_note = cml_show_note;

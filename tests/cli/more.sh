@@ -85,8 +85,12 @@ expect_error 2 "--no-clobber: $work/mine/thick.mco is of another run (expected t
     samples/thick.mci --more 5 --no-clobber --quiet -o "$work/mine"
 cmp -s "$work/mine/thick.mco" "$work/theirs/thick.mco" || complain "--more replaced another run's result"
 mv "$work/own" "$work/mine/thick.mco"
-expect_code 0 samples/thick.mci --more 5 --no-clobber --quiet -o "$work/mine"
+expect_code 0 samples/thick.mci --more 5 --no-clobber --keep --quiet -o "$work/mine"
 grep -q '^105 ' "$work/mine/thick.mco" || complain "--more --no-clobber did nothing"
+expect_code 0 samples/thick.mci --more 5 --no-clobber --resume --keep --quiet -o "$work/mine"
+cp "$work/theirs/thick.mco" "$work/mine"
+expect_error 2 "--no-clobber: $work/mine/thick.mco is there, but of that run $work/mine/thick.mco is of another run (expected all its files, or none that would be replaced)" \
+    samples/thick.mci --more 5 --no-clobber --resume --quiet -o "$work/mine"
 
 # A finished run whose result was taken away is flown again.
 cp "$work/thick.mco" "$work/expected"
@@ -223,7 +227,7 @@ expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
 test ! -s "$work/err" && grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "a result of this run, --resume: $(cat "$work/err")"
 expect_code 0 samples/thick.mci --photons 300 --resume -o "$work"
 grep -q "replaces $work/thick.mco of 200 photons$" "$work/err" || complain "no word with --resume: $(cat "$work/err")"
-grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew" "$work/err" ||
+grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew, as $work/thick.mco is of another run; what is there of its files is replaced$" "$work/err" ||
     complain "no word of the missing checkpoint: $(cat "$work/err")"
 expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber --quiet -o "$work"
 test -s "$work/err" && complain "a finished run is noted: $(cat "$work/err")"

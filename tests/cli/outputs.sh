@@ -65,6 +65,11 @@ refused 5 "$PWD/$long.volume.vti: cannot be written (File name too long)" c.mci
 # no regular files
 mkdir folder && scene folder >c.mci
 refused 5 'folder: cannot be written (a directory)' c.mci
+mkdir d.map.vti && scene d.h5 'map 2 2 0.1 0.1
+' | sed 's/^d.h5 A/d.h5 B/' >c.mci
+refused 2 "$PWD/d.map.vti: cannot be written (a directory; expected a file, or none)" c.mci
+test ! -e d.h5 || complain "flown before the directory was met"
+rmdir d.map.vti
 mkfifo pipe && scene pipe >c.mci
 rm a.mco b.mci two.mci wedge.obj
 expect_error 5 'pipe: cannot be written (no regular file)' c.mci

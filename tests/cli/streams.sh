@@ -34,6 +34,21 @@ python3 -c 'import json, sys; scene = json.load(sys.stdin)["scene"]; sys.exit(no
     complain "not UTF-8: $(cat "$work/out" "$work/err")"
 rm "$work/$name"
 
+# Names that would drive a terminal, or are not seen: escaped on standard output, and in JSON a name still.
+name=$(printf 'a\302\233b\342\200\256c\342\200\213d\357\273\277\303\251\377.mco')
+LC_ALL=C sed "s/hihill.mco/$name/" $scene >"$work/strange.mci"
+expect_code 0 "$work/strange.mci" --photons 100 -o "$work"
+grep -qF '  -> '"$work"'/a\xc2\x9bb\xe2\x80\xaec\xe2\x80\x8bd\xef\xbb\xbfé\xff.mco' "$work/out" || complain "strange: $(cat "$work/out")"
+printf '"\302\233\033[31m","\342\200\256",seed\n\302\233,\033[31m,1\n' >"$work/strange.csv"
+expect_code 0 $scene --photons 100 --sweep "$work/strange.csv" -o "$work"
+test "$(LC_ALL=C tr -cd '\033\233\256' <"$work/out" | wc -c)" = 0 && grep -qF '\x1b[31m=\xc2\x9b' "$work/out" || complain "labels: $(cat -v "$work/out")"
+name=$(printf 'a\302\233b\342\200\256c\177d.mci')
+cp $scene "$work/$name"
+expect_code 0 "$work/$name" --photons 100 --json -o "$work"
+python3 -c 'import json, sys; text = open(sys.argv[1], encoding="utf-8").read()
+sys.exit(not json.loads(text)["scene"].endswith("/a\x9bb\u202ec\x7fd.mci") or "\u202e" in text or "\x7f" in text)' "$work/out" || complain "JSON: $(cat -v "$work/out")"
+rm -f "$work"/*
+
 # full, or nobody reads: the result is there, and the exit code says that it was not told
 closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >/dev/full 2>\"$work/err\""
 grep -q "standard output cannot be written" "$work/err" || complain "full: $(cat "$work/err")"

@@ -102,10 +102,12 @@ static bool result_stands(const struct cml_options *options, const struct cml_ru
 
 /* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
  */
-static cml_status check_kept(const struct cml_run_setup *setup, const struct cml_before *before,
-                             struct cml_error *err)
+static cml_status check_kept(const struct cml_options *options, const struct cml_run_setup *setup,
+                             const struct cml_before *before, struct cml_error *err)
 {
     const struct cml_checkpoint_about about = cml_checkpoint_look(setup->checkpoint);
+    if (options->more > 0 && about.kind == CML_CHECKPOINT_PARTIAL)
+        return CML_OK; /* has that which it extends */
     const struct cml_run_findings found = {.resumes = true,
                                            .kind = about.kind,
                                            .tallies = about.tallies,
@@ -144,8 +146,8 @@ cml_status cml_before_look(const struct cml_options *options, const struct cml_r
                         "--no-clobber: %.400s %s (expected that of the run that --more extends)",
                         before->gone, before->how);
     before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before);
-    const bool keeps = options->no_clobber && options->resume && options->more == 0 && setup->checkpoint;
-    return keeps ? check_kept(setup, before, err) : CML_OK;
+    const bool keeps = options->no_clobber && options->resume && setup->base == 0 && setup->checkpoint;
+    return keeps ? check_kept(options, setup, before, err) : CML_OK;
 }
 
 void cml_before_clear(struct cml_before *before)
@@ -159,11 +161,14 @@ void cml_before_clear(struct cml_before *before)
 
 /* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
  * have begun. */
-static void note_no_checkpoint(const char *path)
+static void note_no_checkpoint(const char *path, const struct cml_before *before)
 {
-    char text[512];
+    char why[512] = "its files hold less than --json or --keep ask for", text[1200];
     if (has_checkpoint(path)) return;
-    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew", path);
+    if (before->gone) snprintf(why, sizeof why, "%.400s %s", before->gone, before->how);
+    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew, as %s", path,
+             before->there ? why : "none of its files is there");
+    if (before->there) strcat(text, "; what is there of its files is replaced");
     cml_show_note(NULL, text);
 }
 
@@ -233,7 +238,7 @@ void cml_before_note(const struct cml_options *options, const struct cml_run_set
     const enum cml_checkpoint_kind kind = about.kind;
     if (path && !resume) note_old_checkpoint(path, kind, about.tallies);
     if (row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || before->stands) return;
-    if (path && resume) note_no_checkpoint(path);
+    if (path && resume) note_no_checkpoint(path, before);
     note_dark_beams(setup->scene, setup->photons);
     if (!options->quiet) note_replaced(setup->scene, before->there);
 }

@@ -15,6 +15,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- names of files ---- */
@@ -197,6 +198,21 @@ static cml_status lock_run(const struct cml_options *options, const struct cml_s
     return status;
 }
 
+/* What stands in the place of a file beside the result, from number `first` on, and is none, would be met
+ * only after the flight. */
+static cml_status check_places(const struct cml_outputs *outputs, size_t first, struct cml_error *err)
+{
+    struct stat about;
+    for (size_t i = first; i < outputs->count; i++) {
+        const char *name = outputs->file[i].name;
+        if (outputs->file[i].kind == CML_OUTPUT_MAIN || cml_file_is_device(name)) continue;
+        if (stat(name, &about) != 0 || S_ISREG(about.st_mode)) continue;
+        return cml_fail(err, CML_E_INPUT, "%.400s: cannot be written (%s; expected a file, or none)", name,
+                        S_ISDIR(about.st_mode) ? "a directory" : "no regular file");
+    }
+    return CML_OK;
+}
+
 /* ---- do they destroy anything? ---- */
 
 static int compare_files(const void *a, const void *b)
@@ -358,6 +374,7 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
     CML_TRY(cml_output_path(options, scene->output, &path, err));
     const bool device = cml_file_is_device(path);
     cml_status status = device ? CML_OK : add_run(outputs, scene, path, run, err);
+    if (status == CML_OK) status = check_places(outputs, before, err);
     if (status == CML_OK) status = check_files(scene, path, outputs, before, err);
     if (status == CML_OK && !device) status = add_checkpoint(outputs, path, run, err);
     free(path);

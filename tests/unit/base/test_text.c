@@ -219,7 +219,14 @@ static void messages_are_one_line(void **state)
     memset(longer, 'v', sizeof longer - 1);
     longer[sizeof longer - 1] = '\0';
     assert_int_equal(cml_fail(&err, CML_E_IO, "a\nb\x1b[31m%d", 7), CML_E_IO);
-    assert_string_equal(err.text, "a?b?[31m7");
+    assert_string_equal(err.text, "a\nb\x1b[31m7"); /* cml_print_line escapes it */
+    char path[3000];
+    memset(path, 'p', sizeof path - 1);
+    path[sizeof path - 1] = '\0';
+    assert_int_equal(cml_fail_field(&err, path, 3, "x", "1", "a reason"), CML_E_INPUT);
+    assert_int_equal(strlen(err.text), sizeof err.text - 1);
+    assert_non_null(strstr(err.text, "pp ... pp"));
+    assert_non_null(strstr(err.text, "p:3: x = 1 (expected a reason)"));
     assert_int_equal(cml_fail_field(&err, "f", 0, "x", NULL, "a number"), CML_E_INPUT);
     assert_string_equal(err.text, "f: x is missing (expected a number)");
     assert_int_equal(cml_fail_field(&err, "f", 3, "x", longer, "less"), CML_E_INPUT);

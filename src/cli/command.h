@@ -26,8 +26,8 @@ CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
                                           const struct cml_scene_list *list, const int *starts,
                                           enum cml_picture picture, struct cml_error *err);
 
-/* Behind the goals what is expected of Tt (P15 of kernels/README.md). */
-enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_GOALS };
+/* Behind the goals what is expected of Tt (P15 of kernels/README.md), and what setup->error_of names. */
+enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_NAMED, CML_PILOT_GOALS };
 
 /* A run of so many photons, and the relative standard errors that it had; INFINITY where it saw nothing. */
 struct cml_pilot_round {
@@ -51,7 +51,7 @@ struct cml_pilot {
 CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
                                        struct cml_pilot *pilot, struct cml_error *err);
 
-/* Photons after which a goal (cml_goals, or CML_PILOT_EXPECTED) has a relative standard error, at least one
+/* Photons after which a goal (cml_goals, or one of those above) has a relative standard error, at least one
  * for every batch: between the rounds from which on all reach it by interpolation; else as if errors fell
  * with the root of the photons, which beyond the pilot is an upper estimate where draws are evenly spread.
  * INFINITY where the last round saw nothing. The errors of rounds are known to 9 % (64 batches), so the

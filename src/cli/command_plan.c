@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Seconds: errors need more packets than speed does. Together about one. */
 #define ERROR_PILOT 0.3
@@ -32,6 +33,7 @@ enum {
 struct plan {
     const struct cml_scene *scene;
     double error;
+    const char *aimed, *error_of;                 /* by --aim and --error-of; NULL: not given */
     struct cml_aim aim;                           /* of --aim Tt; without scores where a run has none */
     struct cml_window_table seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
     struct cml_pilot errors[SAMPLINGS];           /* by `lattice` */
@@ -95,14 +97,16 @@ static void print_time(double seconds)
     printf(" %7.2g %-3s", seconds / units[unit].seconds, units[unit].name);
 }
 
-/* How many goals an engine has: OpenCL devices have no expected values. */
-static int num_goals(const struct plan *plan, int engine)
+/* Whether an engine has the goal: OpenCL devices have no expected values, and no detectors. */
+static bool has_goal(const struct plan *plan, int engine, int goal)
 {
-    return plan->aim.tail.scores > 0 && engine < ENGINES - 1 ? CML_PILOT_GOALS : CML_NUM_GOALS;
+    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine < ENGINES - 1;
+    return goal != CML_PILOT_NAMED || plan->error_of;
 }
 
-static const char *goal_name(int goal)
+static const char *goal_name(const struct plan *plan, int goal)
 {
+    if (goal == CML_PILOT_NAMED) return plan->error_of;
     return cml_quantities[goal < CML_NUM_GOALS ? (int)cml_goals[goal] : CML_QUANTITY_Tt_expected].name;
 }
 
@@ -110,7 +114,8 @@ static void print_row(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
     printf("  %-10s %-9s %9.2g", engine_names[engine], sampling_names[lattice], speed);
-    for (int goal = 0; goal < num_goals(plan, engine); goal++) {
+    for (int goal = 0; goal < CML_PILOT_GOALS; goal++) {
+        if (!has_goal(plan, engine, goal)) continue;
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
         if (isfinite(photons))
             printf("  %9.2g", photons);
@@ -119,6 +124,13 @@ static void print_row(const struct plan *plan, int engine, int lattice)
         print_time(photons / speed);
     }
     putchar('\n');
+}
+
+/* Over the numbers, 20 letters wide. */
+static void print_goal(const char *name)
+{
+    const int width = (int)fmax(9, (double)strlen(name));
+    printf("  %*s %-*s", width, name, width < 20 ? 20 - width : 0, "");
 }
 
 static double longest_pilot(const struct plan *plan)
@@ -160,9 +172,8 @@ static void print_plan(const struct plan *plan)
            plan->scene->output, 100 * plan->error, ranks, ranks == 1 ? "" : "s", threads,
            threads == 1 ? "" : "s");
     printf("  %-10s %-9s %9s", "engine", "sampling", "photons/s");
-    for (int goal = 0; goal < num_goals(plan, 0); goal++)
-        printf("  %*s %-*s", goal < CML_NUM_GOALS ? 9 : 11, goal_name(goal), goal < CML_NUM_GOALS ? 11 : 9,
-               "");
+    for (int goal = 0; goal < CML_PILOT_GOALS; goal++)
+        if (has_goal(plan, 0, goal)) print_goal(goal_name(plan, goal));
     putchar('\n');
     for (int engine = 0; engine < ENGINES; engine++)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
@@ -172,6 +183,10 @@ static void print_plan(const struct plan *plan)
            "pilots errors are taken\n"
            "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
            longest_pilot(plan), plan->seconds);
+    if (plan->aimed) {
+        printf("  All of this is with --aim %s.\n", plan->aimed);
+        return;
+    }
     if (plan->aim.tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
     print_windows(plan);
 }
@@ -181,9 +196,10 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     const double speed = plan->photons_per_s[engine];
     json_t *row = json_pack("{s:s, s:s, s:f}", "engine", engine_names[engine], "sampling",
                             sampling_names[lattice], "photons_per_s", speed);
-    for (int goal = 0; goal < num_goals(plan, engine); goal++) {
+    for (int goal = 0; goal < CML_PILOT_GOALS; goal++) {
+        if (!has_goal(plan, engine, goal)) continue;
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
-        json_object_set_new(row, goal_name(goal),
+        json_object_set_new(row, goal == CML_PILOT_NAMED ? "error_of" : goal_name(plan, goal),
                             json_pack("{s:o, s:o}", "photons", cml_json_real(photons), "seconds",
                                       cml_json_real(photons / speed)));
     }
@@ -194,7 +210,8 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
 static json_t *gains_json(const struct plan *plan)
 {
     json_t *gains = json_object();
-    if (plan->aim.windows.cells > 0) json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
+    if (plan->aim.windows.cells > 0 && !plan->aimed)
+        json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
     for (int k = 0; k < MOST_DETECTORS; k++)
         if (plan->seen[k].cells > 0)
             json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->seen[k].gain));
@@ -256,10 +273,17 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
 }
 
 static cml_status prepare(const struct cml_options *options, struct plan *plan,
-                          struct cml_surface_set *surfaces, struct cml_error *err)
+                          struct cml_surface_set *surfaces, struct cml_run_setup *setup,
+                          struct cml_error *err)
 {
     CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
+    CML_TRY(cml_find_error_of(options, plan->scene, &setup->error_of, err));
+    if (options->aim) {
+        CML_TRY(cml_aim_for_run(options, plan->scene, surfaces, &plan->aim, err));
+        cml_aim_use(&plan->aim, &setup->options);
+        return CML_OK;
+    }
     aim_at_detectors(plan, surfaces);
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
@@ -273,9 +297,11 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
                                   .options = options->engine_options,
                                   .photons = options->photons};
     struct plan plan = {.scene = scene,
-                        .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR};
+                        .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR,
+                        .aimed = options->aim,
+                        .error_of = options->error_of};
     setup.options.run = (uint32_t)index;
-    cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, err), err);
+    cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, &setup, err), err);
     if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
     if (status == CML_OK) status = publish(options, &plan, err);
     cml_aim_clear(&plan.aim);

@@ -37,6 +37,8 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
     for (int i = 1; status == CML_OK && i < list->count; i++)
         status = cml_check_starts(&list->scenes[i], &session->options->surface, err);
+    for (int i = 1, of; status == CML_OK && i < list->count; i++)
+        status = cml_find_error_of(session->options, &list->scenes[i], &of, err);
     for (int i = 1; status == CML_OK && i < list->count; i++)
         status = cml_aim_check(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
@@ -139,6 +141,8 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
     if (options->keep && options->target_error > 0)
         return cml_fail(err, CML_E_INPUT, "--%s (expected no --target-error beside it)",
                         options->more > 0 ? "more" : "keep");
+    if (options->error_of && options->target_error == 0)
+        return cml_fail(err, CML_E_INPUT, "--error-of (expected --target-error beside it)");
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
     CML_TRY(check_derivatives(options, err));

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "run/cluster.h"
+#include "tally/target_error.h"
 
 #include <math.h>
 
@@ -32,6 +33,8 @@ static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot 
     for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
         round->error[i] = error_of(&run.result, cml_goals[i]);
     if (cml_cluster_rank() == 0) round->error[CML_PILOT_EXPECTED] = expected_error(&run.result);
+    if (setup->error_of && cml_cluster_rank() == 0)
+        round->error[CML_PILOT_NAMED] = cml_target_error_of(&run.result, setup->error_of);
     pilot->photons_per_s = (double)setup->photons / run.timing.seconds;
     pilot->threads = run.timing.threads;
     pilot->num_rounds++;

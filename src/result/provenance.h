@@ -11,7 +11,8 @@
 enum { CML_AS_WORD = 8 };
 enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (run/identity.h), as text */
 
-/* `windows` is the number of layers that light comes out of, or less than 0 that of a detector. */
+/* `windows` is the number of layers that light comes out of, `error_of` that of a layer; less than 0 that of
+ * a detector. */
 
 /* clang-format off */
 /* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
@@ -28,6 +29,7 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
     D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g", NULL)                                  \
     D(photons, setup->photons, 0, NULL, NULL, NULL, NULL)                                                            \
     D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
+    D(error_of, setup->error_of, 0, NULL, NULL, NULL, NULL)                                                          \
     D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL, "absorption by place")                                    \
     D(aim, options->tail != NULL, 0, NULL, NULL, NULL, NULL)                                                         \
     D(windows, options->windows ? options->windows->detector ? -options->windows->detector : options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \

@@ -278,7 +278,8 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
     struct cml_result *result = &flight->out->result;
     struct cml_run_state *state = &flight->state;
     const bool full = state->end > ((uint64_t)1 << 47);
-    if (setup->target_error <= 0 || full || cml_target_met(result, setup->target_error)) return CML_OK;
+    if (setup->target_error <= 0 || full || cml_target_met(result, setup->target_error, setup->error_of))
+        return CML_OK;
     state->begin = state->end;
     state->end = 2 * state->end;
     result->photons = state->end;

@@ -28,6 +28,7 @@ struct cml_run_setup {
                           * up to 64, until one ends with cml_target_met: it is looked at nowhere else, so
                           * that the end depends on the seed only. A round has as many photons in every
                           * batch. */
+    int error_of;        /* 0, or what that is the error of (target_error.h) */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;                    /* of the run, see identity.h; with a checkpoint */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/target_error.h"
 
+#include <math.h>
+
 /* A total just below the least share ends the run all the same, when its own error is small enough. */
 static bool settled(const struct cml_result *result, enum cml_total total, double target)
 {
@@ -20,10 +22,21 @@ static bool expected_settled(const struct cml_result *result, double target)
     return all;
 }
 
-bool cml_target_met(const struct cml_result *result, double target)
+double cml_target_error_of(const struct cml_result *result, int of)
 {
-    return result->photons >= CML_TARGET_LEAST_PHOTONS && settled(result, CML_TOTAL_REFLECTED, target) &&
-           settled(result, CML_TOTAL_ABSORBED, target) &&
+    double value, error;
+    if (of > 0)
+        cml_result_expected_layer(result, of, &value, &error);
+    else
+        cml_result_detected(result, -of - 1, &value, &error);
+    return value > 0 && error > 0 ? error / value : INFINITY;
+}
+
+bool cml_target_met(const struct cml_result *result, double target, int of)
+{
+    if (result->photons < CML_TARGET_LEAST_PHOTONS) return false;
+    if (of) return cml_target_error_of(result, of) <= target;
+    return settled(result, CML_TOTAL_REFLECTED, target) && settled(result, CML_TOTAL_ABSORBED, target) &&
            (result->grid.scores > 0 ? expected_settled(result, target)
                                     : settled(result, CML_TOTAL_TRANSMITTED, target));
 }

@@ -203,6 +203,23 @@ expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
 expect_code 0 merge "$work/b/x.mco" "$work/d/x.mco" --output "$work/m.mco"
 awk -v a="$(of detector_near "$work/b/x.mco")" -v b="$(of detector_near "$work/d/x.mco")" -v m="$(of detector_near "$work/m.mco")" \
     'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge of windows"
+# --error-of: until that is known so well, and no sooner; plan says what it takes, flown as --aim has it.
+expect_code 0 "$work/x.mci" --aim far --photons 2048 --target-error 0.03 --error-of far --json -o "$work/d"
+cp "$work/out" "$work/until"
+expect_code 0 plan "$work/x.mci" --aim far --photons 4096 --target-error 0.03 --error-of far --json
+python3 - "$work/until" "$work/out" <<'PYTHON' || complain "--error-of: $(cat "$work/until" "$work/out")"
+import json, sys
+until, plan = (json.load(open(path)) for path in sys.argv[1:])
+assert until["detector_far_se"] <= 0.03 * until["detector_far"] and until["photons"] > 20000
+assert all(0.3 < row["error_of"]["photons"] / until["photons"] < 2 for row in plan["plans"]) and not plan["gains"]
+PYTHON
+expect_code 0 plan "$work/x.mci" --photons 1024 --error-of A_l:2 --aim near
+grep -q ' A_l:2 *$' "$work/out" && grep -qx '  All of this is with --aim near.' "$work/out" || complain "plan --error-of: $(cat "$work/out")"
+expect_error 2 "--error-of (expected --target-error beside it)" "$work/x.mci" --error-of far
+expect_error 2 "--error-of far,near (expected A_l:N of layer N or the name of a detector)" "$work/x.mci" --error-of far,near
+for name in none A_l:3; do
+    expect_error 2 "$file: --error-of $name (expected A_l:N of layer 1 to 2, or the name of a detector)" "$work/x.mci" --target-error 0.1 --error-of $name --quiet -o "$work/d"
+done
 only="expected one detector, and beside it only what flat layers below all shapes give"
 for aim in far,near near,Tt_r A_l:2,near; do
     expect_error 2 "$file: --aim $aim ($only)" "$work/x.mci" --aim $aim --quiet -o "$work/d"

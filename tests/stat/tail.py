@@ -1,11 +1,13 @@
 """Expected values of --aim (P15) and flights in windows (P19) against adding-doubling, and under shapes against what is
-counted. tail.py [long]
+counted. tail.py [long|plain N]
 
 Flat stacks, whose level lies just below z = 0: N = 10000, z of Tt_expected and of each A_l_expected below the level
 against `exact`, which shares the responses' method but not their directions, and against which all flights above the
 level count; down to a Tt of 3e-9. The same stacks by --aim Tt_r: N = 20000, z of Rd, A and Tt, which is counted then. Shapes, bodies, light inside: N = 40000, z of the difference to what a flight with
 another seed counts; of rough and tiled scenes and bodies at the bottom, in windows, of all totals. Detectors that are
-aimed at, N = 5000, and what as many alike, on a circle about z, see of N = 40000 without it. Level 1e-4 over all. long: 40
+aimed at, N = 5000, and what as many alike, on a circle about z, see of N = 40000 without it. Level 1e-4 over all. plain N: only
+N plain photons of rough, tiled and body scenes that are thin and dark, at most 2 us each, against 2e7 in windows for Tt_r, A_l and
+a detector, of all totals, layers and the detector. long: 40
 more flat stacks, drawn by lot, and 25 times the photons under shapes; 1e8 plain photons of rough, tiled and body scenes
 against 2e7 in windows, half an hour of a processor; of 400 runs of 1000 photons 68 +- 5 % must lie within their own error of the exact value, for Tt and for A
 of the layer below, and their mean within its own; in windows, of 400 of 4000 for Tt, and of 400 of 1000 for what a fibre
@@ -50,7 +52,16 @@ ROUGH = [
 ]
 
 
+def thin(layers, surfaces=None):
+    return {"layers": layers, "surfaces": surfaces or {}, "extra": ["detector disk 0.05 at=0.3,0 name=near"]}
+
+
 GENTLE = "b 4 0.02 0.1 0.01 0.2 -0.01 0.3 0.01 0.1"
+THIN = [
+    ("thin, rough", thin(["1.4 8 12 0.5 0.35"], {0: GENTLE}), "Tt_r", "near"),
+    ("thin, tiled", thin(["1.4 8 12 0.5 0.35"], {0: f'm "{FURROWS}" tile'}), "Tt_r", "near"),
+    ("thin, body", thin(["1.4 8 12 0.5 0.2\ni sphere 0 0 0.1 0.05 1.6 20 10 0", "1.33 10 10 0.5 0.15"]), "Tt_r", "A_l:2", "near"),
+]
 # name, scene; detectors: how many, on which radius, their shape, and what they see. Of disks in a scene that is symmetric arcs
 # are scored, of squares not.
 FIBRES = [
@@ -114,6 +125,16 @@ def check_rough(verdict, name, scene, photons, *options):
         verdict.z(f"{name}, {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
 
 
+def check_plain(verdict, photons, name, scene, *aims):
+    plain = fly(verdict, name, cml.mci(photons=photons, **scene), "--seed", 15, "--ignore-absorption")
+    for aim in aims:
+        record = fly(verdict, name, cml.mci(photons=min(photons, 20000000), **scene), "--seed", 16, "--aim", aim, "--ignore-absorption")
+        for key in ("Rd", "A", "Tt", "detector_near"):
+            verdict.z(f"{name}, {aim}, {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
+        for l in range(len(plain["A_l"])):
+            verdict.z(f"{name}, {aim}, A_l {l + 1}", record["A_l"][l], record["A_l_se"][l], plain["A_l"][l], plain["A_l_se"][l])
+
+
 def around(count, radius, shape, options):
     """The lines of so many detectors on a circle about z, named d0, d1 ..."""
     turns = [2 * math.pi * k / count for k in range(count)]
@@ -166,6 +187,10 @@ def check_coverage(verdict):
 
 def main():
     verdict, long = cml.Verdict("tail"), sys.argv[1:] == ["long"]
+    if sys.argv[1:2] == ["plain"]:
+        for scene in THIN:
+            check_plain(verdict, int(float(sys.argv[2])), *scene)
+        verdict.finish()
     for scene in FLAT + list(by_lot(40 if long else 0)):
         check_flat(verdict, *scene)
         check_windows(verdict, *scene)

@@ -63,6 +63,9 @@ const struct cml_option cml_option_table[] = {
      "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
      "that is planned for, default 1e-3",
      .read = cml_read_target_error},
+    {"error-of", 0, "A_l:N|DETECTOR", RUN | PLAN, NULL,
+     "of --target-error: of what layer N absorbs or a detector sees, in place of Rd, A and Tt",
+     .read = cml_read_error_of},
     {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK | FURNACE, NULL,
      "of a packet's first draws: lattice (default, evenly spread) or random", .read = cml_read_sampling,
      .words = "random lattice"},
@@ -72,7 +75,7 @@ const struct cml_option cml_option_table[] = {
     {"control", 0, "flat", RUN, NULL,
      "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
      .read = cml_read_control, .words = "flat"},
-    {"aim", 0, "Tt|Tt_r|A_l:N|DETECTOR[,...]", RUN, NULL,
+    {"aim", 0, "Tt|Tt_r|A_l:N|DETECTOR[,...]", RUN | PLAN, NULL,
      "more of the light that goes deep, or to a detector: what packets that go down into flat layers below "
      "all shapes are expected to bring, "
      "Tt_expected and A_l_expected; elsewhere, and for Tt_r and a detector, packets that are split on their "

@@ -198,6 +198,15 @@ cml_status cml_read_target_error(const struct cml_option *option, const char *va
     return fail(err, option, value, "a relative error between 0 and 1");
 }
 
+cml_status cml_read_error_of(const struct cml_option *option, const char *value, struct cml_options *options,
+                             struct cml_error *err)
+{
+    if (strchr(value, ',') || !is_aim(value))
+        return fail(err, option, value, "A_l:N of layer N or the name of a detector");
+    options->error_of = value;
+    return CML_OK;
+}
+
 cml_status cml_read_checkpoint(const struct cml_option *option, const char *value,
                                struct cml_options *options, struct cml_error *err)
 {

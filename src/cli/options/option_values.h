@@ -16,8 +16,9 @@ cml_option_reader cml_read_true, cml_read_false, cml_read_text, cml_read_count, 
 
 /* Each reads the value of one option. */
 cml_option_reader cml_read_engine, cml_read_sampling, cml_read_roulette, cml_read_control, cml_read_aim,
-    cml_read_target_error, cml_read_checkpoint, cml_read_boundaries, cml_read_tolerance, cml_read_mesh_budget,
-    cml_read_normals, cml_read_rings, cml_read_mesh_search, cml_read_alpha, cml_read_cut, cml_read_log,
-    cml_read_linear, cml_read_percentile, cml_read_label, cml_read_set, cml_read_seed;
+    cml_read_target_error, cml_read_error_of, cml_read_checkpoint, cml_read_boundaries, cml_read_tolerance,
+    cml_read_mesh_budget, cml_read_normals, cml_read_rings, cml_read_mesh_search, cml_read_alpha,
+    cml_read_cut, cml_read_log, cml_read_linear, cml_read_percentile, cml_read_label, cml_read_set,
+    cml_read_seed;
 
 #endif

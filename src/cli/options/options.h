@@ -22,6 +22,7 @@ struct cml_options {
         *aim; /* NAME[,NAME ...] of what shall be known better (P15, P19 of kernels/README.md); NULL: none */
     bool control;               /* the flat twin of a run is flown, too, and makes its totals sharper */
     double target_error;        /* 0: none */
+    const char *error_of;       /* of what that is; NULL: of Rd, A and Tt */
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool seed_given;            /* by --seed */
     bool resume;

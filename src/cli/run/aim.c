@@ -478,6 +478,25 @@ cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_s
     return create_for(options, scene, surfaces, true, to, err);
 }
 
+void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
+{
+    if (aim->tail.scores > 0) options->tail = &aim->tail;
+    if (aim->windows.cells > 0) options->windows = &aim->windows;
+}
+
+cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene, int *of,
+                             struct cml_error *err)
+{
+    const char *name = options->error_of;
+    *of = 0;
+    if (!name) return CML_OK;
+    *of = strncmp(name, "A_l:", 4) == 0 ? atoi(name + 4) : -find_detector(scene, name, (int)strlen(name));
+    if (*of != 0 && *of <= scene->num_layers) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: --error-of %s (expected A_l:N of layer 1 to %d, or the name of a detector)",
+                    scene->file, scene->line, name, scene->num_layers);
+}
+
 cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
                          const struct cml_surface_set *shared, struct cml_error *err)
 {

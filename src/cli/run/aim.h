@@ -48,6 +48,13 @@ CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, cons
                                          const struct cml_surface_set *surfaces, struct cml_aim *to,
                                          struct cml_error *err);
 
+/* Flies what an engine opens with such options so. */
+void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options);
+
+/* What --error-of names, as struct cml_run_setup wants it; 0 without it. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene,
+                                           int *of, struct cml_error *err);
+
 /* Whether that is refused, before anything flies, but for a tail without an answer, which is found in
  * flight. shared: as in cml_surface_options. With windows it costs their computing,
  * some 0.08 s. */

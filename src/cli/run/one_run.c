@@ -420,8 +420,8 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
     CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
-    if (run->aim.tail.scores > 0) setup->options.tail = &run->aim.tail;
-    if (run->aim.windows.cells > 0) setup->options.windows = &run->aim.windows;
+    cml_aim_use(&run->aim, &setup->options);
+    CML_TRY(cml_find_error_of(&options, setup->scene, &setup->error_of, err));
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (!call->rows && cml_cluster_rank() == 0)

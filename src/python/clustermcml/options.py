@@ -64,6 +64,8 @@ class _Photons(_Packets, total=False):
 
 class PlanOptions(_Photons, total=False):
     target_error: float
+    error_of: str
+    aim: Union[str, Sequence[str]]
     patience: float
 
 
@@ -86,7 +88,6 @@ class FurnaceOptions(MeshOptions, total=False):
 class RunOptions(PlanOptions, total=False):
     sampling: Literal["lattice", "random"]
     control: Literal["flat"]
-    aim: Union[str, Sequence[str]]
     engine: Literal["cpu", "reference", "opencl"]
     checkpoint: Union[float, Literal["off"]]
     resume: bool

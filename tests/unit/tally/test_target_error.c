@@ -36,11 +36,11 @@ static void every_total_counts(void **state)
 {
     (void)state;
     struct cml_result result = flown(64000);
-    assert_true(cml_target_met(&result, 0.0101));
-    assert_false(cml_target_met(&result, 0.0099));
+    assert_true(cml_target_met(&result, 0.0101, 0));
+    assert_false(cml_target_met(&result, 0.0099, 0));
     for (int i = 0; i < 3; i++) {
         set_total(&result, totals[i], 0.3, 0.02);
-        assert_false(cml_target_met(&result, 0.0101));
+        assert_false(cml_target_met(&result, 0.0101, 0));
         set_total(&result, totals[i], 0.3, 0.01);
     }
     cml_result_free(&result);
@@ -53,13 +53,13 @@ static void a_small_total_is_left_out_when_it_surely_is_small(void **state)
     struct cml_result result = flown(64000);
     for (int i = 0; i < 3; i++) {
         set_total(&result, totals[i], 8.3e-4, 0.1);
-        assert_false(cml_target_met(&result, 0.0101));
+        assert_false(cml_target_met(&result, 0.0101, 0));
         set_total(&result, totals[i], 8.3e-4, 0.06);
-        assert_true(cml_target_met(&result, 0.0101));
+        assert_true(cml_target_met(&result, 0.0101, 0));
         set_total(&result, totals[i], 8.3e-4, 0);
-        assert_true(cml_target_met(&result, 0.0101));
+        assert_true(cml_target_met(&result, 0.0101, 0));
         set_total(&result, totals[i], 0, 0);
-        assert_true(cml_target_met(&result, 0.0101));
+        assert_true(cml_target_met(&result, 0.0101, 0));
         set_total(&result, totals[i], 0.3, 0.01);
     }
     cml_result_free(&result);
@@ -86,7 +86,40 @@ static void expected_values_count_however_small(void **state)
                 result.expected[b * 2 + i] =
                     (cml_u128)(1e-6 / CML_EXPECTED_UNIT / CML_WEIGHT_UNIT * (1 + off));
             }
-        assert_true(cml_target_met(&result, 0.0101) == (rough < 0));
+        assert_true(cml_target_met(&result, 0.0101, 0) == (rough < 0));
+    }
+    cml_result_free(&result);
+}
+
+/* Batches take turns in being above and below a mean of 1e-6 by so much, relative, that it has such an error.
+ */
+static void set_cell(cml_u128 *cell, size_t step, double relative)
+{
+    const double off = relative * sqrt(CML_NUM_BATCHES - 1);
+    for (int b = 0; b < CML_NUM_BATCHES; b++)
+        cell[(size_t)b * step] = (cml_u128)(1e-3 / CML_WEIGHT_UNIT * (1 + (b % 2 ? off : -off)));
+}
+
+/* However small, and whatever errors the totals have. */
+static void what_is_named_counts_alone(void **state)
+{
+    (void)state;
+    struct cml_tally_grid seen = grid;
+    struct cml_result result;
+    struct cml_error err;
+    seen.detectors = 2;
+    require_ok(cml_result_create(&seen, 64000, &result, &err), &err);
+    result.summary.balance[CML_BALANCE_LAUNCHED] = (cml_u128)64000 << 31;
+    for (int i = 0; i < 3; i++) set_total(&result, totals[i], 0.3, 0.1);
+    assert_false(cml_target_met(&result, 0.99, -1));
+    set_cell(result.detector, 2, 0.01);
+    set_cell(result.detector + 1, 2, 0.02);
+    set_cell(result.A_l + 1, cml_tally_media(&seen), 0.03);
+    for (int of = -2; of < 2; of++) {
+        const double error = of == -1 ? 0.01 : of == -2 ? 0.02 : 0.03;
+        if (of == 0) continue;
+        assert_true(cml_target_met(&result, 1.01 * error, of));
+        assert_false(cml_target_met(&result, 0.99 * error, of));
     }
     cml_result_free(&result);
 }
@@ -96,7 +129,7 @@ static void few_photons_are_no_judges(void **state)
     (void)state;
     for (uint64_t photons = 64; photons <= 16384; photons *= 2) {
         struct cml_result result = flown(photons);
-        assert_true(cml_target_met(&result, 0.5) == (photons >= 10000));
+        assert_true(cml_target_met(&result, 0.5, 0) == (photons >= 10000));
         cml_result_free(&result);
     }
 }
@@ -107,6 +140,7 @@ int main(void)
         cmocka_unit_test(every_total_counts),
         cmocka_unit_test(a_small_total_is_left_out_when_it_surely_is_small),
         cmocka_unit_test(expected_values_count_however_small),
+        cmocka_unit_test(what_is_named_counts_alone),
         cmocka_unit_test(few_photons_are_no_judges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -122,7 +122,7 @@ class Commands(unittest.TestCase):
             mc.run(mc.Scene([dark]))
         wrapper = os.path.join(self.folder, "program")
         with open(wrapper, "w", encoding="utf-8") as file:
-            file.write(f'#!/bin/sh\n"{find_program()}" "$@"; rm -f "$4"/scene.h5\n')
+            file.write(f'#!/bin/sh\n"{find_program()}" "$@"; rm -f "$3"/scene.h5\n')
         os.chmod(wrapper, 0o755)
         with unittest.mock.patch.dict(os.environ, CLUSTERMCML=wrapper), self.assertRaisesRegex(mc.InputError, "^scene = 'scene.h5' .expected"):
             mc.run(mc.Scene([SLAB], photons=10))

@@ -225,8 +225,8 @@ class Scenes(unittest.TestCase):
                          nz=4, na=5, beam=mc.Beam("gaussian", 0.1, at=(0.01, -0.02), angle=30, azimuth=45),
                          map=mc.Map(6, 7, 0.1, 0.3, volume=True, top=-0.1))
         told = self.checked(scene)
-        self.assertEqual(told["layers"], [{"n": 1.37, "mua": 0.1, "mus": 50.5, "g": -0.3, "d": 1e-3},
-                                          {"n": 1.4, "mua": 1.0, "mus": 100.0, "g": 0.9, "d": 0.1}])
+        self.assertEqual(told["layers"], [{"n": 1.37, "mua": 0.1, "mus": 50.5, "g": -0.3, "d": 1e-3, "mean_d": 1e-3},
+                                          {"n": 1.4, "mua": 1.0, "mus": 100.0, "g": 0.9, "d": 0.1, "mean_d": 0.1}])
         self.assertEqual((told["n_above"], told["n_below"], told["photons"]), (1.1, 1.2, 12345))
         self.assertEqual(told["grid"], {"dz": 0.2, "dr": 0.1, "nz": 4, "nr": 3, "na": 5})
         self.assertEqual([told["map"][key] for key in ("nx", "ny", "dx", "dy", "volume")], [6, 7, 0.1, 0.3, True])

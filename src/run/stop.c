@@ -18,8 +18,6 @@ static void remember(int signal)
     if (atomic_exchange(&requested, 1)) _exit(128 + signal);
 }
 
-/* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
- * nohup and the like set signals to be ignored, and mean it. */
 void cml_stop_ignore(void)
 {
     signal(SIGPIPE, SIG_IGN);
@@ -31,6 +29,8 @@ void cml_stop_without_reader(void)
     signal(SIGPIPE, SIG_DFL);
 }
 
+/* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
+ * nohup and the like set signals to be ignored, and mean it. */
 void cml_stop_watch(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};

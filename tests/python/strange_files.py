@@ -143,8 +143,8 @@ class Crafted(unittest.TestCase):
 
     def test_a_number_of_a_later_program(self):
         """Its own comment says what it is."""
-        more = b"\nmirrored # light that a mirror sends back [1/ps]\n  1.25E-03\n\nse_mirrored # [1/ps]\n0.001\n"
-        sound, data = (mc.read(self.write("mco", self.sound["mco"] + rest)) for rest in (b"", more))
+        last, more = b"\n# end\n", b"\nmirrored # light that a mirror sends back [1/ps]\n  1.25E-03\n\nse_mirrored # [1/ps]\n0.001\n"
+        sound, data = (mc.read(self.write("mco", self.sound["mco"].replace(last, rest + last))) for rest in (b"", more))
         self.assertEqual((data.mirrored.item(), data.mirrored_se.item(), data.mirrored.units, data.mirrored.dims), (1.25e-3, 1e-3, "1/ps", ()))
         self.assertEqual(data.mirrored.long_name, "light that a mirror sends back")
         xr.testing.assert_equal(data.drop_vars(["mirrored", "mirrored_se"]), sound)

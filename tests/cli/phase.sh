@@ -29,7 +29,7 @@ grep -qx '# phase of layer 1: gk 0.8 0.5' "$work/a/p.mco" || complain "the .mco:
 expect_code 0 check "$work/table.mci"
 grep -qx "  phase of layer 1: table of 721 rows from $work/t.txt" "$work/out" || complain "check: $(grep phase "$work/out")"
 expect_code 0 check "$work/hg2.mci" --json
-grep -q '"d":0.1[0-9]*,"phase":"hg2 0.8 0.8 0.25"},{"n":1.3[^}]*"d":0.1[0-9]*}\]' "$work/out" || complain "check --json: $(cat "$work/out")"
+grep -q '"d":0.1[0-9]*,"mean_d":0.1[0-9]*,"phase":"hg2 0.8 0.8 0.25"},{"n":1.3[^}]*"mean_d":0.1[0-9]*}\]' "$work/out" || complain "check --json: $(cat "$work/out")"
 expect_code 0 trace "$work/gk.mci" 3
 grep -qx '# phase of layer 1: gk 0.8 0.5' "$work/out" || complain "trace: $(head -3 "$work/out")"
 

@@ -32,17 +32,18 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
 done
 
 # 75: stopped, resumable. A launcher may return something else when it was itself told to stop, and a preempted job
-# may be killed before it says anything: then a checkpoint that is newer than this attempt says the same.
+# may be killed before it says anything: then a checkpoint that is newer than this attempt says the same. USR2 (140) that
+# comes before an attempt flies, on a machine that is slow to start it, leaves the checkpoint of the one before.
 directory=. before=
 for word; do # the value of -o among the arguments
     case $before in -o | --output-dir) directory=$word ;; esac
     case $word in --output-dir=*) directory=${word#*=} ;; -o?*) directory=${word#-o} ;; esac
     before=$word
 done
-fresh() {
-    find "$directory" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .
+is_there() { # [TESTS OF find]
+    find "$directory" -maxdepth 1 -name '*.checkpoint' "$@" 2>/dev/null | grep -q .
 }
-if test $code -eq 75 || { test $code -ge 128 && fresh; }; then
+if test $code -eq 75 || { test $code -eq 140 && is_there; } || { test $code -ge 128 && is_there -newer "$started"; }; then
     echo "stopped with $code, requeued: scontrol requeue ${SLURM_JOB_ID:-?}"
     scontrol requeue "$SLURM_JOB_ID"
     exit 75

@@ -32,7 +32,7 @@ static int decode(const char *text, uint32_t *code)
     *code = bytes == 1 ? first : first & (0x7fu >> bytes);
     for (int i = 1; i < bytes; i++) {
         if ((text[i] & 0xc0) != 0x80) return 0;
-        *code = *code << 6 | (text[i] & 0x3fu);
+        *code = *code << 6 | ((unsigned char)text[i] & 0x3fu);
     }
     const bool none = (bytes == 1 && first >= 0x80) || *code < least[bytes] || *code > 0x10ffff ||
                       (*code >= 0xd800 && *code < 0xe000);

@@ -343,9 +343,9 @@ static double largest(const double *importance)
 
 /* A plain packet has V = weight / (worth accepted), `weight` what packets weigh that arrive, by weight. Of
  * one in windows `most` / 3 parts arrive, of families that part late, so that each goes into the aperture by
- * its own luck, in a time that grows with every decade. The numbers are fitted to six fibres of 0.01 to 0.05 cm
- * at 0.15 to 1 cm on rough skin, each without an aperture and with 0.5 and 0.22, within a factor of 1.8; with
- * seven others it was within 2.4. */
+ * its own luck, in a time that grows with every decade. The numbers are fitted to six fibres of 0.01 to 0.05
+ * cm at 0.15 to 1 cm on rough skin, each without an aperture and with 0.5 and 0.22, within a factor of 1.8;
+ * with seven others it was within 2.4. */
 static double gain_at(const struct cml_detector_def *detector, const struct cml_window_table *windows,
                       double weight, double most)
 {

@@ -74,16 +74,23 @@ CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int sta
 
 /* A packet as a cylinder with flat ends sees it: along its axis from the middle of its first end, and across
  * it; and where its line is within the infinite cylinder and where between the planes of both ends, both
- * counted from the side's middle. */
+ * counted from one place of the line. That is where it passes the axis; of a line almost along the axis,
+ * which does so far away, it is half-way between the ends: what is counted from far away has the rounding of
+ * that distance. */
 struct cml_cylinder_line {
     struct cml_vec across, v; /* place and direction across the axis */
     real rise;                /* direction along it */
-    struct cml_pass side;
-    real along; /* of the side's foot */
-    int misses; /* one of both altogether */
-    real end_in, end_out;
+    real middle;              /* cm from the packet: from where is counted */
+    real along;               /* place along the axis there */
+    struct cml_vec foot;      /* and across it */
+    int misses;               /* one of both altogether */
+    real side_in, side_out, end_in, end_out;
     int first_end, last_end; /* primitives */
 };
+
+/* Square of the sine of the angle to the axis below which a line passes it far from where the cylinder ends.
+ */
+#define CML_LENGTHWISE ((real)1e-4)
 
 /* d: the packet from the cylinder. on_primitive: what of the cylinder it stands on, or -1; off: then its
  * place across the axis. leaves: it is inside. */
@@ -96,12 +103,21 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
                          across = on_primitive < 0 ? cml_along(d, -seen, body->axis) : off;
     const real along = on_primitive > 0 ? (on_primitive == 1 ? (real)0 : body->length) : seen;
     const int on = leaves & ((on_primitive == 0) | (cml_dot(across, across) >= r * r));
-    const struct cml_pass beside = {cml_dot(across, across) < r * r, 0, CML_INFINITY, across};
-    struct cml_cylinder_line line = {
-        across, v, rise, beside, along, 0, -CML_INFINITY, CML_INFINITY, rise > 0 ? 1 : 2, rise > 0 ? 2 : 1};
-    if (cml_dot(v, v) > 0) line.side = on ? cml_pass_chord(across, v) : cml_pass_quadric(across, v, r);
-    line.along = CML_FMA(line.side.middle, rise, along);
-    line.misses = !line.side.passes;
+    const real steep = cml_dot(v, v);
+    struct cml_pass side = {cml_dot(across, across) < r * r, 0, CML_INFINITY, across};
+    if (steep > 0) side = on ? cml_pass_chord(across, v) : cml_pass_quadric(across, v, r);
+    const int lengthwise = (steep > 0) & (steep < CML_LENGTHWISE);
+    const real middle = lengthwise ? (body->length / 2 - along) / rise : side.middle;
+    struct cml_cylinder_line line = {.across = across, .v = v, .rise = rise, .middle = middle};
+    line.along = CML_FMA(middle, rise, along);
+    line.foot = lengthwise ? cml_along(across, middle, v) : side.foot;
+    line.misses = !side.passes;
+    line.side_in = lengthwise ? side.middle - side.reach - middle : -side.reach;
+    line.side_out = lengthwise ? side.middle + side.reach - middle : side.reach;
+    line.end_in = -CML_INFINITY;
+    line.end_out = CML_INFINITY;
+    line.first_end = rise > 0 ? 1 : 2;
+    line.last_end = 3 - line.first_end;
     if (rise != 0) {
         const real a = -line.along / rise, b = (body->length - line.along) / rise;
         line.end_in = rise > 0 ? a : b;
@@ -112,36 +128,36 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
     return line;
 }
 
-/* The crossing `from_middle` behind the side's middle. */
+/* The crossing `from_middle` behind the line's middle, or where the packet is if that lies behind it. */
 CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_middle, int primitive,
                                struct cml_body_hit *hit)
 {
-    const real t = line->side.middle + from_middle;
+    const real t = line->middle + from_middle;
     hit->t = t > 0 ? t : (real)0;
     hit->primitive = primitive;
-    hit->along = CML_FMA(from_middle, line->rise, line->along);
-    hit->off = t > 0 ? cml_along(line->side.foot, from_middle, line->v) : line->across;
+    hit->along = CML_FMA(t > 0 ? from_middle : -line->middle, line->rise, line->along);
+    hit->off = t > 0 ? cml_along(line->foot, from_middle, line->v) : line->across;
 }
 
 /* From outside. A packet that rounding has put inside crosses at once where it has come in rather than where
  * it goes out. */
 CML_FN int cml_enter_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
-    const real reach = line->side.reach;
-    const int side = -reach > line->end_in;
-    const real in = side ? -reach : line->end_in, out = reach < line->end_out ? reach : line->end_out;
+    const int side = line->side_in > line->end_in;
+    const real in = side ? line->side_in : line->end_in,
+               out = line->side_out < line->end_out ? line->side_out : line->end_out;
     cml_cross_cylinder(line, in, side ? 0 : line->first_end, hit);
-    return !line->misses & (in < out) & (2 * line->side.middle + in + out > 0);
+    return !line->misses & (in < out) & (2 * line->middle + in + out > 0);
 }
 
 CML_FN void cml_leave_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
-    const int side = line->side.reach < line->end_out;
-    cml_cross_cylinder(line, side ? line->side.reach : line->end_out, side ? 0 : line->last_end, hit);
+    const int side = line->side_out < line->end_out;
+    cml_cross_cylinder(line, side ? line->side_out : line->end_out, side ? 0 : line->last_end, hit);
 }
 
-/* Place and normal of a crossing, put onto the surface exactly but for rounding; and across the axis, which
- * a long way to the cylinder may have lost. */
+/* Place and normal of a crossing, put onto the surface exactly but for rounding: between the ends, and across
+ * the axis, which a long way to the cylinder may have lost. */
 CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const struct cml_body_hit *at,
                               struct cml_hit *hit)
 {
@@ -151,7 +167,8 @@ CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const stru
     const struct cml_vec none = {0, 0, 0}, radial = {per_size * off.x, per_size * off.y, per_size * off.z},
                          outwards = {sign * body->axis.x, sign * body->axis.y, sign * body->axis.z};
     const int side = at->primitive == 0;
-    const real along = side ? at->along : (at->primitive == 1 ? (real)0 : body->length);
+    const real inside = at->along > 0 ? (at->along < body->length ? at->along : body->length) : (real)0;
+    const real along = side ? inside : (at->primitive == 1 ? (real)0 : body->length);
     hit->t = at->t;
     hit->primitive = at->primitive;
     hit->normal = side ? radial : outwards;

@@ -8,9 +8,9 @@ grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
 checked=0
 for sample in samples/*.mci samples/shapes/*.mci; do
     grep -q '^\(#@ \)\?\(m\|i "\)' "$sample" && continue
-    photons=1e4
+    photons=4e3
     case $sample in
-        */skin7.mci | */thick.mci | */fig7text.mci) photons=2e3 ;;
+        */skin7.mci | */thick.mci | */fig7text.mci) photons=1e3 ;;
     esac
     expect_code 0 crosscheck "$sample" --photons $photons
     grep -q '^opencl against .*: agree$' "$work/out" || complain "$sample: $(cat "$work/out")"

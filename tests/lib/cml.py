@@ -17,6 +17,11 @@ REFERENCE = os.path.join(TESTS, "reference")
 SAMPLES = os.path.join(os.path.dirname(TESTS), "samples")
 
 
+def repeats(count):
+    """How many of `count` packets are flown: all where the environment has ALL_CASES (ctest -L long), else one in four."""
+    return count if "ALL_CASES" in os.environ else count // 4
+
+
 def sidak_limit(tests, level=1e-4):
     """|z| above which `tests` independent normal deviates go at most with probability `level`."""
     each = -math.expm1(math.log1p(-level) / tests)

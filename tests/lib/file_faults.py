@@ -70,7 +70,7 @@ class Folder:
                 files[name] = re.sub(rb"# User time.*\n", b"", data)
         return files
 
-    def start(self, faults=None, threads=1, ranks=0, seed=7, photons="4000"):
+    def start(self, faults=None, threads=1, ranks=0, seed=7, photons="2000"):
         preload = os.environ["FILE_FAULT"] + ":" + os.environ["SYSTEM_FAULT"]
         preloaded = {"LD_PRELOAD": preload, "CML_FAULT_FOLDER": self.path + "/", **(faults or {})}
         words = ["env", f"OMP_NUM_THREADS={threads}"]

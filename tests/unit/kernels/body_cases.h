@@ -84,7 +84,7 @@ static void a_packet_leaves_where_its_line_does(void **state)
 {
     struct dice dice = dice_new(71);
     (void)state;
-    for (int i = 0; i < 300000; i++) {
+    for (int i = 0; i < repeats(300000); i++) {
         struct lengthwise line;
         any_cylinder(&line, &dice);
         any_line(&line, line.solid.length * dice_uniform(&dice), &dice);
@@ -104,7 +104,7 @@ static void a_packet_enters_where_its_line_does(void **state)
     struct dice dice = dice_new(72);
     int met = 0;
     (void)state;
-    for (int i = 0; i < 300000; i++) {
+    for (int i = 0; i < repeats(300000); i++) {
         struct lengthwise line;
         any_cylinder(&line, &dice);
         const double before = line.solid.length * pow(10, dice_between(&dice, -3, 0.5));
@@ -120,7 +120,7 @@ static void a_packet_enters_where_its_line_does(void **state)
         const double middle = (line.solid.length / 2 - away) / rise;
         assert_true(found || middle < 0 || depth_at(&line, middle) < line.rounding);
     }
-    assert_true(met > 30000);
+    assert_true(met > repeats(30000));
 }
 
 int main(void)

@@ -107,13 +107,13 @@ static void random_rays_hit_where_the_oracle_says(void **state)
     (void)state;
     struct dice dice = dice_new(51);
     struct tally_of_rays sum = {0, 0, 0, 0};
-    for (int n = 0; n < 300; n++) {
+    for (int n = 0; n < repeats(300); n++) {
         const struct field field = field_random(&dice, n % 3 ? 10 : 0.5);
         for (int k = 0; k < 100; k++) one_ray(&dice, &field, &sum);
     }
     printf("%ld hits, %ld misses, %ld that only rounding decides, distance error %.2g\n", sum.hits,
            sum.misses, sum.differ, sum.worst);
-    assert_true(sum.hits > 10000 && sum.misses > 5000);
+    assert_true(sum.hits > repeats(10000) && sum.misses > repeats(5000));
     assert_true(sum.differ <= 100);
     assert_true(sum.worst < (sizeof(real) == 4 ? 1e-2 : 1e-9));
 }
@@ -152,7 +152,7 @@ static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
     (void)state;
     struct dice dice = dice_new(53);
     long hits = 0, clipped = 0;
-    for (int n = 0; n < 1000; n++) {
+    for (int n = 0; n < repeats(1000); n++) {
         const struct field field = field_random(&dice, n % 3 ? 10 : 0.5);
         const struct cml_surface surface = surface_of(&field);
         for (int k = 0; k < 2000; k++) {
@@ -178,7 +178,7 @@ static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
         }
     }
     printf("%ld hits, %ld rays clipped\n", hits, clipped);
-    assert_true(hits > 500000 && clipped > 500000);
+    assert_true(hits > repeats(500000) && clipped > repeats(500000));
 }
 
 /* A ray at a small angle to a ring's cone, from before a place on it. */
@@ -204,7 +204,7 @@ static void grazing_rays_hit_the_surface_where_it_is(void **state)
     struct dice dice = dice_new(55);
     long hits = 0;
     double worst = 0;
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < repeats(2000); n++) {
         const struct field field = field_random(&dice, 2);
         for (int k = 0; k < 1000; k++) {
             struct cml_vec u;
@@ -220,7 +220,7 @@ static void grazing_rays_hit_the_surface_where_it_is(void **state)
         }
     }
     printf("%ld hits, off the surface by %.2g roundings\n", hits, worst);
-    assert_true(hits > 500000);
+    assert_true(hits > repeats(500000));
     assert_true(worst < (sizeof(real) == 4 ? 8 : 1024)); /* near the axis a double has digits to spare */
 }
 
@@ -233,7 +233,7 @@ static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
     const struct field field = field_of(3, r, z);
     double sum = 0;
     long hits = 0;
-    for (int n = 0; n < 1000; n++) {
+    for (int n = 0; n < repeats(1000); n++) {
         const double s = dice_between(&dice, 0.3, 0.9), tilt = dice_between(&dice, 0, 0.03);
         struct cml_vec p = {(real)s, 0, (real)(1 - 1.5 * s)},
                        u = {(real)tilt, (real)sqrt(1 - tilt * tilt), 0};
@@ -250,7 +250,7 @@ static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
         }
     }
     printf("%ld reflections, off the surface by %.2g roundings in the mean\n", hits, sum / (double)hits);
-    assert_true(hits > 50000);
+    assert_true(hits > repeats(50000));
     assert_true(sum < 0.15 * (double)hits);
 }
 
@@ -293,7 +293,7 @@ static void a_march_over_many_rings_misses_none(void **state)
     (void)state;
     struct dice dice = dice_new(57);
     long hits = 0, far = 0;
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < repeats(100000); n++) {
         const struct field field = n % 2 ? field_of_many(&dice) : field_random(&dice, 0.1);
         const struct cml_vec p = random_point(&dice, &field), u = towards_an_edge(&dice, &field, p);
         const struct ray ray = ray_of(p, u, 1);
@@ -309,7 +309,7 @@ static void a_march_over_many_rings_misses_none(void **state)
         far += spans > 24;
     }
     printf("%ld hits, %ld marches over more than 24 rings\n", hits, far);
-    assert_true(hits > 30000 && far > 10000);
+    assert_true(hits > repeats(30000) && far > repeats(10000));
 }
 
 /* ---- walks ---- */
@@ -425,11 +425,11 @@ static void a_walk_of_a_million_flights_never_slips_through(void **state)
     for (int n = 0; n < FIELDS; n++) {
         const struct field field = field_random(&dice, n % 3 ? 5 : 0.5);
         enter(&dice, &walker, &field);
-        for (int k = 0; k < 40000; k++) fly(&dice, &walker);
+        for (int k = 0; k < repeats(40000); k++) fly(&dice, &walker);
     }
     printf("%ld flights, %ld crossings, wrong side by %.2g roundings\n", walker.flights, walker.crossings,
            walker.worst);
-    assert_true(walker.crossings > 10000L * FIELDS);
+    assert_true(walker.crossings > (long)repeats(10000) * FIELDS);
 }
 
 /* Grooves with walls of slope 1000, their bottoms at z = 0. */
@@ -454,7 +454,7 @@ static void a_packet_does_not_sink_between_walls(void **state)
     struct walker walker = {.worst = 0};
     enter(&dice, &walker, &field);
     long reflections = 0;
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < repeats(2000); n++) {
         const double r = (double)field.r[2 + 2 * dice_below(&dice, 19)], phi = dice_between(&dice, 0, 6.28);
         const real ulps = (real)(dice_below(&dice, 5) - 2) * CML_EPSILON;
         struct cml_vec p = {(real)(r * cos(phi)) * (1 + ulps), (real)(r * sin(phi)), (real)-1};
@@ -468,7 +468,7 @@ static void a_packet_does_not_sink_between_walls(void **state)
             u = cml_reflect(u, hit.facet);
         }
     }
-    assert_true(reflections > 100000);
+    assert_true(reflections > repeats(100000));
 }
 
 int main(void)

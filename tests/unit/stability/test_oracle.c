@@ -5,7 +5,7 @@
 
 #include "lib/mesh_shapes.h"
 
-#define POINTS 20000
+#define POINTS repeats(20000)
 
 static struct patch patch;
 

@@ -203,7 +203,7 @@ static void cells_say_no_more_than_is_true(void **state)
         media[1].mus = pow(10, dice_between(&dice, 0, 3));
         assert_int_equal(cml_body_grids_create(&scene, depths, &grids, &err), CML_OK);
         const struct cml_body_cells *cells = &grids.item[grids.of_medium[1]];
-        for (int look = 0; look < 120; look++) {
+        for (int look = 0; look < repeats(120); look++) {
             const int x = dice_below(&dice, cells->n[0]), y = dice_below(&dice, cells->n[1]),
                       z = dice_below(&dice, cells->n[2]), place[3] = {x, y, z};
             const struct cml_body_ball *ball =
@@ -219,7 +219,7 @@ static void cells_say_no_more_than_is_true(void **state)
         cml_body_grids_clear(&grids);
         for (int b = 0; b < count; b++) cml_mesh_clear(&bodies[b].mesh);
     }
-    assert_true(with_planes > 250 && tight > 300);
+    assert_true(with_planes > repeats(250) && tight > repeats(300));
 }
 
 int main(void)

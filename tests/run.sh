@@ -11,6 +11,11 @@ set -eu
 case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^# \{0,1\}//p;}' "$0"; exit 0 ;; esac
 root=$(cd "$(dirname "$0")/.." && pwd)
 cd "$root"
+begun=$(date +%s)
+now() { # WHAT: says when it begins
+    echo "tests/run.sh, after $(($(date +%s) - begun)) s: $1"
+}
+now packages
 sh samples/packages.sh test
 
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
@@ -19,15 +24,19 @@ if test $# -gt 0; then
     case $1 in *.*) by=-R ;; *) by=-L ;; esac
     exec ctest --test-dir build $by "^$1\$" --no-tests=error --output-on-failure -j2
 fi
+now "the build"
 cmake --build build --parallel 2 --target all benches
 
 # Tests wait for files and for one another: what the sanitizers need is built in those gaps.
 CC=clang CXX=clang++ cmake --preset asan >/dev/null
 nice -n 19 cmake --build build-asan --parallel 2 --target clustermcml units fuzzers >build-asan/build.log 2>&1 &
 sanitized=$!
+now tests
 ctest --test-dir build -LE long --output-on-failure -j4
+now "the rest of the sanitizers' build"
 wait $sanitized || { cat build-asan/build.log; exit 1; }
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
+now "sanitized units"
 ctest --test-dir build-asan -L unit --output-on-failure -j2
 
 # By number, not by time, so that a change is judged by the same inputs on any machine; beside the flights, as each fuzzer
@@ -39,10 +48,15 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
     bash tests/fuzz/run.sh runs=2500 mco h5
 } &
 fuzzers=$!
+now "sanitized samples and fuzzers"
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
+now "threads under their sanitizer"
 sh tests/sanitize/threads.sh
+now "the rest of the fuzzers"
 wait $fuzzers
 
 # The program of the thread sanitizer is built without MPI.
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1
+now "a build without MPI"
 CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-tsan/clustermcml sh tests/cluster/alone.sh
+now "the end"

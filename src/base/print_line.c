@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* fopencookie */
 #include "base/print_line.h"
 
+#include <errno.h>
 #include <stdint.h>
 #include <string.h>
 #include <unistd.h>
@@ -68,6 +69,7 @@ static struct {
     bool json;
     char held[5];
     int count;
+    bool unread;
 } escaped;
 
 static void pass_on(void)
@@ -85,7 +87,14 @@ static ssize_t write_escaped(void *context, const char *data, size_t size)
         escaped.held[escaped.count++] = data[i];
         if (escaped.count == length_of((unsigned char)escaped.held[0])) pass_on();
     }
-    return fflush(escaped.to) == 0 && !ferror(escaped.to) ? (ssize_t)size : 0;
+    if (fflush(escaped.to) == 0 && !ferror(escaped.to)) return (ssize_t)size;
+    escaped.unread |= errno == EPIPE;
+    return 0;
+}
+
+bool cml_output_unread(void)
+{
+    return escaped.unread;
 }
 
 cml_status cml_escape_output(bool json, struct cml_error *err)

@@ -15,4 +15,7 @@ void cml_print_line(FILE *stream, const char *text);
  * \uNNNN, which a reader of JSON turns back. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_escape_output(bool json, struct cml_error *err);
 
+/* Whether something was written to it that nobody would read: a pipe whose other end is closed. */
+bool cml_output_unread(void);
+
 #endif

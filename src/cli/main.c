@@ -14,17 +14,11 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Who reads only the first lines of a text, as head does, wants no complaint. */
-static cml_status print_help(const char *topic, struct cml_error *err)
-{
-    cml_stop_without_reader();
-    return cml_help_print(stdout, topic, err);
-}
+#include <unistd.h>
 
 static cml_status help(const struct cml_options *options, struct cml_error *err)
 {
-    return print_help(options->num_operands > 0 ? options->operands[0] : NULL, err);
+    return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
 static const struct {
@@ -54,7 +48,7 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     if (!options->help && !options->version)
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
-    if (first && options->help) return print_help(topic, err);
+    if (first && options->help) return cml_help_print(stdout, topic, err);
     if (first) printf("clustermcml %s\n%s\n", cml_version(), cml_version_parts());
     return CML_OK;
 }
@@ -69,7 +63,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     cml_announce_meshes(&options);
     options.engine_options.on_note = cml_show_note;
     cml_status status = answer(&options, err);
-    if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK)
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK && !cml_output_unread())
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);
 }
@@ -83,11 +77,12 @@ static void complain(cml_status status, const struct cml_error *err)
 }
 
 /* A file that is opened while one of the three is closed would get its number, and what is meant for the
- * terminal would be written into it. */
+ * terminal would be written into it. A directory refuses what is written to standard output. */
 static void open_standard_streams(void)
 {
     for (int file = 0; file <= 2; file++)
-        if (fcntl(file, F_GETFD) == -1 && errno == EBADF) (void)!open("/dev/null", O_RDWR);
+        if (fcntl(file, F_GETFD) == -1 && errno == EBADF)
+            (void)!(file == STDOUT_FILENO ? open("/", O_RDONLY) : open("/dev/null", O_RDWR));
 }
 
 /* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
@@ -110,5 +105,6 @@ int main(int argc, char **argv)
         if (cml_cluster_rank() != 0) complain(status, &err);
     }
     cml_cluster_end(status);
+    if (status == CML_OK && cml_output_unread()) cml_stop_without_reader();
     return (int)status;
 }

@@ -7,7 +7,7 @@ expect_code 0 $scene --photons 1000 --quiet -o "$work"
 cp "$work/hihill.mco" "$work/a.mco"
 expect_code 0 plot "$work/a.mco" -o "$work/whole.svg"
 
-# closed: everything is written as ever
+# closed: everything is written as ever, but what belongs to standard output, which is told as any failed write
 closed() { # CODE FILE COMMAND...: FILE must be as it was
     wanted=$1
     file=$2
@@ -18,11 +18,18 @@ closed() { # CODE FILE COMMAND...: FILE must be as it was
     test $code -eq "$wanted" || complain "$*: exit $code, not $wanted"
 }
 for streams in '<&-' '>&-' '2>&-' '<&- >&- 2>&-'; do
-    closed 0 plot.svg "\"$program\" plot \"$work/a.mco\" -o \"$work/plot.svg\" $streams"
+    told=0
+    case $streams in *'>&- 2'* | '>&-') told=5 ;; esac
+    closed $told plot.svg "\"$program\" plot \"$work/a.mco\" -o \"$work/plot.svg\" $streams"
     cmp -s "$work/plot.svg" "$work/whole.svg" || complain "plot $streams: another picture"
     closed 0 hihill.mco "\"$program\" $scene --photons 1000 --quiet -o \"$work\" $streams"
     grep -v '^# User time' "$work/hihill.mco" >"$work/one"
     grep -v '^# User time' "$work/a.mco" | cmp -s - "$work/one" || complain "run $streams: another result"
+done
+
+for words in "$scene --photons 100 -o $work" "check $scene" help --version 'trace samples/thick.mci 3'; do
+    closed 5 none "\"$program\" $words >&- 2>\"$work/err\""
+    test "$(cat "$work/err" | grep -v ' note: ')" = 'clustermcml: standard output cannot be written' || complain "$words >&-: $(cat "$work/err")"
 done
 
 # a device without end as input; a name that is not UTF-8
@@ -49,14 +56,17 @@ python3 -c 'import json, sys; text = open(sys.argv[1], encoding="utf-8").read()
 sys.exit(not json.loads(text)["scene"].endswith("/a\x9bb\u202ec\x7fd.mci") or "\u202e" in text or "\x7f" in text)' "$work/out" || complain "JSON: $(cat -v "$work/out")"
 rm -f "$work"/*
 
-# full, or nobody reads: the result is there, and the exit code says that it was not told
+# full, or nobody reads: the result is there, and the exit code says that it was not told (nobody: as of other tools)
 closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >/dev/full 2>\"$work/err\""
 grep -q "standard output cannot be written" "$work/err" || complain "full: $(cat "$work/err")"
 mkfifo "$work/pipe"
-(exec 3<"$work/pipe") & # opens it, and reads nothing
-closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >\"$work/pipe\" 2>\"$work/err\""
-grep -q "standard output cannot be written" "$work/err" || complain "pipe: $(cat "$work/err")"
-wait
+for words in "$scene --photons 1000 --json -o $work" 'trace samples/thick.mci 3' help; do
+    (exec 3<"$work/pipe") & # opens it, and reads nothing: the end of all commands, without a word
+    closed 141 hihill.mco "\"$program\" $words >\"$work/pipe\" 2>\"$work/err\""
+    case $words in *json*) test -s "$work/hihill.mco" || complain "pipe: no result" ;; esac
+    test ! -s "$work/err" || complain "pipe: $(cat "$work/err")"
+    wait
+done
 rm "$work"/*
 
 # full disks: a limit on the size of files, from 8 kB to that of the result. Whatever is not complete is not there.

@@ -33,7 +33,7 @@ done
 
 # 75: stopped, resumable. A launcher may return something else when it was itself told to stop, and a preempted job
 # may be killed before it says anything: then a checkpoint that is newer than this attempt says the same. USR2 (140) that
-# comes before an attempt flies, on a machine that is slow to start it, leaves the checkpoint of the one before.
+# comes before the ranks have met, on a machine that is slow to start them, leaves the checkpoint of the attempt before.
 directory=. before=
 for word; do # the value of -o among the arguments
     case $before in -o | --output-dir) directory=$word ;; esac

@@ -13,6 +13,7 @@
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
+#include "run/stop.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -209,6 +210,7 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     struct cml_inputs inputs;
     CML_TRY(cml_cluster_agree(check_options(&mine, err), err));
     CML_TRY(check_same(&mine, err));
+    if (options->checkpoint_interval > 0) cml_stop_before_flight();
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));

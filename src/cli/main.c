@@ -99,6 +99,7 @@ int main(int argc, char **argv)
         return (int)status;
     }
     status = work(argc, argv, &err);
+    cml_stop_watch(); /* a launcher that ends what is left of a failed job must not change the exit code */
     if (cml_cluster_rank() == 0) complain(status, &err);
     if (cml_cluster_contact_lost()) {
         cml_cluster_await_launcher();

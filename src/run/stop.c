@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/stop.h"
 
+#include "base/status.h"
+
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
@@ -8,13 +10,18 @@
 
 /* Written by a signal handler, which any thread may be interrupted for, and read by all threads between two
  * pieces: such an object must be atomic, and without a lock (C11, 5.1.2.3 and 7.14.1.1). */
-static atomic_int requested;
+static atomic_int requested, flying;
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal handler cannot wait for a lock");
 
 /* The second signal ends the process as if it had not been caught: exit code 128 + number, as shells
  * report it. _exit, because exit is not safe in a handler. */
 static void remember(int signal)
 {
+    static const char early[] = "clustermcml: stopped before the flight: nothing was written\n";
+    if (!atomic_load(&flying)) {
+        (void)!write(STDERR_FILENO, early, sizeof early - 1);
+        _exit(CML_E_STOPPED);
+    }
     if (atomic_exchange(&requested, 1)) _exit(128 + signal);
 }
 
@@ -27,11 +34,12 @@ void cml_stop_ignore(void)
 void cml_stop_without_reader(void)
 {
     signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
 }
 
 /* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
  * nohup and the like set signals to be ignored, and mean it. */
-void cml_stop_watch(void)
+void cml_stop_before_flight(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
     struct sigaction action = {.sa_handler = remember, .sa_flags = SA_RESTART}, old;
@@ -40,6 +48,11 @@ void cml_stop_watch(void)
         sigaction(signals[i], NULL, &old);
         if (old.sa_handler != SIG_IGN) sigaction(signals[i], &action, NULL);
     }
+}
+
+void cml_stop_watch(void)
+{
+    atomic_store(&flying, 1);
 }
 
 bool cml_stop_requested(void)

@@ -9,11 +9,15 @@
  * exit code, where they would else end the process. */
 void cml_stop_ignore(void);
 
-/* From now on a pipe that nobody reads ends the process, without a word. */
+/* Ends the process as a pipe that nobody reads does by itself, without a word: 128 + SIGPIPE. */
 void cml_stop_without_reader(void);
 
-/* From here on the first of the signals is remembered, the second ends the process at once. Signals that were
+/* From here on one of the signals ends the process at once with CML_E_STOPPED and a line. Signals that were
  * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
+void cml_stop_before_flight(void);
+
+/* From here on, after cml_stop_before_flight, the first of them is remembered, the second ends the process.
+ */
 void cml_stop_watch(void);
 
 /* Whether one of them has come since. */

@@ -41,14 +41,16 @@ run.stdout.read()
 sys.exit(run.wait() != 75)
 E2
 
-# While surfaces are tried as planes no checkpoint could follow: a signal ends the program as usual.
+# While surfaces are tried as planes nothing flies that a checkpoint could hold: a signal ends the program at once.
 "$program" samples/shapes/hihill.mci --tolerance 1e-5 --photons 1e8 --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
 run=$!
 until test -e "$work/hihill.lock" || ! kill -0 $run; do sleep 0.02; done
 kill -TERM $run
 code=0
 wait $run || code=$?
-test $code -eq 143 || complain "before the flight: exit $code, not 143: $(cat "$work/err")"
+test $code -eq 75 || complain "before the flight: exit $code, not 75: $(cat "$work/err")"
+test "$(cat "$work/err")" = 'clustermcml: stopped before the flight: nothing was written' || complain "before the flight: $(cat "$work/err")"
+test "$(ls "$work" | grep -c '^hihill\.[^l]')" = 0 || complain "before the flight: $(ls "$work")"
 rm -f "$work"/hihill*
 
 # The second signal: both come before the program can look at the first.

@@ -92,6 +92,28 @@ cp "$work/theirs/thick.mco" "$work/mine"
 expect_error 2 "--no-clobber: $work/mine/thick.mco is there, but of that run $work/mine/thick.mco is of another run (expected all its files, or none that would be replaced)" \
     samples/thick.mci --more 5 --no-clobber --resume --quiet -o "$work/mine"
 
+# So is that of an extension that was stopped.
+rm "$work/mine"/*
+expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/mine"
+cp "$work/mine/thick.mco" "$work/own"
+"$program" samples/thick.mci --more 1e8 --no-clobber --threads 1 -o "$work/mine" >"$work/out" 2>"$work/err" &
+run=$!
+until grep -q 'boundary 1' "$work/out" || ! kill -0 $run; do sleep 0.02; done
+kill -TERM $run
+wait $run && complain "--more was not stopped"
+cp "$work/theirs/thick.mco" "$work/mine"
+expect_error 2 "--no-clobber: $work/mine/thick.mco is of another run (expected that of the run that --more extends)" \
+    samples/thick.mci --more 1e8 --resume --no-clobber --quiet -o "$work/mine"
+cmp -s "$work/mine/thick.mco" "$work/theirs/thick.mco" || complain "--more --resume replaced another run's result"
+mv "$work/own" "$work/mine/thick.mco"
+"$program" samples/thick.mci --more 1e8 --resume --no-clobber --threads 1 -o "$work/mine" >"$work/out" 2>"$work/err" &
+run=$!
+until grep -q 'boundary 1' "$work/out" || ! kill -0 $run; do sleep 0.02; done
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 75 || complain "--more --resume --no-clobber: $code: $(cat "$work/err")"
+
 # A finished run whose result was taken away is flown again.
 cp "$work/thick.mco" "$work/expected"
 rm "$work/thick.mco"

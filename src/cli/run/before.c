@@ -31,26 +31,30 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
-/* What is looked for: whole results of this run, or of the one that it extends, which need not be there. */
+/* What is looked for: whole results of this run, or of the one that it extends, which need not be there, or
+ * of either where an extension was stopped: perhaps while it wrote its own. */
 struct looking {
-    const char *identity;
+    const char *identity, *or_identity;
     bool resumes, extends;
     struct cml_before *before;
 };
 
 /* What is wrong with a file that should say to be of this run; NULL: nothing. */
-static const char *fault_of_result(const char *identity, const struct cml_report_file *file)
+static const char *fault_of_result(const struct looking *looking, const struct cml_report_file *file)
 {
     const bool saved = file->content == CML_FILE_SAVED;
     struct cml_outcome found;
     struct cml_error ignored;
-    char sum[CML_IDENTITY_SUM];
-    cml_identity_sum(identity, sum);
-    if (file->content > CML_FILE_SAVED && !cml_vtk_has_comment(file->path, sum)) return "is of another run";
+    char sum[CML_IDENTITY_SUM], or_sum[CML_IDENTITY_SUM];
+    cml_identity_sum(looking->identity, sum);
+    cml_identity_sum(looking->or_identity, or_sum);
+    if (file->content > CML_FILE_SAVED && !cml_vtk_has_comment(file->path, sum) &&
+        !cml_vtk_has_comment(file->path, or_sum))
+        return "is of another run";
     if (file->content > CML_FILE_SAVED) return cml_vtk_is_whole(file->path) ? NULL : "is no whole result";
     if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
         return "is no whole result";
-    const bool own = strcmp(found.identity, sum) == 0;
+    const bool own = strcmp(found.identity, sum) == 0 || strcmp(found.identity, or_sum) == 0;
     cml_outcome_clear(&found);
     return own ? NULL : "is of another run";
 }
@@ -61,7 +65,7 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     struct stat about;
     if (stat(file->path, &about) != 0) return "is gone";
     if (!S_ISREG(about.st_mode) || about.st_size == 0) return "is empty";
-    return looking->resumes || looking->extends ? fault_of_result(looking->identity, file) : NULL;
+    return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
@@ -77,10 +81,10 @@ static cml_status look(void *context, const struct cml_report_file *file, struct
 }
 
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
-                             struct cml_before *before, struct cml_error *err)
+                             bool extends, struct cml_before *before, struct cml_error *err)
 {
-    const bool extends = setup->base > 0;
-    struct looking looking = {extends ? setup->base_identity : setup->identity, options->resume, extends,
+    const char *identity = setup->base > 0 ? setup->base_identity : setup->identity;
+    struct looking looking = {identity, extends ? setup->base_identity : identity, options->resume, extends,
                               before};
     char *path = NULL;
     cml_status status = CML_OK;
@@ -102,12 +106,10 @@ static bool result_stands(const struct cml_options *options, const struct cml_ru
 
 /* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
  */
-static cml_status check_kept(const struct cml_options *options, const struct cml_run_setup *setup,
-                             const struct cml_before *before, struct cml_error *err)
+static cml_status check_kept(const struct cml_run_setup *setup, const struct cml_before *before,
+                             struct cml_error *err)
 {
     const struct cml_checkpoint_about about = cml_checkpoint_look(setup->checkpoint);
-    if (options->more > 0 && about.kind == CML_CHECKPOINT_PARTIAL)
-        return CML_OK; /* has that which it extends */
     const struct cml_run_findings found = {.resumes = true,
                                            .kind = about.kind,
                                            .tallies = about.tallies,
@@ -140,14 +142,17 @@ cml_status cml_before_look(const struct cml_options *options, const struct cml_r
     if (row > 0 && !options->resume) return CML_OK;
     if (setup->checkpoint && options->no_clobber && !options->resume && options->more == 0)
         CML_TRY(keep_checkpoint(setup->checkpoint, err));
-    CML_TRY(find_files(options, setup, before, err));
-    if (setup->base > 0 && options->no_clobber && before->gone)
+    const bool extends =
+        options->more > 0 &&
+        (setup->base > 0 || cml_checkpoint_look(setup->checkpoint).kind == CML_CHECKPOINT_PARTIAL);
+    CML_TRY(find_files(options, setup, extends, before, err));
+    if (extends && options->no_clobber && before->gone)
         return cml_fail(err, CML_E_INPUT,
                         "--no-clobber: %.400s %s (expected that of the run that --more extends)",
                         before->gone, before->how);
     before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before);
-    const bool keeps = options->no_clobber && options->resume && setup->base == 0 && setup->checkpoint;
-    return keeps ? check_kept(options, setup, before, err) : CML_OK;
+    const bool keeps = options->no_clobber && options->resume && !extends && setup->checkpoint;
+    return keeps ? check_kept(setup, before, err) : CML_OK;
 }
 
 void cml_before_clear(struct cml_before *before)

@@ -284,8 +284,7 @@ struct prepared {
     struct cml_before before; /* rank 0's */
 };
 
-/* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end
- * the program as usual. */
+/* On all ranks. Signals are remembered only where a checkpoint can follow them. */
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
@@ -402,9 +401,9 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     run->setup.provenance = &run->provenance;
     CML_TRY(cml_identity_of(&run->provenance, settings, call->inputs, &run->identity, err));
     run->setup.identity = run->identity;
-    if (run->setup.base == 0) return CML_OK;
+    if (options->more == 0) return CML_OK;
     struct cml_provenance before = run->provenance;
-    before.value[CML_DECIDES_photons] = (double)run->setup.base;
+    before.value[CML_DECIDES_photons] = (double)(run->setup.photons - options->more);
     CML_TRY(cml_identity_of(&before, settings, call->inputs, &run->base_identity, err));
     run->setup.base_identity = run->base_identity;
     return CML_OK;

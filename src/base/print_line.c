@@ -13,12 +13,17 @@ static int length_of(unsigned char first)
     return first < 0xc0 || first >= 0xf8 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
 }
 
-/* Controls of terminals (C1) and of the direction of writing, and what has no width. */
+/* Controls of terminals (C1), of lines and of the direction of writing; what is not seen
+ * (Default_Ignorable_Code_Point of Unicode 15, DerivedCoreProperties.txt); and what is no character. */
 static bool is_control(uint32_t code)
 {
-    static const uint32_t range[][2] = {{0, 0x1f},        {0x7f, 0x9f},     {0x61c, 0x61c},
-                                        {0x200b, 0x200b}, {0x200e, 0x200f}, {0x2028, 0x202e},
-                                        {0x2060, 0x206f}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}};
+    static const uint32_t range[][2] = {
+        {0, 0x1f},        {0x7f, 0x9f},     {0xad, 0xad},       {0x34f, 0x34f},     {0x61c, 0x61c},
+        {0x115f, 0x1160}, {0x17b4, 0x17b5}, {0x180b, 0x180f},   {0x200b, 0x200f},   {0x2028, 0x202e},
+        {0x2060, 0x206f}, {0x3164, 0x3164}, {0xfdd0, 0xfdef},   {0xfe00, 0xfe0f},   {0xfeff, 0xfeff},
+        {0xffa0, 0xffa0}, {0xfff0, 0xfffb}, {0x1bca0, 0x1bca3}, {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff},
+    };
+    if ((code & 0xfffe) == 0xfffe) return true;
     for (size_t i = 0; i < sizeof range / sizeof *range; i++)
         if (code >= range[i][0] && code <= range[i][1]) return true;
     return false;
@@ -49,6 +54,8 @@ static void print(FILE *stream, const char *text, const char *as_they_are, bool 
             bytes > 0 && (!is_control(code) || (code < 0x80 && strchr(as_they_are, (int)code)));
         if (plain)
             fwrite(text, 1, (size_t)bytes, stream);
+        else if (json && bytes == 4)
+            fprintf(stream, "\\u%04x\\u%04x", 0xd7c0 + (code >> 10), 0xdc00 + (code & 0x3ff));
         else if (json && bytes > 0)
             fprintf(stream, "\\u%04x", code);
         else

@@ -49,11 +49,17 @@ grep -qF '  -> '"$work"'/a\xc2\x9bb\xe2\x80\xaec\xe2\x80\x8bd\xef\xbb\xbfé\xff.
 printf '"\302\233\033[31m","\342\200\256",seed\n\302\233,\033[31m,1\n' >"$work/strange.csv"
 expect_code 0 $scene --photons 100 --sweep "$work/strange.csv" -o "$work"
 test "$(LC_ALL=C tr -cd '\033\233\256' <"$work/out" | wc -c)" = 0 && grep -qF '\x1b[31m=\xc2\x9b' "$work/out" || complain "labels: $(cat -v "$work/out")"
-name=$(printf 'a\302\233b\342\200\256c\177d.mci')
+python3 - "$program" <<'EOF' || complain "characters that are not seen"
+import subprocess, sys
+for code in [0xad, 0x34f, 0x115f, 0x17b5, 0x180e, 0x200d, 0x3164, 0xfdd0, 0xfe0f, 0xffa0, 0xfff0, 0xfffe, 0x1bca0, 0x1d173, 0x1ffff, 0xe0041, 0x10ffff]:
+    told = subprocess.run([sys.argv[1], f"é{chr(code)}.mci"], capture_output=True).stderr.decode()
+    assert f"é{''.join(f'{chr(92)}x{byte:02x}' for byte in chr(code).encode())}.mci" in told, told
+EOF
+name=$(printf 'a\302\233b\342\200\256c\177d\363\240\201\201.mci')
 cp $scene "$work/$name"
 expect_code 0 "$work/$name" --photons 100 --json -o "$work"
 python3 -c 'import json, sys; text = open(sys.argv[1], encoding="utf-8").read()
-sys.exit(not json.loads(text)["scene"].endswith("/a\x9bb\u202ec\x7fd.mci") or "\u202e" in text or "\x7f" in text)' "$work/out" || complain "JSON: $(cat -v "$work/out")"
+sys.exit(not json.loads(text)["scene"].endswith("/a\x9bb\u202ec\x7fd\U000e0041.mci") or "\U000e0041" in text or "\u202e" in text or "\x7f" in text)' "$work/out" || complain "JSON: $(cat -v "$work/out")"
 rm -f "$work"/*
 
 # full, or nobody reads: the result is there, and the exit code says that it was not told (nobody: as of other tools)

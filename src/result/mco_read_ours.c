@@ -317,21 +317,23 @@ static void check_whole(const struct reader *r)
     }
 }
 
-/* Nothing but blanks behind it. */
-static bool has_end(const char *text)
+/* What is wrong with the last line, which has a line end; NULL: nothing. Blanks may stand behind it. */
+static const char *fault_of_end(const char *text)
 {
-    const char *end = NULL;
-    for (const char *line = text; line; line = line_after(line))
-        if (line[strspn(line, " \t\r\n")]) end = line;
-    return end && begins(end, CML_MCO_END) && strspn(end + strlen(CML_MCO_END), "\r\n") > 0;
+    const char *line = text, *behind = NULL;
+    for (; line && !behind; line = line_after(line))
+        if (begins(line, CML_MCO_END) && strspn(line + strlen(CML_MCO_END), "\r\n") > 0)
+            behind = line + strlen(CML_MCO_END);
+    if (!behind) return "last line is missing (expected " CML_MCO_END "; the file is cut off)";
+    return behind[strspn(behind, " \t\r\n")] ? "text behind " CML_MCO_END " (expected one result)" : NULL;
 }
 
 cml_status cml_mco_read_ours(const char *text, const char *path, bool ends, struct cml_outcome *o,
                              struct cml_error *err)
 {
     const struct reader r = {text, path, o};
-    if (ends && !has_end(text))
-        damaged(&r, "%.200s: last line is missing (expected " CML_MCO_END "; the file is cut off)", path);
+    const char *fault = ends ? fault_of_end(text) : NULL;
+    if (fault) damaged(&r, "%.200s: %s", path, fault);
     CML_TRY(read_comments(&r, err));
     for (const char *line = text; line; line = line_after(line)) {
         struct section section = {&r, "", line_after(line)};

@@ -199,12 +199,12 @@ class Files(unittest.TestCase):
         path = os.path.join(self.folder.name, "cut.mco")
         with open(self.mco, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as cut:
             cut.write(file.read()[:900])
-        with open(self.mco, encoding="utf-8") as file, open(os.path.join(self.folder.name, "end.mco"), "w", encoding="utf-8") as cut:
-            cut.write(file.read().removesuffix("# end\n"))
-        for name, content in (("not.mco", "hello"), ("not.h5", "hello"), ("not.txt", "hello")):
+        with open(self.mco, encoding="utf-8") as file:
+            whole = file.read()
+        for name, content in (("end.mco", whole.removesuffix("# end\n")), ("line.mco", whole.removesuffix("\n")), ("two.mco", 2 * whole), ("not.mco", "hello"), ("not.h5", "hello"), ("not.txt", "hello")):
             with open(os.path.join(self.folder.name, name), "w", encoding="utf-8") as file:
                 file.write(content)
-        for name, text in (("cut.mco", "the file is cut off"), ("end.mco", "expected # end"), ("not.mco", "not an .mco"), ("not.h5", "not an .h5"),
+        for name, text in (("cut.mco", "the file is cut off"), ("end.mco", "expected # end"), ("line.mco", "expected # end"), ("two.mco", "text behind # end"), ("not.mco", "not an .mco"), ("not.h5", "not an .h5"),
                            ("not.txt", "expected a name that ends in .mco or .h5"), ("none.h5", "a file that is there")):
             with self.assertRaisesRegex(mc.InputError, text):
                 mc.read(os.path.join(self.folder.name, name))

@@ -200,8 +200,11 @@ def read_mco(path: str) -> xr.Dataset:
             text = file.read()
         if not text.startswith("A1"):
             raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
-        if END in text[:1000] and not text.rstrip(" \t\n").endswith("\n# end"):
+        _, end, behind = text.partition("\n# end\n")
+        if END in text[:1000] and not end:
             raise errors.InputError(f"{path}: last line is missing (expected # end; the file is cut off)")
+        if END in text[:1000] and behind.strip(" \t\n"):
+            raise errors.InputError(f"{path}: text behind # end (expected one result)")
         return _dataset(text, _sections(text))
     except errors.InputError:
         raise

@@ -183,6 +183,24 @@ static void a_cut_file_of_ours_is_told(void **state)
     free(text);
 }
 
+/* Blanks may stand behind the last line, no second file. */
+static void two_files_in_one_are_told(void **state)
+{
+    struct cml_outcome o;
+    struct cml_error err;
+    char *text = whole_of_ours(), twice[1 << 16];
+    snprintf(twice, sizeof twice, "%s \t\r\n\n", text);
+    assert_int_equal(case_read(state, twice, strlen(twice), &o, &err), CML_OK);
+    assert_null(o.damage);
+    cml_outcome_clear(&o);
+    snprintf(twice, sizeof twice, "%s%s", text, text);
+    assert_int_equal(case_read(state, twice, strlen(twice), &o, &err), CML_OK);
+    case_normalise(state, o.damage);
+    assert_string_equal(o.damage, "x.mco: text behind # end (expected one result)");
+    cml_outcome_clear(&o);
+    free(text);
+}
+
 static void make_all_exponents(struct cml_outcome *mco)
 {
     static const double mantissas[8] = {1, 1.00005, 1.23455, 2.5, 4.99995, 7.77777, 9.99994, 9.99999};
@@ -478,6 +496,7 @@ int main(void)
         cmocka_unit_test(the_hours_are_those_of_the_printed_seconds),
         cmocka_unit_test(what_is_read_is_written_again),
         cmocka_unit_test(a_cut_file_of_ours_is_told),
+        cmocka_unit_test(two_files_in_one_are_told),
         cmocka_unit_test(printed_numbers_survive),
         cmocka_unit_test(a_reader_that_counts_lines),
         cmocka_unit_test(a_reader_that_searches_keys),

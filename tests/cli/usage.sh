@@ -152,6 +152,14 @@ for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r; do
     expect_code 0 help $word
     test "$(grep -c '^| `' "$work/out")" -ge 1 || complain "help $word: $(cat "$work/out")"
 done
+for word in 'mua:^| mua, mus |' 'g:^| g |' 'n:^| n |' 'd:^| d |' 'light:^| .na:N. |' 'name:name of the result' 'InParm:layout, byte by byte' 'Identity:is a checksum' \
+    '-o:^  -o, --output FILE'; do
+    expect_code 0 help "${word%%:*}"
+    grep -q -e "${word#*:}" "$work/out" && test "$(wc -l <"$work/out")" -le 16 || complain "help ${word%%:*}: $(cat "$work/out")"
+done
+expect_error 2 "--aim Tt_r (expected it once, several names with commas)" $sample --aim Tt --aim Tt_r
+expect_error 2 "--error-of b (expected it once)" $sample --target-error 0.1 --error-of a --error-of b
+expect_error 2 "help: no text on \"\" (try clustermcml help)" help ""
 expect_error 2 "help: no text on print (try clustermcml help)" help print # a line of an example in Python
 expect_error 2 "help: no text on layer1.mux (try clustermcml help)" help layer1.mux
 expect_error 2 "unknown option --sett (did you mean --set?)" help --sett

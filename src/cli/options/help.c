@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/options/option_table.h"
 
+#include <ctype.h>
 #include <string.h>
 
 /* Columns: of the text, and of what an item does. */
@@ -86,7 +87,8 @@ static void print_topics(FILE *stream)
     print_item(stream, "options", "all options");
     print_item(stream, "--OPTION", "one, and what the texts say of it, as the names that --set takes");
     print_item(stream, "WORD",
-               "a line of the scene (beam), a name that --set takes (layer1.mua), an array (Rd_r)");
+               "a line of the scene (beam) or a word of one (mua), a name that --set takes (layer1.mua), an "
+               "array (Rd_r)");
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
         char title[80];
         const char *begin = text->text + strspn(text->text, "# ");
@@ -206,7 +208,58 @@ static int print_passages(FILE *stream, const char *text, const char *word, bool
     return count;
 }
 
-/* What the texts say of a word of a scene, of a name that --set takes, of an array. */
+static bool is_letter(char c)
+{
+    return isalnum((unsigned char)c) || c == '_' || c == '-';
+}
+
+/* Whether the word, whole, stands in the line from its beginning on, below `length`. */
+static bool has_word(const char *line, size_t length, const char *word)
+{
+    const size_t own = strlen(word);
+    for (size_t i = 0; i + own <= length; i++)
+        if (strncmp(line + i, word, own) == 0 && (i == 0 || !is_letter(line[i - 1])) &&
+            !is_letter(line[i + own]))
+            return true;
+    return false;
+}
+
+/* Lines of a scene and rows of tables that have the word, as `mua` or `light`: in a row the first cell has
+ * it, and where that is a table's head, all rows are printed. */
+static int print_mentions(FILE *stream, const char *text, const char *word)
+{
+    int count = 0;
+    bool whole = false, fenced = false;
+    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        const size_t length = strcspn(line, "\n"), cell = 1 + strcspn(line + (length > 0), "|\n");
+        const bool row = line[0] == '|', head = row && strncmp(line + length, "\n|--", 4) == 0;
+        fenced ^= strncmp(line, "```", 3) == 0;
+        whole = (whole && row) || (head && line[2] == '`' && has_word(line, cell, word));
+        const bool found = row ? !head && has_word(line, cell, word)
+                               : !fenced && strncmp(line, "    ", 4) == 0 && has_word(line, length, word);
+        if (!whole && !found) continue;
+        fprintf(stream, "%.*s\n", (int)length, line);
+        count++;
+    }
+    return count;
+}
+
+/* Paragraphs in which it stands between grave accents, as `InParm` does. */
+static int print_paragraphs(FILE *stream, const char *text, const char *word)
+{
+    int count = 0;
+    for (const char *at = text, *end; at; at = end ? end + 2 : NULL) {
+        end = strstr(at, "\n\n");
+        const size_t length = end ? (size_t)(end - at) : strlen(at);
+        if (!is_named(at, length, word)) continue;
+        fprintf(stream, "%.*s\n", (int)length, at);
+        count++;
+    }
+    return count;
+}
+
+/* What the texts say of a word of a scene, of a name that --set takes, of an array: where it has a place of
+ * its own, else wherever it stands. */
 static int print_word(FILE *stream, const char *word)
 {
     int count = 0;
@@ -215,6 +268,10 @@ static int print_word(FILE *stream, const char *word)
         count += print_rows(stream, text->text, word);
         count += print_passages(stream, text->text, word, false);
     }
+    for (const struct cml_help_text *text = cml_help_texts; count == 0 && text->name; text++)
+        count = print_mentions(stream, text->text, word);
+    for (const struct cml_help_text *text = cml_help_texts; count == 0 && text->name; text++)
+        count = print_paragraphs(stream, text->text, word);
     return count;
 }
 
@@ -240,7 +297,7 @@ static cml_status refuse(const char *topic, struct cml_error *err)
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
         cml_guess_offer(&guess, text->name);
     const char *meant = cml_guess_best(&guess);
-    return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", topic,
+    return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", *topic ? topic : "\"\"",
                     meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
 }
 
@@ -255,12 +312,16 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
         print_options(stream, CML_NUM_COMMANDS);
         return CML_OK;
     }
+    bool found = false;
     const struct cml_option *option =
         strncmp(topic, "--", 2) == 0 ? cml_option_find(topic + 2, strlen(topic + 2)) : NULL;
-    if (option) {
-        print_one_option(stream, option);
-        return CML_OK;
+    for (size_t i = 0; i < cml_option_count; i++) {
+        const struct cml_option *one = &cml_option_table[i];
+        const bool lettered = topic[0] == '-' && one->letter && one->letter == topic[1] && !topic[2];
+        if (one == option || lettered) print_one_option(stream, one);
+        found |= one == option || lettered;
     }
+    if (found) return CML_OK;
     const enum cml_command command = cml_command_find(topic);
     if (command != CML_NUM_COMMANDS) {
         print_command(stream, command);
@@ -268,7 +329,7 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     }
     const struct cml_help_text *text = cml_help_texts;
     while (text->name && strcmp(text->name, topic) != 0) text++;
-    if (!text->name) return print_word(stream, topic) > 0 ? CML_OK : refuse(topic, err);
+    if (!text->name) return *topic && print_word(stream, topic) > 0 ? CML_OK : refuse(topic, err);
     fputs(text->text, stream);
     return CML_OK;
 }

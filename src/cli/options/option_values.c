@@ -182,6 +182,7 @@ static bool is_aim(const char *name)
 cml_status cml_read_aim(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
 {
+    if (options->aim) return fail(err, option, value, "it once, several names with commas");
     for (const char *name = value; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL)
         if (!is_aim(name))
             return fail(err, option, value,
@@ -201,6 +202,7 @@ cml_status cml_read_target_error(const struct cml_option *option, const char *va
 cml_status cml_read_error_of(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
+    if (options->error_of) return fail(err, option, value, "it once");
     if (strchr(value, ',') || !is_aim(value))
         return fail(err, option, value, "A_l:N of layer N or the name of a detector");
     options->error_of = value;

@@ -43,6 +43,7 @@ struct cml_pilot {
     struct cml_pilot_round round[CML_PILOT_MOST_ROUNDS]; /* longer and longer */
     double photons_per_s;                                /* of the last, on all ranks */
     int threads;                                         /* of a rank */
+    bool faint[CML_NUM_GOALS];                           /* what --target-error does not wait for */
 };
 
 /* Flies rounds of setup->engine from photon 0 on, each `growth` times as long as the one before, up to
@@ -54,8 +55,8 @@ CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double
 /* Photons after which a goal (cml_goals, or one of those above) has a relative standard error, at least one
  * for every batch: between the rounds from which on all reach it by interpolation; else as if errors fell
  * with the root of the photons, which beyond the pilot is an upper estimate where draws are evenly spread.
- * INFINITY where the last round saw nothing. The errors of rounds are known to 9 % (64 batches), so the
- * photons to some 20 %. */
+ * INFINITY where the last round saw fewer than four packets. The errors of rounds are known to 9 % (64
+ * batches), so the photons to some 20 %; of n packets, fewer than 25, to 1 / sqrt(n). */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error);
 
 /* Of the i-th operand of `plot`: its label or its name. */

@@ -9,6 +9,7 @@
 #include "engine/engines.h"
 #include "result/quantity.h"
 #include "run/cluster.h"
+#include "tally/target_error.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -16,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Seconds: errors need more packets than speed does. Together about one. */
+/* Seconds: errors need more packets than speed does. Together about one, but where the kernels of OpenCL are
+ * compiled first. */
 #define ERROR_PILOT 0.3
 #define SPEED_PILOT 0.1
 #define DEFAULT_ERROR 1e-3
@@ -80,6 +82,28 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
 }
 
 /* ---- what is said ---- */
+
+/* Photons that --target-error needs with lattice sampling: of all that it waits for the most. */
+static double needed(const struct plan *plan)
+{
+    const struct cml_pilot *pilot = &plan->errors[1];
+    const bool expects = plan->aimed && plan->aim.tail.scores > 0;
+    double most = 0;
+    if (plan->error_of) return cml_pilot_photons(pilot, CML_PILOT_NAMED, plan->error);
+    for (int goal = 0; goal < CML_NUM_GOALS; goal++)
+        if (!pilot->faint[goal] && !(expects && cml_goals[goal] == CML_TOTAL_TRANSMITTED))
+            most = fmax(most, cml_pilot_photons(pilot, goal, plan->error));
+    return expects ? fmax(most, cml_pilot_photons(pilot, CML_PILOT_EXPECTED, plan->error)) : most;
+}
+
+/* That it flies for them, in its rounds. */
+static double flown(const struct plan *plan)
+{
+    const double least = fmax(needed(plan), CML_TARGET_LEAST_PHOTONS);
+    double photons = CML_NUM_BATCHES * ceil((double)plan->scene->photons / CML_NUM_BATCHES);
+    while (photons < least && isfinite(least)) photons *= 2;
+    return isfinite(least) ? photons : least;
+}
 
 /* Two digits: the error of an error is 9 %. A dash where pilots have seen nothing. */
 static void print_time(double seconds)
@@ -179,10 +203,18 @@ static void print_plan(const struct plan *plan)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
             print_row(plan, engine, lattice);
     if (plan->refusal.text[0]) printf("  without %s: %s\n", engine_names[ENGINES - 1], plan->refusal.text);
-    printf("  from pilots of up to %.2g photons in %.2g s; photons are known to some 20 %%. Beyond the "
-           "pilots errors are taken\n"
-           "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
-           longest_pilot(plan), plan->seconds);
+    printf(
+        "  from pilots of up to %.2g photons in %.2g s; photons are known to some 20 %%, of what few packets "
+        "have shown\n"
+        "  worse; -: fewer than four have (--photons flies longer pilots). Beyond the pilots errors are "
+        "taken\n"
+        "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
+        longest_pilot(plan), plan->seconds);
+    if (isfinite(flown(plan)))
+        printf(
+            "  A run with --target-error needs some %.2g photons and flies %.2g: at least %d, in rounds of "
+            "N, N, 2N ... of the file's N = %.6g.\n",
+            needed(plan), flown(plan), CML_TARGET_LEAST_PHOTONS, (double)plan->scene->photons);
     if (plan->aimed) {
         printf("  All of this is with --aim %s.\n", plan->aimed);
         return;
@@ -231,6 +263,7 @@ static cml_status print_json(const struct plan *plan, struct cml_error *err)
             json_array_append_new(rows, row_json(plan, engine, lattice));
     json_object_set_new(object, "plans", rows);
     json_object_set_new(object, "gains", gains_json(plan));
+    json_object_set_new(object, "run_photons", cml_json_real(flown(plan)));
     json_object_set_new(object, "version", json_string(cml_version()));
     return cml_json_print(stdout, object, err);
 }

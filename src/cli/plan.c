@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-#define FIRST_ROUND 1024 /* 16 photons in a batch: fewer say little of its mean */
+#define LARGEST_ERROR 0.5 /* of four packets; that of one is 1 */
+#define FIRST_ROUND 1024  /* 16 photons in a batch: fewer say little of its mean */
 
 static double expected_error(const struct cml_result *result)
 {
@@ -30,8 +31,13 @@ static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot 
     struct cml_pilot_round *round = &pilot->round[pilot->num_rounds];
     CML_TRY(cml_run(setup, &run, err));
     round->photons = setup->photons;
-    for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
+    for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++) {
         round->error[i] = error_of(&run.result, cml_goals[i]);
+        pilot->faint[i] =
+            cml_result_total(&run.result, cml_goals[i]) +
+                3 * fmax(cml_result_error(&run.result, cml_goals[i]), 1 / (double)setup->photons) <
+            CML_TARGET_LEAST_SHARE;
+    }
     if (cml_cluster_rank() == 0) round->error[CML_PILOT_EXPECTED] = expected_error(&run.result);
     if (setup->error_of && cml_cluster_rank() == 0)
         round->error[CML_PILOT_NAMED] = cml_target_error_of(&run.result, setup->error_of);
@@ -83,6 +89,7 @@ double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error)
     while (reached > 0 && pilot->round[reached - 1].error[goal] <= error) reached--;
     if (reached > 0 && reached < pilot->num_rounds)
         return ceil(interpolate(&pilot->round[reached - 1], goal, error));
+    if (reached > 0 && pilot->round[reached - 1].error[goal] > LARGEST_ERROR) return INFINITY;
     const struct cml_pilot_round *nearest = &pilot->round[reached > 0 ? reached - 1 : 0];
     const double photons = (double)nearest->photons * pow(nearest->error[goal] / error, 2);
     return ceil(fmax(photons, CML_NUM_BATCHES));

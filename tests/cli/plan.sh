@@ -19,6 +19,24 @@ grep -Eq '^  (opencl +lattice|without opencl: .*) ' "$work/out" || complain "pla
 grep -q 'pilots of up to 4.1e+03 photons' "$work/out" || complain "plan: not the pilot of --photons: $(cat "$work/out")"
 test ! -s "$work/err" && test "$(ls "$work")" = "$(printf 'err\nfig6.mci\nout')" || complain "plan wrote: $(ls "$work")"
 
+# What fewer than four packets have shown is none, while Rd and A stand.
+sed 's/^1.34 0.1 1 0.5 1 /1.34 90 1 0.5 0.07 /' samples/fig6.mci >"$work/dim.mci"
+expect_code 0 plan "$work/dim.mci" --photons 1024 --json
+grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: dim slab: $(cat "$work/out")"
+expect_code 0 plan "$work/dim.mci" --photons 65536 --json
+grep -q '"Tt":{"photons":[0-9]' "$work/out" || complain "plan: dim slab, more photons: $(cat "$work/out")"
+
+# What a run flies: the least number, and the file's.
+for photons in 1000 30000; do
+    sed "s/^1000000 /$photons /" samples/fig6.mci >"$work/few.mci"
+    expect_code 0 plan "$work/few.mci" --photons 4096 --target-error 0.1
+    needs=$(sed -n 's/.*--target-error needs some [0-9.e+-]* photons and flies \([^:]*\):.*/\1/p' "$work/out")
+    expect_code 0 "$work/few.mci" --target-error 0.1 --json -o "$work"
+    python3 -c 'import json, sys; sys.exit(float("%.2g" % json.load(open(sys.argv[1]))["photons"]) != float(sys.argv[2]))' "$work/out" "$needs" ||
+        complain "plan says $needs photons: $(cat "$work/out")"
+done
+rm -f "$work"/fig6.mco*
+
 # What nothing reaches is not planned; meshes are not for devices.
 sed 's/^1.34 0.1 1 0.5 1 /1.34 90 1 0.5 9 /' samples/fig6.mci >"$work/dark.mci"
 expect_code 0 plan "$work/dark.mci" --photons 1024 --json

@@ -13,12 +13,13 @@ const struct cml_command_def cml_commands[] = {
                          "stopped leaves a checkpoint, from which --resume continues.",
                          "clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
                          "clustermcml samples/mcml_sample.mci --target-error 1e-3 --json\n"},
-    [CML_COMMAND_PLAN] = {"plan", "scene.mci", 1, 1,
-                          "photons and time that an error takes, by engine and sampling",
-                          "Flies about a second of pilots, and prints how many photons, and how much time, a "
-                          "relative standard error of "
-                          "Rd, A and Tt takes on this machine. Writes no file.",
-                          "clustermcml plan samples/thick.mci --target-error 1e-2\n"},
+    [CML_COMMAND_PLAN] =
+        {"plan", "scene.mci", 1, 1, "photons and time that an error takes, by engine and sampling",
+         "Flies about a second of pilots, and prints how many photons, and how much time, a "
+         "relative standard error of "
+         "Rd, A and Tt takes on this machine. Where opencl flies a scene for the first time its "
+         "kernels are compiled, some 15 s. Writes no file.",
+         "clustermcml plan samples/thick.mci --target-error 1e-2\n"},
     [CML_COMMAND_CHECK] = {"check", "scene.mci", 1, 1, "validate; show layers, boundaries, meshes and memory",
                            "Reads the file as run does, and prints what was understood: layers with their "
                            "mean free paths, grids, how "

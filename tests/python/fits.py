@@ -120,7 +120,9 @@ class Fits(unittest.TestCase):
                 (BOUNDS, {"A": (0.3, 0.01)}, "names among"), (BOUNDS, {"Rd_r": ([1, 2], 0)}, "standard error > 0"), (BOUNDS, {}, "measured = {}"),
                 (BOUNDS, {"Rd_r": ([1, 2, 3], [1, 1, 1])}, r"3 values' \(expected 10, as many as the scene has bins"),
                 (BOUNDS, {"Rd_r": ([np.nan] * 9 + [1], 1)}, "other bins than the last"),
-                (BOUNDS, {"Rd": (0.3, 0.1), "R": (0.3, 0.1)}, "one of them"), (BOUNDS, {"Rd_r": (np.ones(99), 1)}, "as many as the scene has bins"),
+                (BOUNDS, {"Rd": (-0.3, 0.07)}, r"measured..Rd..: value = -0.3 .expected a number from 0 to 1, or at most 4 standard errors beyond"),
+                (BOUNDS, {"Rd": (0.3, 1e-300)}, "error = 1e-300 .expected a standard error > 0, from 1e-30"), (BOUNDS, {"Rd_r": ([np.inf] * 10, 1)}, "value = inf"),
+                (BOUNDS, {"Rd": (1.7, 0.1)}, "value = 1.7 "), (BOUNDS, {"Rd": (0.3, 0.1), "R": (0.3, 0.1)}, "one of them"), (BOUNDS, {"Rd_r": (np.ones(99), 1)}, "as many as the scene has bins"),
                 ({f"layer{i}.mua": (1, 2) for i in range(1, 5)}, {"Rd": (0.3, 0.01)}, "at most 3 mua"),
                 ({"layer2.mua": (1, 2)}, {"Rd": (0.3, 0.01)}, "layer2.mua")):
             with self.assertRaisesRegex(mc.InputError, text):
@@ -133,15 +135,15 @@ class Shell(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
             slab().write(scene)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(table)
+            with open(path, "wb") as file:
+                file.write(table if isinstance(table, bytes) else table.encode())
             words = [sys.executable, "-m", "clustermcml", "fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
                      "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45"]
             done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
             return done.returncode, done.stdout + done.stderr.replace(folder, "")
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
-        code, said = self.fit("name,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n")
+        code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n")
         same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3, no_reentry=True,
                       set={"layer1.g": 0.85, "layer1.n": 1.45})
         self.assertEqual(code, 0, said)
@@ -150,14 +152,19 @@ class Shell(unittest.TestCase):
             model, noise, z = map(float, re.search(rf"model: {name} = (\S+) \+- (\S+), measured {value:g} \+- {error:g}, z (\S+)\n", said).groups())
             self.assertAlmostEqual(model, same.prediction[name], 5)
             self.assertAlmostEqual(z, (value - model) / (noise**2 + error**2) ** 0.5, 1)
-        code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\n")
+        code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\nRd_r,0.1,nan,0.1\n")
+        self.assertIn("clustermcml: note: /seen.csv: left out lines of Rd_r without a value: 1\n", said)
         self.assertEqual((code, len(re.findall(r"^model: Rd_r at 0.0(?:15|45) = \S+ \+- \S+, measured (?:0.5|1.2) \+- 0.1, z ", said, re.M))), (0, 2), said)
 
     def test_tables_that_do_not_fit(self):
         for table, text in (("Rd,,0.3\n", ":1 = 'Rd,,0.3' (expected name,place,value,error)"), ("Rd,,0.3,0.1\nRd,,0.3,0.1\n", ":2 = 'Rd' (expected each total once)"),
                             ("Rd,0.1,0.3,0.1\n", ":1: place = '0.1' (expected none of a total)"),
                             ("Rd_r,0.07,1,1\nRd_r,0.08,1,1\n", ":2: place = '0.08' (expected each bin once)"),
-                            ("Rd_r,0.28,1,1\n", ":1: place = '0.28' (expected a number from 0 to below 0.27")):
+                            ("Rd_r,0.28,1,1\n", ":1: place = '0.28' (expected a number from 0 to below 0.27"),
+                            ("# Größe\n".encode("latin-1"), r":1 = b'# Gr\xf6\xdfe' (expected text in UTF-8)"), ("", "seen.csv = '' (expected lines NAME,PLACE,VALUE,ERROR)"),
+                            ("Rd,,0.3,1" + 140000 * "0", ":1: error = inf (expected a standard error > 0, from 1e-30 to 1e+30)"),
+                            ("detector_x,,0.3,0.1\n", "seen.csv: measured = 'detector_x' (expected detectors of the scene, which has none)"),
+                            ("\nA,,0.3,0.1\n", ":2: name = 'A' (expected names among"), ("Rd,,nan,1\n", ":1: value = nan (expected a number from 0 to 1")):
             code, said = self.fit(table)
             self.assertEqual((code, said.count("\n")), (2, 1), said)
             self.assertIn(text, said)

@@ -8,15 +8,16 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
-from typing import Any
+import warnings
+from typing import Any, Iterator
 
 import numpy as np
 
 from . import errors
 from .commands import check
-from .fit import PROFILES, Fit, fit
+from .fit import Fit, fit
+from .measured import PROFILES, check_name, check_number
 from .options import FitOptions
 
 
@@ -52,34 +53,56 @@ def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
     return bounds
 
 
+def _cells(path: str) -> Iterator[tuple[str, str, list[str]]]:
+    """Of every line with words: FILE:NUMBER, its text, and the words between the commas."""
+    try:
+        with open(errors.existing_file("table", path), "rb") as file:
+            lines = file.read().splitlines()
+    except OSError as error:
+        raise errors.unreadable(path, "a table", error) from error
+    for number, line in enumerate(lines, 1):
+        try:
+            text = line.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise errors.refuse(f"{path}:{number}", line, "text in UTF-8") from None
+        words = [cell.strip(' \t"') for cell in text.partition("#")[0].split(",")]
+        if "".join(words) and words[0] != "name":
+            yield f"{path}:{number}", text[:200], words
+
+
 def _measured(path: str, scene: str) -> dict[str, Any]:
     """The table, profiles in the bins of the scene."""
     grid = check(scene)[0]["grid"]
     measured: dict[str, Any] = {}
-    with open(errors.existing_file("measured", path), encoding="utf-8") as file:
-        for number, cells in enumerate(csv.reader(file), 1):
-            words = [cell.strip() for cell in ",".join(cells).partition("#")[0].split(",")]
-            if not "".join(words) or words[0] == "name":
-                continue
-            try:
-                name, (place, value, error) = words[0], (float(word or "nan") for word in words[1:])
-            except ValueError:
-                raise errors.refuse(f"{path}:{number}", ",".join(cells), "name,place,value,error") from None
-            if name not in PROFILES:
-                if name in measured:
-                    raise errors.refuse(f"{path}:{number}", name, "each total once")
-                if np.isfinite(place):
-                    raise errors.refuse(f"{path}:{number}: place", words[1], "none of a total")
-                measured[name] = (value, error)
-                continue
-            count, width = (grid["nr"], grid["dr"]) if name.endswith("_r") else (grid["na"], np.pi / 2 / grid["na"])
-            most = (count - name.endswith("_r")) * width  # the last over r holds what lies beyond
-            if not 0 <= place < most:
-                raise errors.refuse(f"{path}:{number}: place", words[1], f"a number from 0 to below {most:g}, where {name} has bins")
-            values, sigmas = measured.setdefault(name, (np.full(count, np.nan), np.full(count, np.nan)))
-            if not np.isnan(values[int(place / width)]):
-                raise errors.refuse(f"{path}:{number}: place", words[1], "each bin once")
-            values[int(place / width)], sigmas[int(place / width)] = value, error
+    left = dict.fromkeys(PROFILES, 0)
+    for line, text, words in _cells(path):
+        try:
+            name, (place, value, error) = words[0], (float(word or "nan") for word in words[1:])
+        except ValueError:
+            raise errors.refuse(line, text, "name,place,value,error") from None
+        check_name(f"{line}: name", name)
+        if name not in PROFILES or not np.isnan(value):
+            check_number(line, name, value, error)
+        if name not in PROFILES:
+            if name in measured:
+                raise errors.refuse(line, name, "each total once")
+            if not np.isnan(place):
+                raise errors.refuse(f"{line}: place", words[1], "none of a total")
+            measured[name] = (value, error)
+            continue
+        count, width = (grid["nr"], grid["dr"]) if name.endswith("_r") else (grid["na"], np.pi / 2 / grid["na"])
+        most = (count - name.endswith("_r")) * width  # the last over r holds what lies beyond
+        if not 0 <= place < most:
+            raise errors.refuse(f"{line}: place", words[1], f"a number from 0 to below {most:g}, where {name} has bins")
+        values, sigmas = measured.setdefault(name, (np.full(count, np.nan), np.full(count, np.nan)))
+        if not np.isnan(values[int(place / width)]):
+            raise errors.refuse(f"{line}: place", words[1], "each bin once")
+        values[int(place / width)], sigmas[int(place / width)] = value, error
+        left[name] += np.isnan(value)
+    for name in filter(left.get, PROFILES):
+        warnings.warn(f"{path}: left out lines of {name} without a value: {left[name]}")
+    if not measured:
+        raise errors.refuse(path, "", "lines NAME,PLACE,VALUE,ERROR")
     return measured
 
 
@@ -104,13 +127,15 @@ def main() -> int:
     parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
     _add_options(parser)
     words = parser.parse_args()
+    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
     try:
         found = fit(words.scene, _bounds(words.parameters), _measured(words.measured, words.scene), flights=words.flights,
                     **_options(words))
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:
-        print(f"clustermcml: {error}", file=sys.stderr)
+        where = f"{words.measured}: " if str(error).startswith("measured") else ""
+        print(f"clustermcml: {where}{error}", file=sys.stderr)
         return error.exit_code
     print(found)
     for line in _beside(found):

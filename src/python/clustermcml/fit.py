@@ -19,8 +19,9 @@ import h5py
 import numpy as np
 
 from . import errors
-from .commands import check, say
+from .commands import say
 from .mco import read_mco
+from .measured import PROFILES, TOTALS, Data, is_detector, read_measured
 from .options import FitOptions, Path, shown
 from .program import fly, option_words, scene_file, scratch_folder
 from .scene import Scene
@@ -28,9 +29,6 @@ from .scene import Scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
-PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
-DETECTOR = "detector_"  # what each has seen
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
 BRACKET = 0.2  # of the first flights from the middle of the bounds, in ln mus
 NEAR = 0.6  # within which flights tell slopes, in the same
@@ -90,89 +88,6 @@ class Fit:
         return "\n".join(lines + ([self.words] if self.words else []))
 
 
-@dataclasses.dataclass(frozen=True)
-class _Data:
-    """Measured numbers one behind the other, and which of a name's numbers each is; -1 of a total."""
-
-    names: list[str]
-    places: list[int]
-    values: Any
-    errors: Any
-    sizes: dict[str, int]  # how many numbers each name was given
-    sides: dict[str, str]  # of detectors and profiles, where the light leaves: R or T
-
-    def pick(self, of: Callable[[str], Any]) -> Any:
-        whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
-        return np.array([whole[name][max(place, 0)] for name, place in zip(self.names, self.places)], dtype=float)
-
-    def bins(self, name: str) -> list[int]:
-        return [place for other, place in zip(self.names, self.places) if other == name]
-
-    def profiles(self) -> list[str]:
-        return [name for name in dict.fromkeys(self.names) if name in PROFILES]
-
-    def parted(self, numbers: Any) -> dict[str, Any]:
-        """The same by name: floats, and arrays of the bins that were measured."""
-        found: dict[str, Any] = {}
-        for name in dict.fromkeys(self.names):
-            own = numbers[[i for i, other in enumerate(self.names) if other == name]]
-            found[name] = own if name in PROFILES else float(own[0])
-        return found
-
-
-def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, str]:
-    """Where the light leaves that a detector, or a profile, has."""
-    seen = {DETECTOR + one["name"]: one["side"] for one in check(scene)[0]["detectors"] or ()} if any(map(_is_detector, measured)) else {}
-    for name in filter(_is_detector, measured):
-        if name not in seen:
-            raise errors.refuse("measured", name, "detectors of the scene, " + (" ".join(seen) or "which has none"))
-    return {**{name: name[0] for name in PROFILES}, **{name: "R" if side == "top" else "T" for name, side in seen.items()}}
-
-
-def _is_detector(name: Any) -> bool:
-    return isinstance(name, str) and name.startswith(DETECTOR)
-
-
-def _data(measured: Any, scene: Union[Scene, Path]) -> _Data:
-    if not isinstance(measured, Mapping) or not measured:
-        raise errors.refuse("measured", measured, 'a dict, {"Rd": (value, error), "Rd_r": (values, errors)}')
-    names: list[str] = []
-    places: list[int] = []
-    values: list[float] = []
-    sigmas: list[float] = []
-    sizes: dict[str, int] = {}
-    for name, pair in measured.items():
-        if name not in TOTALS + PROFILES and not _is_detector(name):
-            raise errors.refuse("measured", name, "names among " + " ".join(TOTALS + PROFILES) + ", and detector_NAME")
-        try:
-            value, error = (np.atleast_1d(np.asarray(numbers, dtype=float)) for numbers in pair)
-            value, error = np.broadcast_arrays(value, error)
-        except (TypeError, ValueError):
-            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error, of profiles arrays, nan where nothing is known") from None
-        known = np.isfinite(value)
-        if value.ndim != 1 or (name not in PROFILES) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
-            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
-        sizes[name] = value.size
-        if name.endswith("_r"):
-            known[-1] = False  # the last bin of a result holds what lies beyond
-            if not known.any():
-                raise errors.refuse(f"measured[{name!r}]", pair, "values of other bins than the last, which holds what lies beyond")
-        for i in np.flatnonzero(known):
-            names.append(name)
-            places.append(int(i) if name in PROFILES else -1)
-            values.append(float(value[i]))
-            sigmas.append(float(error[i]))
-    for one, other in (("Rd", "R"), ("Rd_r", "Rd_a"), ("Tt_r", "Tt_a")):
-        if one in measured and other in measured:
-            raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
-    sides = _sides(scene, measured)
-    for one in filter(_is_detector, measured):
-        for other in PROFILES:
-            if other in measured and sides[other] == sides[one]:
-                raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
-    return _Data(names, places, np.array(values), np.array(sigmas), sizes, sides)
-
-
 def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[float, float]]]:
     """Names of mua and of mus, and logarithms of the bounds."""
     if not isinstance(parameters, Mapping) or not parameters:
@@ -228,7 +143,7 @@ def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
         return {name: file[name][()] for name in names if name in file}
 
 
-def _measures(data: _Data, result: Any) -> Any:
+def _measures(data: Data, result: Any) -> Any:
     """By what numbers are multiplied to be shares of the light."""
     def of(name: str) -> Any:
         if name not in PROFILES:
@@ -239,7 +154,7 @@ def _measures(data: _Data, result: Any) -> Any:
     return data.pick(of)
 
 
-def _noise(data: _Data, model: Any, sigma: Any, measures: Any, told: Mapping[str, float], photons: float) -> Any:
+def _noise(data: Data, model: Any, sigma: Any, measures: Any, told: Mapping[str, float], photons: float) -> Any:
     """The covariance of a model's numbers. A packet ends once: what has gone to one place is missing at all others. Of the totals, which
     are spread more evenly than by chance, A tells it: what is left of Rd and Tt."""
     shares, spread = model * measures, sigma * measures
@@ -257,7 +172,7 @@ def _noise(data: _Data, model: Any, sigma: Any, measures: Any, told: Mapping[str
     return covariance / np.outer(measures, measures)
 
 
-def _numbers(data: _Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
+def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
     """The model's numbers, and their errors, of one row."""
     def of(name: str) -> Any:
         if name not in PROFILES:
@@ -282,7 +197,7 @@ def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: in
         return [(row, read(row)) for row in sorted(said, key=lambda row: int(row["row"] or 0))]
 
 
-def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: _Data, options: Mapping[str, Any]) -> _Flight:
+def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: Data, options: Mapping[str, Any]) -> _Flight:
     columns = [*grids, *mus]
     rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
         if grids else [list(mus.values())]
@@ -306,10 +221,10 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
 
 
 def _slope(name: str, kind: str) -> str:
-    return f"{name}_d{kind}" if _is_detector(name) else f"d{'Rd' if name == 'R' else name}_d{kind}"
+    return f"{name}_d{kind}" if is_detector(name) else f"d{'Rd' if name == 'R' else name}_d{kind}"
 
 
-def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: _Data, options: Mapping[str, Any]) -> _Anchor:
+def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, options: Mapping[str, Any]) -> _Anchor:
     kinds = list(dict.fromkeys(name[-3:] for name in names))
     slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
@@ -487,7 +402,7 @@ class _Solution:
     correlation_errors: Any
 
 
-def _solve(data: _Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> _Solution:
+def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> _Solution:
     """The least squares of what was measured, first by its own errors, then with the model's noise. u: where to begin; None: not known."""
     factor = np.diag(data.errors)
 
@@ -520,7 +435,7 @@ def _solve(data: _Data, model: _Model, low: Any, high: Any, u: Optional[Any]) ->
                      np.std([redrawn(dice) for _ in range(REDRAWN)], axis=0))
 
 
-def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data: _Data, settled: bool) -> str:
+def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data: Data, settled: bool) -> str:
     """What the user should know before he believes the numbers."""
     told, noisy, chi2 = [], found.noisy, float(found.residual @ found.residual)
     together = [name for name, lost in zip(names, found.lost) if lost]
@@ -560,7 +475,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
     """
     mua, mus, limits = _bounds(parameters)
-    data = _data(measured, scene)
+    data = read_measured(measured, scene)
     most = errors.whole("flights", flights, len(mus) + 1, 1000)
     names = mua + mus
     low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))

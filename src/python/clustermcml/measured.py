@@ -1,0 +1,117 @@
+"""What was measured of a scene, as a fit takes it: names, values and standard errors.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Callable, Mapping, Union
+
+import numpy as np
+
+from . import errors
+from .commands import check
+from .options import Path
+from .scene import Scene
+
+TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
+PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
+DETECTOR = "detector_"  # what each has seen
+SLACK = 4  # standard errors that a number may be below no light, or above all of it
+LEAST, MOST = 1e-30, 1e30  # of errors and profiles: squares of doubles hold no more
+
+
+@dataclasses.dataclass(frozen=True)
+class Data:
+    """Measured numbers one behind the other, and which of a name's numbers each is; -1 of a total."""
+
+    names: list[str]
+    places: list[int]
+    values: Any
+    errors: Any
+    sizes: dict[str, int]  # how many numbers each name was given
+    sides: dict[str, str]  # of detectors and profiles, where the light leaves: R or T
+
+    def pick(self, of: Callable[[str], Any]) -> Any:
+        whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
+        return np.array([whole[name][max(place, 0)] for name, place in zip(self.names, self.places)], dtype=float)
+
+    def bins(self, name: str) -> list[int]:
+        return [place for other, place in zip(self.names, self.places) if other == name]
+
+    def profiles(self) -> list[str]:
+        return [name for name in dict.fromkeys(self.names) if name in PROFILES]
+
+    def parted(self, numbers: Any) -> dict[str, Any]:
+        """The same by name: floats, and arrays of the bins that were measured."""
+        found: dict[str, Any] = {}
+        for name in dict.fromkeys(self.names):
+            own = numbers[[i for i, other in enumerate(self.names) if other == name]]
+            found[name] = own if name in PROFILES else float(own[0])
+        return found
+
+
+def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, str]:
+    """Where the light leaves that a detector, or a profile, has."""
+    seen = {DETECTOR + one["name"]: one["side"] for one in check(scene)[0].get("detectors") or ()} if any(map(is_detector, measured)) else {}
+    for name in filter(is_detector, measured):
+        if name not in seen:
+            raise errors.refuse("measured", name, "detectors of the scene, " + (" ".join(seen) or "which has none"))
+    return {**{name: name[0] for name in PROFILES}, **{name: "R" if side == "top" else "T" for name, side in seen.items()}}
+
+
+def is_detector(name: Any) -> bool:
+    return isinstance(name, str) and name.startswith(DETECTOR)
+
+
+def check_name(where: str, name: Any) -> None:
+    if name not in TOTALS + PROFILES and not is_detector(name):
+        raise errors.refuse(where, name, "names among " + " ".join(TOTALS + PROFILES) + ", and detector_NAME")
+
+
+def check_number(where: str, name: str, value: float, error: float) -> None:
+    """Refuses what no light gives beyond SLACK errors, as percent and wrong signs do: a total is a share of what was launched."""
+    errors.number(f"{where}: error", error, LEAST, MOST, f"a standard error > 0, from {LEAST:g} to {MOST:g}")
+    most, light = (MOST, ">= 0") if name in PROFILES else (1 + SLACK * error, "from 0 to 1")
+    errors.number(f"{where}: value", value, -SLACK * error, most, f"a number {light}, or at most {SLACK} standard errors beyond")
+
+
+def read_measured(measured: Any, scene: Union[Scene, Path]) -> Data:
+    if not isinstance(measured, Mapping) or not measured:
+        raise errors.refuse("measured", measured, 'a dict, {"Rd": (value, error), "Rd_r": (values, errors)}')
+    names: list[str] = []
+    places: list[int] = []
+    values: list[float] = []
+    sigmas: list[float] = []
+    sizes: dict[str, int] = {}
+    for name, pair in measured.items():
+        check_name("measured", name)
+        try:
+            value, error = (np.atleast_1d(np.asarray(numbers, dtype=float)) for numbers in pair)
+            value, error = np.broadcast_arrays(value, error)
+        except (TypeError, ValueError):
+            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error, of profiles arrays, nan where nothing is known") from None
+        known = ~np.isnan(value)
+        if value.ndim != 1 or (name not in PROFILES) != (value.size == 1) or not known.any() or not np.all(error[known] > 0):
+            raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
+        sizes[name] = value.size
+        if name.endswith("_r"):
+            known[-1] = False  # the last bin of a result holds what lies beyond
+            if not known.any():
+                raise errors.refuse(f"measured[{name!r}]", pair, "values of other bins than the last, which holds what lies beyond")
+        for i in np.flatnonzero(known):
+            check_number(f"measured[{name!r}]", name, float(value[i]), float(error[i]))
+            names.append(name)
+            places.append(int(i) if name in PROFILES else -1)
+            values.append(float(value[i]))
+            sigmas.append(float(error[i]))
+    for one, other in (("Rd", "R"), ("Rd_r", "Rd_a"), ("Tt_r", "Tt_a")):
+        if one in measured and other in measured:
+            raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
+    sides = _sides(scene, measured)
+    for one in filter(is_detector, measured):
+        for other in PROFILES:
+            if other in measured and sides[other] == sides[one]:
+                raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
+    return Data(names, places, np.array(values), np.array(sigmas), sizes, sides)

@@ -160,9 +160,11 @@ static cml_status describe(const struct cml_options *options, char **text, struc
                                         .photons = options->photons,
                                         .target_error = options->target_error,
                                         .controlled = options->control};
-    char rest[4 * PATH_MAX] = "";
+    char rest[5 * PATH_MAX];
+    const int size = snprintf(rest, sizeof rest, "error of %.*s\n", PATH_MAX / 2,
+                              options->error_of ? options->error_of : "");
     if (options->sweep)
-        snprintf(rest, sizeof rest,
+        snprintf(rest + size, sizeof rest - (size_t)size,
                  "more %" PRIu64 ", keep %d, resume %d, json %d, reweight %d\n%s\n%s\n%s\n", options->more,
                  options->keep, options->resume, options->json, options->reweight, options->sweep,
                  options->output ? options->output : "", options->directory ? options->directory : "");

@@ -1,15 +1,20 @@
 """Fits of mua and mus: flat ones against an inversion of adding-doubling, rough ones against what was put in, and what the data cannot tell
 is said. With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles; fits are unbiased, and
 95 % intervals hold 95 +- 3 %."""
+import contextlib
+import io
 import os
 import re
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
+import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import mc, np  # noqa: E402
+from clustermcml.__main__ import main  # noqa: E402
 
 BOUNDS = {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}
 TRUTH = {"layer1.mua": 0.5, "layer1.mus": 100}
@@ -21,15 +26,16 @@ def slab(top=None, **values):
 
 
 def inverted(measured, start):
-    """mua and mus whose Rd and Tt, by adding-doubling, are these: Newton's steps in logarithms."""
+    """mua and mus whose Rd and Tt, by adding-doubling, are these: steps in logarithms, by the slopes of the first."""
     def totals(u):
         found = mc.exact(slab(), set=dict(zip(TRUTH, np.exp(u))))[0]
         return np.log([found["Rd"], found["Tt"]])
     u = np.log(list(start))
+    here = totals(u)
+    slopes = np.stack([(totals(u + 0.01 * e) - here) / 0.01 for e in np.eye(2)], axis=1)
     for _ in range(3):
-        here = totals(u)
-        slopes = np.stack([(totals(u + 0.01 * e) - here) / 0.01 for e in np.eye(2)], axis=1)
         u = u + np.linalg.solve(slopes, np.log(measured) - here)
+        here = totals(u)
     return np.exp(u)
 
 
@@ -130,20 +136,25 @@ class Fits(unittest.TestCase):
 
 
 class Shell(unittest.TestCase):
-    def fit(self, table):
-        """Exit code and what is said of slab's fit to a table."""
+    def fit(self, table, started=False):
+        """Exit code and what is said of slab's fit to a table. started: by an interpreter of its own."""
         with tempfile.TemporaryDirectory() as folder:
             scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
             slab().write(scene)
             with open(path, "wb") as file:
                 file.write(table if isinstance(table, bytes) else table.encode())
-            words = [sys.executable, "-m", "clustermcml", "fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
+            words = ["fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
                      "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45"]
-            done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
-            return done.returncode, done.stdout + done.stderr.replace(folder, "")
+            if started:
+                done = subprocess.run([sys.executable, "-m", "clustermcml", *words], capture_output=True, text=True,
+                                      env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
+                return done.returncode, done.stdout + done.stderr.replace(folder, "")
+            with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err, \
+                    warnings.catch_warnings(), unittest.mock.patch.object(sys, "argv", ["", *words]):
+                return main(), out.getvalue() + err.getvalue().replace(folder, "")
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
-        code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n")
+        code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n", started=True)
         same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3, no_reentry=True,
                       set={"layer1.g": 0.85, "layer1.n": 1.45})
         self.assertEqual(code, 0, said)

@@ -41,7 +41,9 @@ class Stops(unittest.TestCase):
         self.assertEqual(self.interrupted(signal.SIGTERM), (143, ""))
         os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
         self.assertIn("KeyboardInterrupt", self.interrupted(signal.SIGINT)[1])
-        resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5, resume=True, output_dir=self.folder)
+        with unittest.mock.patch("clustermcml.program._start", side_effect=_start) as started:
+            resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5, resume=True, output_dir=self.folder)
+        self.assertEqual(started.call_count, 1, started.call_args_list)  # so a large scene is loaded once
         self.assertEqual(resumed.photons, 800000)
         xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5))
 

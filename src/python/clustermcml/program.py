@@ -307,6 +307,15 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
     return data
 
 
+def _may_be_finished(scene: str, folder: str) -> bool:
+    """Whether there is a file by the name of the run's result, which the third line of the scene with words has: without one the run is
+    flown at once, and a large scene loaded but once."""
+    with open(scene, encoding="utf-8", errors="replace") as file:
+        words = [line.split()[0] for line in (line.partition("#")[0] for line in file) if line.strip()]
+    stem = os.path.splitext((words[2:3] or [""])[0].strip('"'))[0]
+    return "/" in stem or any(re.match(re.escape(stem) + r"(?!.*\.(mci|lock|checkpoint|old)$)", name) for name in os.listdir(folder))
+
+
 def _finished(scene: str, folder: str, options: list[str], show: Optional[bool]) -> Optional[dict[str, Any]]:
     """The files of a run that was finished before and has no checkpoint: for its digits --json would fly it anew. None of any other,
     which has one after this, that knows all of the run."""
@@ -336,7 +345,7 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:
             words = option_words(options)
-            resumes = options.get("resume") and output_dir is not None
+            resumes = options.get("resume") and output_dir is not None and _may_be_finished(path, folder)
             stands = _finished(path, folder, words, progress) if resumes else None
             told = [stands] if stands else fly(path, folder, words, progress, scratch, notes=not resumes)
             if len(told) != 1:

@@ -103,10 +103,10 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
                          across = on_primitive < 0 ? cml_along(d, -seen, body->axis) : off;
     const real along = on_primitive > 0 ? (on_primitive == 1 ? (real)0 : body->length) : seen;
     const int on = leaves & ((on_primitive == 0) | (cml_dot(across, across) >= r * r));
-    const real steep = cml_dot(v, v);
+    const real sine_squared = cml_dot(v, v);
     struct cml_pass side = {cml_dot(across, across) < r * r, 0, CML_INFINITY, across};
-    if (steep > 0) side = on ? cml_pass_chord(across, v) : cml_pass_quadric(across, v, r);
-    const int lengthwise = (steep > 0) & (steep < CML_LENGTHWISE);
+    if (sine_squared > 0) side = on ? cml_pass_chord(across, v) : cml_pass_quadric(across, v, r);
+    const int lengthwise = (sine_squared > 0) & (sine_squared < CML_LENGTHWISE);
     const real middle = lengthwise ? (body->length / 2 - along) / rise : side.middle;
     struct cml_cylinder_line line = {.across = across, .v = v, .rise = rise, .middle = middle};
     line.along = CML_FMA(middle, rise, along);

@@ -10,6 +10,7 @@
 - A radial shape and its mesh as backing: `crosscheck`, packet by packet between engines, totals between cones and triangles.
 N = 4e4 a case; statistic: z, level 1e-4 over all."""
 import cmath
+import functools
 import json
 import math
 import os
@@ -33,6 +34,7 @@ def scene(slab, backing="", n_above=1.0, n_below=1.0, beam="", photons=PHOTONS, 
     return "\n".join([head] + [line for line in (shape, backing) if line] + [below, ""])
 
 
+@functools.cache
 def exact(folder, text):
     path = os.path.join(folder, "exact.mci")
     with open(path, "w", encoding="utf-8") as file:

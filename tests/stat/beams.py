@@ -8,7 +8,7 @@
 - The angle in which light leaves: a plate returns the beam's own; a cone below, lit along its axis, turns it by
   asin(n sin a) - a from the vertical, wherever the cone's normal points.
 - Turning the beam about z on a flat scene, and mirroring mesh and beam together, change nothing (`compare`, p > 1e-4).
-N = 1e6 for profiles; statistic: z of groups of bins, level 1e-4 over all."""
+N = 2.5e5 (ALL_CASES: 1e6) for profiles; statistic: z of groups of bins, level 1e-4 over all."""
 import math
 import os
 import sys
@@ -19,7 +19,7 @@ import cml  # noqa: E402
 import pairs  # noqa: E402
 import profiles  # noqa: E402
 
-PHOTONS, DR, NR, GROUP = 1000000, 0.0025, 240, 12
+PHOTONS, DR, NR, GROUP = cml.repeats(1000000), 0.0025, 240, 12
 LAYERS = ["1.4 1 60 0.8 0.1"]
 QUANTILES = [(i + 0.5) / 400 for i in range(400)]
 

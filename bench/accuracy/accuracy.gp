@@ -1,5 +1,5 @@
-# A page of one scene from a result of accuracy.sh: bias against time per step, total error against time, failures against time
-# per step, and a key of what the scene has. Called by accuracy.sh with work (a folder of series), scene and out. To be read at 18 cm
+# A page of one scene from a result of accuracy.py: bias against time per step, total error against time, failures against time
+# per step, and a key of what the scene has. Drawn by it with work (a folder of series), scene and out. To be read at 18 cm
 # of width, where its letters have 9 pt. Colours are Okabe and Ito's; every method has its own marker, too. All scenes have the
 # same axes but for the time per step. What lies below an axis is drawn on it.
 # SPDX-License-Identifier: MIT

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Measures what accuracy every representation buys for its time: accuracy.py PROGRAM DIRECTORY [--quick] [--only NAMES].
+"""Charts what accuracy each way to represent a boundary buys for its time:
+    accuracy.py [--quick] [--only SCENE,...] [--program PATH] [--out DIR]
+by default of build/clustermcml into bench/out. Leaves accuracy.csv, accuracy.txt and, with gnuplot, accuracy/SCENE.svg. --only flies
+these scenes and no others.
+    accuracy.py --draw CSV DIRECTORY
+draws a result again, a page for each scene. bench/accuracy/README.md says how to read them.
 
 Every method flies the same photon streams (seed, run, index) as the reference, cones in double precision: the
 differences are paired, and what is left of their noise is estimated from independent streams, 16 as a rule. Time is processor
 time of the flight, so that other programs on the machine count little.
-Writes DIRECTORY/accuracy.csv and, as it prints it, accuracy.txt; bench/accuracy/README.md explains the columns, accuracy_table.py
-and accuracy.gp show them.
 SPDX-License-Identifier: MIT
 """
-import argparse
 import concurrent.futures
 import os
 import statistics
@@ -20,6 +22,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import accuracy_scenes
 import accuracy_table
 import cases
+import chart
+import command
 import runs
 import tables
 
@@ -157,44 +161,36 @@ def measure(program, scene, budget, pool):
     return rows
 
 
-def makers_of(names, quick):
-    """Of the scenes between the commas, of all without any; a name that is no scene ends the program."""
-    makers = accuracy_scenes.makers(quick)
-    wanted = names.split(",") if names else list(makers)
-    for name in wanted:
-        if name not in makers:
-            print("accuracy.py: --only %s: no scene; there are %s" % (name, ", ".join(makers)), file=sys.stderr)
-            sys.exit(2)
-    return {name: makers[name] for name in makers if name in wanted}
+def draw(csv, folder):
+    """A page for each scene."""
+    os.makedirs(folder, exist_ok=True)
+    with tempfile.TemporaryDirectory() as work:
+        for scene in accuracy_table.write_series(tables.read_csv(csv)[1], work):
+            chart.plot("accuracy/accuracy.gp", os.path.join(folder, scene + ".svg"), work=work, scene=scene)
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measures accuracy against time.")
-    parser.add_argument("program")
-    parser.add_argument("directory")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", default="", metavar="NAMES", help="of scenes, with commas between them")
+    parser = command.parser(__doc__, "quick")
+    parser.add_argument("--only", default="", metavar="SCENE,...")
+    command.instead(parser, "--draw", ("CSV", "DIRECTORY"), draw, "gnuplot")
     arguments = parser.parse_args()
-    program = os.path.abspath(arguments.program)
-    makers = makers_of(arguments.only, arguments.quick)
+    makers = accuracy_scenes.makers(arguments.quick)
     budget = 0.35 if arguments.quick else 6.0
-    os.makedirs(arguments.directory, exist_ok=True)
     begin, rows = time.time(), []
     with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        for name, make in makers.items():
+        for name in command.only(arguments.only, makers, parser):
             print("%4.0f s  %s" % (time.time() - begin, name), file=sys.stderr, flush=True)
-            rows += measure(program, make(work), budget, pool)
-    header = tables.machine(program, accuracy_scenes.RUNS)
+            rows += measure(arguments.program, makers[name](work), budget, pool)
+    header = tables.machine(arguments.program, accuracy_scenes.RUNS)
     header.append(("length", "quick" if arguments.quick else "full"))
     header.append(("seconds", "%.0f" % (time.time() - begin)))
     if arguments.only:
         header.append(("only", arguments.only))
     accuracy_table.mark_front(rows)
-    tables.write_csv(os.path.join(arguments.directory, "accuracy.csv"), header, rows)
-    text = accuracy_table.text(header, rows)
-    with open(os.path.join(arguments.directory, "accuracy.txt"), "w") as stream:
-        stream.write(text)
-    print(text)
+    kept = os.path.join(arguments.out, "accuracy")
+    tables.write_csv(kept + ".csv", header, rows)
+    tables.keep(kept + ".txt", accuracy_table.lines(header, rows))
+    chart.draw_result(draw, kept + ".csv", kept)
 
 
 if __name__ == "__main__":

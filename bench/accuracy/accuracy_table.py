@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Reads, ranks and tells what accuracy.py measured. As a program: accuracy_table.py CSV README.md rewrites the reading
-there; accuracy_table.py CSV prints the table; accuracy_table.py CSV --series DIRECTORY writes what accuracy.gp draws.
+there; accuracy_table.py CSV prints the table.
 
 SPDX-License-Identifier: MIT
 """
@@ -46,9 +46,9 @@ def cells(row):
             "%.2g" % number(row, "s_to_1pc"), "%.2g" % number(row, "knee_s"), failures, "*" if int(row["front"]) else ""]
 
 
-def text(header, rows):
-    lines = ["%s: %s" % pair for pair in header] + [""] + tables.aligned([TITLES] + [cells(row) for row in rows])
-    return "\n".join(lines + [""] + reading(header, rows)) + "\n"
+def lines(header, rows):
+    """What is printed."""
+    return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + [cells(row) for row in rows]), "", *reading(header, rows)]
 
 
 def by_group(rows, *groups):
@@ -210,7 +210,7 @@ LEAST = 1e-8  # the lower edge of the chart of biases
 MARGIN = 1.5  # times, by which its axis of times goes beyond them
 
 
-def write_series(path, points):
+def write_points(path, points):
     """Without points one that gnuplot leaves out, so that every series exists."""
     with open(path, "w") as stream:
         for point in points or [("NaN",) * 7]:
@@ -238,17 +238,15 @@ def series_of(rows):
     return found
 
 
-def series(rows, directory):
-    """What accuracy.gp draws: DIRECTORY/scenes and, for every scene, a file per series and `drawn`, the names of those that
-    have points, and `times`, from and to which its axis goes."""
+def write_series(rows, directory):
+    """What accuracy.gp draws: for every scene a file per series and `drawn`, the names of those that have points, and `times`,
+    from and to which its axis goes. Returns the scenes."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    with open(os.path.join(directory, "scenes"), "w") as stream:
-        stream.write(" ".join(scenes) + "\n")
     for scene in scenes:
         mine = [row for row in rows if row["scene"] == scene]
         found = series_of(mine)
         for name, values in found.items():
-            write_series(os.path.join(directory, "%s.%s" % (scene, name)), values)
+            write_points(os.path.join(directory, "%s.%s" % (scene, name)), values)
         names = [name for name, values in found.items() if values]
         names += ["paper"] * any(float(row["optical_bound"] or 0) for row in by_group(mine, "mesh-analytic-area"))
         with open(os.path.join(directory, scene + ".drawn"), "w") as stream:
@@ -256,18 +254,17 @@ def series(rows, directory):
         times = [number(row, "ns_per_step") for row in mine if row["group"] in GROUPS]
         with open(os.path.join(directory, scene + ".times"), "w") as stream:
             stream.write("%.4g %.4g\n" % (min(times) / MARGIN, max(times) * MARGIN))
+    return scenes
 
 
 def main(arguments):
-    if not arguments or len(arguments) > 3:
-        sys.exit("usage: accuracy_table.py CSV [README.md | --series DIRECTORY]")
+    if len(arguments) not in (1, 2):
+        sys.exit("usage: accuracy_table.py CSV [README.md]")
     header, rows = tables.read_csv(arguments[0])
     if len(arguments) == 1:
-        sys.stdout.write(text(header, rows))
-    elif len(arguments) == 2:
-        tables.replace(arguments[1], "accuracy/accuracy_table.py", reading(header, rows))
+        print("\n".join(lines(header, rows)))
     else:
-        series(rows, arguments[2])
+        tables.replace(arguments[1], "accuracy/accuracy_table.py", reading(header, rows))
 
 
 if __name__ == "__main__":

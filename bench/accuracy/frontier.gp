@@ -1,5 +1,5 @@
-# A panel per scene from a result of frontier.sh: bias against the seconds that an error of 0.1 % (large mark) and of 0.01 %
-# (small mark) takes. Called by frontier.sh with work (a folder of series), out, kind (svg or pngcairo). Colours are Okabe and Ito's; every
+# A panel per scene from a result of frontier.py: bias against the seconds that an error of 0.1 % (large mark) and of 0.01 %
+# (small mark) takes. Called by frontier.py with work (a folder of series), out, kind (svg or pngcairo). Colours are Okabe and Ito's; every
 # method has its own marker. All panels have the same axes and one key.
 # SPDX-License-Identifier: MIT
 scenes = system('cat ' . work . '/scenes')

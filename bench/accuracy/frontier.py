@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""Measures how long every way to fly a scene takes to an error, and its bias: frontier.py PROGRAM DIRECTORY [--quick]
-[--mcml PATH] [--only SCENE,...] [--rounds N].
+"""Charts how long each way to fly a scene takes to an error, against its bias, before and after lattice sampling and the roulette
+window:
+    frontier.py [--quick] [--only SCENE,...] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
+by default of build/clustermcml into bench/out. Leaves frontier.csv, frontier.txt and, with gnuplot, frontier.svg. --mcml is a
+binary of original MCML, which is then timed on the same scenes without their shapes. --only flies the scenes that it
+names, and draws nothing.
+    frontier.py --draw CSV SVG
+draws a result again (a name that ends in .png: as PNG). bench/accuracy/README.md says how to read them.
 
 `before` is MCML's own sampling and roulette, `after` the program's defaults. Every round flies both, one after the other, on one
-thread; times are processor time of the flight, ratios are formed within a round. Writes DIRECTORY/frontier.csv; bench/accuracy/README.md
-explains the columns, frontier_table.py and frontier.gp show it.
+thread; times are processor time of the flight, ratios are formed within a round.
 SPDX-License-Identifier: MIT
 """
-import argparse
 import concurrent.futures
 import math
 import os
@@ -18,6 +22,8 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import chart
+import command
 import frontier_scenes
 import frontier_table
 import runs
@@ -271,42 +277,38 @@ def measure(program, mcml, scenes, target, rounds):
     return everything
 
 
-def chosen(scenes, names):
-    """The scenes of these names, separated by commas; all where names is empty."""
-    known = [scene.name for scene in scenes]
-    wanted = names.split(",") if names else known
-    for name in wanted:
-        if name not in known:
-            sys.exit("frontier.py: --only %s (expected names of %s)" % (name, ", ".join(known)))
-    return [scene for scene in scenes if scene.name in wanted]
+def draw(csv, target):
+    with tempfile.TemporaryDirectory() as work:
+        frontier_table.write_series(tables.read_csv(csv)[1], work)
+        chart.plot("accuracy/frontier.gp", target, work=work)
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measures time to an error against bias.")
-    parser.add_argument("program")
-    parser.add_argument("directory")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--mcml")
-    parser.add_argument("--only", default="")
-    parser.add_argument("--rounds", type=int)
+    parser = command.parser(__doc__, "quick")
+    parser.add_argument("--only", default="", metavar="SCENE,...")
+    parser.add_argument("--rounds", type=command.count)
+    parser.add_argument("--mcml", type=command.built)
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
     arguments = parser.parse_args()
-    begin = time.time()
-    mcml = os.path.abspath(arguments.mcml) if arguments.mcml else None
+    names = command.only(arguments.only, frontier_scenes.NAMES, parser)
+    begin, busy = time.time(), runs.busy_seconds()
     target, rounds = (0.1, 5) if arguments.quick else (0.25, 7)
     rounds = arguments.rounds or rounds
-    busy = runs.busy_seconds()
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
-        scenes = chosen(frontier_scenes.all_scenes(work), arguments.only)
-        everything = measure(program, mcml, scenes, target, rounds)
+        scenes = [scene for scene in frontier_scenes.all_scenes(work) if scene.name in names]
+        everything = measure(program, arguments.mcml, scenes, target, rounds)
     header = tables.machine(arguments.program, rounds)
-    header += [("length", "quick" if arguments.quick else "full"), ("original MCML", "timed" if mcml else "not timed"),
+    header += [("length", "quick" if arguments.quick else "full"), ("original MCML", "timed" if arguments.mcml else "not timed"),
                ("seconds", "%.0f" % (time.time() - begin))]
     if busy is not None:
         header.append(("cores busy", "%.1f of %d" % ((runs.busy_seconds() - busy) / (time.time() - begin), os.cpu_count())))
     rows = [row for series in everything for row in rows_of(series)]
-    tables.write_csv(os.path.join(arguments.directory, "frontier.csv"), header, rows)
-    print(frontier_table.text(header, rows))
+    kept = os.path.join(arguments.out, "frontier")
+    tables.write_csv(kept + ".csv", header, rows)
+    tables.keep(kept + ".txt", frontier_table.lines(header, rows))
+    if not arguments.only:
+        chart.draw_result(draw, kept + ".csv", kept + ".svg")
 
 
 if __name__ == "__main__":

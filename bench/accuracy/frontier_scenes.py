@@ -9,6 +9,7 @@ import cases
 FLAT = ("S1", "S2", "S3", "S4", "S5", "S6a")
 SHAPES = ("hihill", "hicrater", "lonoise")
 ROUGH = (("S2", cases.AMPLITUDE), ("S5", "0.0015"))  # medium, height [cm]: that of skin may not reach its second layer
+NAMES = FLAT + SHAPES + tuple(medium + "-rough" for medium, _ in ROUGH)
 TRIANGLES = 10000
 CHARTED = ("S2", "S6a", "S5") + SHAPES + ("S2-rough", "S5-rough")
 LABELS = {"S2": "S2 (fig6), flat", "S6a": "S6a (thick), flat", "S5": "S5 (skin7), flat", "S2-rough": "S2, rough scan on top",

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tells what frontier.py measured. As a program: frontier_table.py CSV README.md rewrites the reading there;
-frontier_table.py CSV prints the table; frontier_table.py CSV --series DIRECTORY writes what frontier.gp draws.
+frontier_table.py CSV prints the table.
 
 SPDX-License-Identifier: MIT
 """
@@ -133,14 +133,14 @@ def kinds_reading(rows):
 
 def reading(rows):
     """Lines that compare scenes; none where only some were flown."""
-    if len({row["scene"] for row in rows}) < len(frontier_scenes.FLAT + frontier_scenes.SHAPES + frontier_scenes.ROUGH):
+    if len({row["scene"] for row in rows}) < len(frontier_scenes.NAMES):
         return []
     return (list(gains_reading(rows)) + list(mcml_reading(rows)) + list(bias_reading(rows)) + list(kinds_reading(rows)))
 
 
-def text(header, rows):
-    lines = ["%s: %s" % pair for pair in header] + [""] + tables.aligned([TITLES] + table(rows))
-    return "\n".join(lines + [""] + reading(rows)) + "\n"
+def lines(header, rows):
+    """What is printed."""
+    return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + table(rows)), "", *reading(rows)]
 
 
 def readme_lines(header, rows):
@@ -181,13 +181,11 @@ def write_series(rows, directory):
 
 
 def main():
-    if len(sys.argv) not in (2, 3, 4):
-        sys.exit("usage: frontier_table.py CSV [README.md | --series DIRECTORY]")
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: frontier_table.py CSV [README.md]")
     header, rows = tables.read_csv(sys.argv[1])
     if len(sys.argv) == 2:
-        print(text(header, rows))
-    elif sys.argv[2] == "--series":
-        write_series(rows, sys.argv[3])
+        print("\n".join(lines(header, rows)))
     else:
         tables.replace(sys.argv[2], "accuracy/frontier_table.py", readme_lines(header, rows))
 

@@ -1,4 +1,4 @@
-# Three panels, one below the other, from summary.py: bias of Rd over core seconds to a standard error of 0.1 %. Called by summary.sh
+# Three panels, one below the other, from summary.py: bias of Rd over core seconds to a standard error of 0.1 %. Called by it
 # with work (a folder of series) and out. To be read at half the width of a page, hence few marks and large letters.
 # SPDX-License-Identifier: MIT
 scenes = system('cat ' . work . '/scenes')

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""The one chart of accuracy against speed: summary.py measure PROGRAM DIRECTORY [--quick], or summary.py series CSV FOLDER.
+"""The one chart of accuracy against speed, three scenes and at most six ways to fly each:
+    summary.py [--quick] [--program PATH] [--out DIR]
+by default of build/clustermcml into bench/out. Leaves summary.csv and, with gnuplot, summary.svg. A minute.
+    summary.py --draw CSV SVG
+draws a result again. bench/accuracy/README.md says how to read it.
 
-Three scenes, each flown by at most six methods. x: core seconds to a standard error of 0.1 % of Rd; y: the bias of Rd against
+x: core seconds to a standard error of 0.1 % of Rd; y: the bias of Rd against
 the `reference` engine (double precision, exact cones, or the whole mesh), from the same packets in 16 streams. How far that
 engine itself can be trusted, an independent program says: tests/reference/profiles for the shapes, MMC for the scan.
-What others take comes from results that were kept (bench/results): original MCML and MMC, per photon. Of the program of 2019 its
+What others take comes from results that were kept (bench/*/results): original MCML and MMC, per photon. Of the program of 2019 its
 printed curves are known, and no times.
 SPDX-License-Identifier: MIT
 """
-import argparse
 import concurrent.futures
 import itertools
 import math
@@ -22,6 +25,8 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cases
+import chart
+import command
 import frontier
 import rough
 import tables
@@ -164,18 +169,6 @@ def measure(program, scenes, quick):
     return table, rounds
 
 
-def main_measure(arguments):
-    begin = time.time()
-    with tempfile.TemporaryDirectory() as work:
-        program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
-        scenes = [shape_scene("lohill"), shape_scene("lonoise"), scan_scene(work)]
-        table, rounds = measure(program, scenes, arguments.quick)
-    header = tables.machine(arguments.program, rounds)
-    header += [("length", "quick" if arguments.quick else "full"), ("seconds", "%.0f" % (time.time() - begin)),
-               ("load", "%.1f of %d cores" % (os.getloadavg()[1], os.cpu_count()))]
-    tables.write_csv(os.path.join(arguments.directory, "summary.csv"), header, table)
-
-
 # ---- the chart
 
 def shown_bias(row):
@@ -215,44 +208,45 @@ def label_places(places):
     return out
 
 
-def main_series(arguments):
-    header, rows = tables.read_csv(arguments.csv)
-    with open(os.path.join(arguments.folder, "scenes"), "w") as stream:
-        stream.write("\n".join(TITLES) + "\n")
-    with open(os.path.join(arguments.folder, "machine"), "w") as stream:
-        stream.write(dict(header)["machine"])
+def write_series(rows, work):
+    """What summary.gp draws."""
+    def write(name, text):
+        with open(os.path.join(work, name), "w") as stream:
+            stream.write(text)
+    write("scenes", "\n".join(TITLES) + "\n")
     for scene, title in TITLES.items():
         mine = [row for row in rows if row["scene"] == scene]
         check = next(row for row in mine if row["method"] == "independent")
-        flown = [row for row in mine if row["method"] != "independent"]
-        with open(os.path.join(arguments.folder, scene), "w") as stream:
-            places = merged([row for row in flown if row["method"] in CHARTED])
-            for place, (side, up) in zip(places, label_places(places)):
-                others = place["names"][0] in (SHOWN["original MCML"], "MMC")
-                stream.write('%.4g %.4g %d %d "%s" %.4g %d\n' % (place["x"], place["y"], place["limit"], others,
-                                                                " = ".join(place["names"]), 10 ** up, side))
-        with open(os.path.join(arguments.folder, scene + ".title"), "w") as stream:
-            stream.write(title)
-        with open(os.path.join(arguments.folder, scene + ".known"), "w") as stream:
-            stream.write("%.4g" % (abs(float(check["bias"])) + 2 * float(check["bias_se"])))
-        with open(os.path.join(arguments.folder, scene + ".2019"), "w") as stream:
-            stream.write("%.4g" % (0 if scene == "scan" else printed_in_2019(scene)))
+        places = merged([row for row in mine if row["method"] in CHARTED])
+        write(scene, "".join('%.4g %.4g %d %d "%s" %.4g %d\n' % (
+            place["x"], place["y"], place["limit"], place["names"][0] in (SHOWN["original MCML"], "MMC"), " = ".join(place["names"]),
+            10 ** up, side) for place, (side, up) in zip(places, label_places(places))))
+        write(scene + ".title", title)
+        write(scene + ".known", "%.4g" % (abs(float(check["bias"])) + 2 * float(check["bias_se"])))
+        write(scene + ".2019", "%.4g" % (0 if scene == "scan" else printed_in_2019(scene)))
+
+
+def draw(csv, target):
+    with tempfile.TemporaryDirectory() as work:
+        write_series(tables.read_csv(csv)[1], work)
+        chart.plot("accuracy/summary.gp", target, work=work)
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Measures and charts accuracy against speed.")
-    commands = parser.add_subparsers(required=True)
-    one = commands.add_parser("measure")
-    one.add_argument("program")
-    one.add_argument("directory")
-    one.add_argument("--quick", action="store_true")
-    one.set_defaults(run=main_measure)
-    two = commands.add_parser("series")
-    two.add_argument("csv")
-    two.add_argument("folder")
-    two.set_defaults(run=main_series)
+    parser = command.parser(__doc__, "quick")
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
     arguments = parser.parse_args()
-    arguments.run(arguments)
+    begin = time.time()
+    with tempfile.TemporaryDirectory() as work:
+        program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
+        scenes = [shape_scene("lohill"), shape_scene("lonoise"), scan_scene(work)]
+        table, rounds = measure(program, scenes, arguments.quick)
+    header = tables.machine(arguments.program, rounds)
+    header += [("length", "quick" if arguments.quick else "full"), ("seconds", "%.0f" % (time.time() - begin)),
+               ("load", "%.1f of %d cores" % (os.getloadavg()[1], os.cpu_count()))]
+    kept = os.path.join(arguments.out, "summary")
+    tables.write_csv(kept + ".csv", header, table)
+    chart.draw_result(draw, kept + ".csv", kept + ".svg")
 
 
 if __name__ == "__main__":

@@ -69,7 +69,6 @@ def times_mmc(top, triangles):
 
 
 LIGHT = "speed/results/light-amd-epyc-2core.md"
-FRONTIER, ACCURACY = "accuracy/README.md", "accuracy/accuracy.sh"
 
 
 def answers():
@@ -87,13 +86,13 @@ def answers():
     yield ("What do ranks cost each other?", "%s %% of 1000 ranks' time is flight (model, 1e8 bins)" % efficiency("1000"),
            "python3 bench/speed/scaling.py", "1", "")
     yield ("How accurate is it for its time?", "%s of the automatic choices exceed the tolerance" % reading(
-        "accuracy/README.md", r"cases (\w+) exceed"), "sh bench/accuracy/accuracy.sh", "30", "accuracy/results/accuracy-amd-epyc-2core/lohill.svg")
+        "accuracy/README.md", r"cases (\w+) exceed"), "python3 bench/accuracy/accuracy.py", "30", "accuracy/results/accuracy-amd-epyc-2core/lohill.svg")
     yield ("How long does an error take?", "%s times less than with MCML's sampling (mean of all)" % reading(
-        "accuracy/README.md", r"error of Rd, A, Tt, ([\d.]+) in their geometric mean"), "sh bench/accuracy/frontier.sh", "4",
+        "accuracy/README.md", r"error of Rd, A, Tt, ([\d.]+) in their geometric mean"), "python3 bench/accuracy/frontier.py", "4",
         "accuracy/results/frontier-amd-epyc-2core.svg")
     yield ("Both in one picture?", "%.2g core seconds to 0.1 %% of Rd (a hill, auto)" % float(
         rows("accuracy/results/summary-amd-epyc-2core.csv", scene="lohill", method="auto")[0]["s_Rd"]),
-        "sh bench/accuracy/summary.sh", "1", "accuracy/results/summary-amd-epyc-2core.svg")
+        "python3 bench/accuracy/summary.py", "1", "accuracy/results/summary-amd-epyc-2core.svg")
     yield ("Are results unbiased, and their errors true?", "of %d numbers the worst is %.1f errors off" % worst_z(
         "accuracy/results/unbiased.md"), "sh bench/accuracy/unbiased.sh", "30", "")
     yield ("How far off are bodies as meshes?", "%s at the default tolerance (black sphere)" % cells(

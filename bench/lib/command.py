@@ -1,14 +1,15 @@
-"""What the Python programs of bench ask of a command line, as lib.sh does: one line to standard error and exit code 2 for whatever
-is wrong before anything is measured.
+"""What the programs of bench ask of a command line: one line to standard error and exit code 2 for whatever is wrong before anything
+is measured.
 
 SPDX-License-Identifier: MIT
 """
 import argparse
 import os
+import shutil
+import subprocess
+import sys
 
 import cases
-
-PROGRAM = os.path.join(cases.ROOT, "build", "clustermcml")
 
 
 class Parser(argparse.ArgumentParser):
@@ -42,23 +43,66 @@ def built(path):
     return os.path.abspath(path)
 
 
+def build_folder(path):
+    if not os.path.isfile(os.path.join(path, "CMakeCache.txt")):
+        raise argparse.ArgumentTypeError("%s: no build folder of cmake" % path)
+    return os.path.abspath(path)
+
+
+BUILD = os.path.join(cases.ROOT, "build")
+PROGRAM = ("program", built, os.path.join(BUILD, "clustermcml"))
+
+
 def at_least(least):
     def checked(text):
         if count(text) < least:
-            raise argparse.ArgumentTypeError("%s: fewer than %d tell no error" % (text, least))
+            raise argparse.ArgumentTypeError("%s: fewer than %d are too few" % (text, least))
         return count(text)
     return checked
 
 
-def parser(text, **counts):
-    """With --help, --program and --out, and an option for each count with its default, or (default, least that is allowed)."""
+def parser(text, flags="", place=PROGRAM, **counts):
+    """With --help and --out, an option for what is measured, `place`, by its name, check and default, the flags, and an option for
+    each count with its default, or (default, least that is allowed); a default that is no integer makes a measure."""
     made = Parser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--program", type=built, default=PROGRAM)
+    made.add_argument("--" + place[0], type=place[1], default=place[2])
     made.add_argument("--out", default=os.path.join(cases.BENCH, "out"))
+    for flag in flags.split():
+        made.add_argument("--" + flag, action="store_true")
     for name, default in counts.items():
         default, least = default if isinstance(default, tuple) else (default, 1)
-        made.add_argument("--" + name, type=at_least(least), default=default)
+        made.add_argument("--" + name, type=number if isinstance(default, float) else at_least(least), default=default)
     return made
+
+
+def instead(made, option, words, do, *commands):
+    """Adds an option that stands alone, with these words, a result the first of them: `do` is called with them in place of a
+    measurement. It needs the commands."""
+    class Instead(argparse.Action):
+        def __call__(self, parser, namespace, values, option_string=None):
+            if sys.argv[1:] != [option, *values]:
+                made.error("%s needs %s and nothing else" % (option, " and ".join(words)))
+            need(made, *commands)
+            if not os.access(values[0], os.R_OK):
+                made.error("%s: cannot be read" % values[0])
+            do(*values)
+            made.exit()
+    made.add_argument(option, nargs=len(words), metavar=words, action=Instead)
+
+
+def need(made, *commands):
+    for wanted in commands:
+        if not shutil.which(wanted):
+            made.error("%s is missing" % wanted)
+
+
+def build(made, folder, target):
+    """Builds a target of cmake, and says no more than what goes wrong."""
+    need(made, "cmake")
+    done = subprocess.run(["cmake", "--build", folder, "--target", target], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          check=False)
+    if done.returncode:
+        made.exit(2, done.stdout)
 
 
 def only(names, known, made):

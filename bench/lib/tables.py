@@ -83,6 +83,7 @@ def machine(program, rounds):
 
 
 def write_csv(path, header, rows):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "w", newline="") as stream:
         for key, text_of in header:
             stream.write("# %s: %s\n" % (key, text_of))

@@ -52,19 +52,20 @@ expect_refusal "--runs: 3: fewer than 4" bench/accuracy/body_bias.py --program "
 expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$program"
 expect_refusal "$work/none is no program" bench/peers/mmc.py --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed/speed.sh --program "$work"
-expect_refusal "$work/none is no program" bench/accuracy/frontier.sh --program "$program" --mcml "$work/none"
+expect_refusal "$work/none is no program" bench/accuracy/frontier.py --program "$program" --mcml "$work/none"
 for chart in accuracy frontier summary; do
-    expect_refusal "none.csv: cannot be read" bench/accuracy/$chart.sh --draw none.csv "$work/none.svg"
+    expect_refusal "none.csv: cannot be read" bench/accuracy/$chart.py --draw none.csv "$work/none.svg"
 done
-expect_refusal "--draw needs CSV and DIRECTORY" bench/accuracy/accuracy.sh --draw none.csv
-expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.sh --only lens,ripples --program "$program" --out "$work/none"
-test ! -e "$work/none" || complain "accuracy.sh --only ripples: wrote $(ls "$work/none")"
+expect_refusal "--draw: expected 2 arguments" bench/accuracy/accuracy.py --draw none.csv
+expect_refusal "--draw needs CSV and DIRECTORY and nothing else" bench/accuracy/accuracy.py --draw none.csv "$work/none" --quick
+expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.py --only lens,ripples --program "$program" --out "$work/none"
+test ! -e "$work/none" || complain "accuracy.py --only ripples: wrote $(ls "$work/none")"
 
 # the charts of a result: a page per scene with three panels, 18 cm wide, letters of 9 pt (exponents: 7) and small enough to keep
 if command -v gnuplot >/dev/null; then
     csv=bench/accuracy/results/accuracy-amd-epyc-2core.csv
-    sh bench/accuracy/accuracy.sh --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
-    python3 - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.sh --draw: wrong charts"
+    python3 -B bench/accuracy/accuracy.py --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.py --draw: $(cat "$work/out")"
+    python3 - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.py --draw: wrong charts"
 import csv
 import os
 import sys
@@ -83,9 +84,9 @@ for path in sys.argv[2:]:
 END
 
     # a panel per scene, and every mark of the key
-    sh bench/accuracy/frontier.sh --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
-        complain "frontier.sh --draw: $(cat "$work/out")"
-    python3 - "$work/frontier.svg" <<'END' || complain "frontier.sh --draw: wrong chart"
+    python3 -B bench/accuracy/frontier.py --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
+        complain "frontier.py --draw: $(cat "$work/out")"
+    python3 - "$work/frontier.svg" <<'END' || complain "frontier.py --draw: wrong chart"
 import sys
 import xml.etree.ElementTree as tree
 text = "".join(tree.parse(sys.argv[1]).getroot().itertext())

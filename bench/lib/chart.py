@@ -1,14 +1,18 @@
-#!/usr/bin/env python3
-"""Rewrites a figure of gnuplot to a third of its bytes, the picture unchanged: shrink_svg.py FILE.svg.
+"""Charts of results: gnuplot draws them, and their svg is rewritten to a third of its bytes, the picture unchanged.
 
 gnuplot states the same attributes on every mark and wraps many marks in groups of their own, most of them empty, and
 gives a hundredth of a pixel. Here what is inherited is not said again, groups that say nothing go, and coordinates have
 one decimal. Error bars may run through hollow marks.
 SPDX-License-Identifier: MIT
 """
+import os
 import re
+import shutil
+import subprocess
 import sys
 import xml.etree.ElementTree as tree
+
+import cases
 
 SVG = "{http://www.w3.org/2000/svg}"
 INHERITED = ("fill", "color", "stroke", "stroke-width", "stroke-linecap", "stroke-linejoin", "font-family", "font-size",
@@ -109,12 +113,10 @@ def labelled(element):
     return [element[0]]
 
 
-def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: shrink_svg.py FILE.svg")
+def shrink(path):
     tree.register_namespace("", SVG[1:-1])
     tree.register_namespace("xlink", LINK[1:-5])
-    figure = tree.parse(sys.argv[1])
+    figure = tree.parse(path)
     canvas = figure.find(SVG + "g[@id='gnuplot_canvas']")
     for ground in canvas.findall(SVG + "rect"):
         ground.set("stroke", "none")  # what all inherit would frame it
@@ -127,8 +129,22 @@ def main():
     style = tree.Element(SVG + "style")
     style.text = STYLE
     canvas.insert(0, style)
-    figure.write(sys.argv[1], encoding="utf-8", xml_declaration=True)
+    figure.write(path, encoding="utf-8", xml_declaration=True)
 
 
-if __name__ == "__main__":
-    main()
+def plot(script, target, shrunk=True, **names):
+    """Has a script of bench draw the target, svg or .png, from what the names say."""
+    names.update(out=target, kind="pngcairo" if target.endswith(".png") else "svg")
+    words = "; ".join("%s=%r" % pair for pair in names.items())
+    if subprocess.run(["gnuplot", "-e", words, os.path.join(cases.BENCH, script)], check=False).returncode:
+        sys.exit("%s: gnuplot failed" % target)
+    if shrunk and names["kind"] == "svg":
+        shrink(target)
+
+
+def draw_result(draw, csv, target):
+    """Of a result in the folder of results, where gnuplot is installed."""
+    if shutil.which("gnuplot"):
+        draw(csv, target)
+    else:
+        print("no gnuplot, no figure", file=sys.stderr)

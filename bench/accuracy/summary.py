@@ -99,8 +99,8 @@ def mmc_row():
     """(ratio of photons per second, relative difference of the absorbed share, its standard error) with 1e4 triangles."""
     with open(kept(MMC)) as stream:
         cells = [re.findall(r"[-+0-9.e]+", cell) for cell in next(line for line in stream if line.startswith("| A | regular | 10082 ")).split("|")]
-    ours, theirs = [float(word) for word in cells[9]], [float(word) for word in cells[10]]
-    return float(cells[8][0]), theirs[0] / ours[0] - 1, math.hypot(ours[1], theirs[1]) / ours[0]
+    ours, theirs = [float(word) for word in cells[8]], [float(word) for word in cells[9]]
+    return float(cells[7][0]), theirs[0] / ours[0] - 1, math.hypot(ours[1], theirs[1]) / ours[0]
 
 
 def mcml_ratio(scene):

@@ -43,6 +43,11 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     python3 -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
     grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
+# what summary.py reads of others is in the tables that are kept
+PYTHONPATH=bench/accuracy:bench/lib python3 -B -c 'import summary
+(kept,) = summary.tables.read_csv(summary.kept("accuracy/results/summary-amd-epyc-2core.csv"))[1][-2:-1]
+assert kept["method"] == "MMC" and abs(summary.mmc_row()[1] - float(kept["bias"])) < 1e-8, (kept, summary.mmc_row())' ||
+    complain "summary.py: reads other numbers of MMC than it did"
 test "$scripts" -ge 16 || complain "only $scripts scripts in bench"
 expect_refusal "--photons: 1e: not a number" bench/speed/scaling.py --program "$program" --photons 1e
 expect_refusal "--rounds 0: not a number" bench/speed/speed.sh --rounds 0

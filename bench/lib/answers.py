@@ -74,9 +74,9 @@ LIGHT = "speed/results/light-amd-epyc-2core.md"
 def answers():
     """(question, answer, command, minutes, figure)"""
     yield ("How fast is it?", "%.0f times original MCML (S6a, one thread)" % speed("S6a", "mcml_to_ours"),
-           "sh bench/speed/speed.sh", "9", "speed/results/speed-amd-epyc-2core.svg")
+           "python3 bench/speed/speed.py", "9", "speed/results/speed-amd-epyc-2core.svg")
     yield ("What does a rough mesh cost?", "%.1f times a plane's step (S6a, 1e5 triangles)" % speed("S6a-rough-1e5", "to_flat"),
-           "sh bench/speed/speed.sh --irregular", "9", "")
+           "python3 bench/speed/speed.py --irregular", "9", "")
     yield ("What do bodies cost?", "%s of the speed without (S6a, 1e5 triangles)" % cells(
         "speed/results/bodies-intel-xeon-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
     yield ("What do sources and phase functions cost?", "%.2f times a parallel packet for lambertian light (no medium), %s times a step for a table" % (
@@ -123,7 +123,7 @@ def answers():
     yield ("What does the kernel need on a GPU?", "%s registers (H100, all kinds of boundaries)" % rows(
         "parts/results/gpu-static.csv", device="sm_90", boundaries="cones, bodies")[0]["registers"],
         "sh bench/parts/gpu_static.sh", "1", "")
-    yield ("How fast is an OpenCL device?", "prints a table; none is kept", "sh bench/speed/opencl.sh", "5", "")
+    yield ("How fast is an OpenCL device?", "prints a table; none is kept", "python3 bench/speed/opencl.py", "5", "")
     yield ("What do threads cost on a busy machine?", "prints a table; none is kept", "python3 bench/speed/busy_machine.py", "1", "")
 
 

@@ -120,14 +120,27 @@ def irregular(table):
     return found
 
 
-def text(header, table):
-    lines = ["%s: %s" % pair for pair in header] + [""] + tables.aligned([TITLES] + [cells(row) for row in table])
-    lines += [""] + tables.aligned([GRID_TITLES] + irregular(table)) + [""]
+def lines(header, table):
+    """What is printed."""
+    return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + [cells(row) for row in table]), "", *tables.aligned(
+        [GRID_TITLES] + irregular(table)), ""] + ["%s: %s threads %s times one thread" % (
+            row["case"], row["threads"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
+
+
+def write_series(table, work):
+    """What speed.gp draws: a file per medium, surface and kind on one thread, and one of the ratios to original MCML. Returns
+    their names."""
+    series = {}
     for row in table:
-        if row["one_to_threads"] != "":
-            lines.append("%s: %s threads %s times one thread" % (row["case"], row["threads"],
-                                                                ranged(row, "one_to_threads", 2)))
-    return "\n".join(lines) + "\n"
+        if row["threads"] == "1":
+            points = series.setdefault("-".join((row["medium"], row["surface"], row["kind"])), [])
+            points.append([row["primitives"], row["ns_per_step"], row["ns_per_step_min"], row["ns_per_step_max"]])
+        if row["mcml_to_ours"] != "":
+            series.setdefault("mcml", []).append([row["case"], row["mcml_to_ours"], row["mcml_to_ours_min"], row["mcml_to_ours_max"]])
+    for name, points in series.items():
+        with open(os.path.join(work, name), "w") as stream:
+            stream.writelines(" ".join(point) + "\n" for point in points)
+    return list(series)
 
 
 def readme_lines(header, table):

@@ -1,5 +1,5 @@
-# Two panels from a result of speed.sh: time per step against the number of primitives, and the ratio to original MCML.
-# Called by figure.sh with work (a folder of series), out, kind (svg or pngcairo) and bars (is there a ratio?).
+# Two panels from a result of speed.py: time per step against the number of primitives, and the ratio to original MCML.
+# Called by speed.py with work (a folder of series), out, kind (svg or pngcairo) and bars (is there a ratio?).
 # Colours are Okabe and Ito's; medium also shows as open or filled markers, the kind as their shape, so that no series
 # needs its colour.
 # SPDX-License-Identifier: MIT

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
-"""Measures the speed of clustermcml: speed.py PROGRAM DIRECTORY [--quick] [--irregular] [--rounds N] [--mcml PATH].
+"""Measures the speed of clustermcml:
+    speed.py [--quick] [--irregular] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
+by default of build/clustermcml into bench/out. --mcml is a binary of original MCML, timed on the flat scenes in the
+same rounds. --irregular flies irregular and overhanging tops only, with the regular grids and planes beside them. Leaves speed.csv,
+speed.txt and, with gnuplot, speed.svg.
+    speed.py --draw CSV SVG
+draws a result again (a name that ends in .png: as PNG). bench/speed/README.md says how to read them.
 
 Every round runs every case once, and every second round runs them backwards, so that a machine that slows down or is
 shared hits all of them alike. Ratios are taken within a round; reported are medians, with minimum and maximum.
-Writes DIRECTORY/speed.csv and DIRECTORY/speed.txt. bench/speed/README.md explains the columns.
 SPDX-License-Identifier: MIT
 """
-import argparse
 import os
 import shutil
 import sys
@@ -15,6 +19,8 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cases
+import chart
+import command
 import results
 import runs
 import tables
@@ -42,43 +48,40 @@ def measure(program, mcml, todo, rounds):
     print(file=sys.stderr)
 
 
+def draw(csv, target):
+    with tempfile.TemporaryDirectory() as work:
+        names = results.write_series(tables.read_csv(csv)[1], work)
+        chart.plot("speed/speed.gp", target, shrunk=False, work=work, bars=int("mcml" in names))
+
+
 def main():
-    parser = argparse.ArgumentParser(description="Measures the speed of clustermcml.")
-    parser.add_argument("program")
-    parser.add_argument("directory")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--irregular", action="store_true")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--mcml")
+    parser = command.parser(__doc__, "quick irregular", rounds=(5, 5))
+    parser.add_argument("--mcml", type=command.built)
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
     arguments = parser.parse_args()
-    if arguments.rounds < 5:
-        parser.error("fewer than 5 rounds make no median")
     target = 0.25 if arguments.quick else 0.7
-    os.makedirs(arguments.directory, exist_ok=True)
     begin = time.time()
     with tempfile.TemporaryDirectory() as work:
         # a copy: nobody rebuilds it between two rounds
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))
-        mcml = os.path.abspath(arguments.mcml) if arguments.mcml else None
         todo = cases.all_cases(work, arguments.quick)
         if arguments.irregular:
             todo = cases.beside_grids(todo)
         for case in todo:
             print("\rcalibrating: %-24s" % case.name, end="", file=sys.stderr)
-            calibrate(program, mcml, case, target * (THREADS_TARGET if case.threads > 1 else 1))
+            calibrate(program, arguments.mcml, case, target * (THREADS_TARGET if case.threads > 1 else 1))
         print(file=sys.stderr)
-        measure(program, mcml, todo, arguments.rounds)
+        measure(program, arguments.mcml, todo, arguments.rounds)
     machine = tables.machine(arguments.program, arguments.rounds)
     disturbed = sum(record["disturbed"] for case in todo for record in case.runs)
     theirs = sum(case.mcml_disturbed for case in todo)
-    machine.append(("runs disturbed by other programs", "%d, original MCML's %d" % (disturbed, theirs) if mcml else str(disturbed)))
+    machine.append(("runs disturbed by other programs", "%d, original MCML's %d" % (disturbed, theirs) if arguments.mcml else str(disturbed)))
     rows = results.rows(todo)
-    tables.write_csv(os.path.join(arguments.directory, "speed.csv"), machine, rows)
-    text = results.text(machine, rows)
-    with open(os.path.join(arguments.directory, "speed.txt"), "w") as stream:
-        stream.write(text)
-    print(text)
-    print("%.0f s, results in %s" % (time.time() - begin, arguments.directory), file=sys.stderr)
+    kept = os.path.join(arguments.out, "speed")
+    tables.write_csv(kept + ".csv", machine, rows)
+    tables.keep(kept + ".txt", results.lines(machine, rows))
+    print("%.0f s, results in %s" % (time.time() - begin, arguments.out), file=sys.stderr)
+    chart.draw_result(draw, kept + ".csv", kept + ".svg")
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ for script in bench/*/*.sh; do
     case $script in */lib.sh) continue ;; esac # has no options of its own
     scripts=$((scripts + 1))
     case $script in
-    */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
     */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
     */gpu_static.sh) place=--kernels ;;
     *) place=--program ;;
@@ -50,16 +49,17 @@ assert kept["method"] == "MMC" and abs(summary.mmc_row()[1] - float(kept["bias"]
     complain "summary.py: reads other numbers of MMC than it did"
 test "$scripts" -ge 16 || complain "only $scripts scripts in bench"
 expect_refusal "--photons: 1e: not a number" bench/speed/scaling.py --program "$program" --photons 1e
-expect_refusal "--rounds 0: not a number" bench/speed/speed.sh --rounds 0
+expect_refusal "--rounds: 4: fewer than 5" bench/speed/speed.py --program "$program" --rounds 4
+expect_refusal "--seconds: 0: not a number" bench/speed/opencl.py --program "$program" --seconds 0
 expect_refusal "--runs x: not a number" bench/accuracy/unbiased.sh --runs x
 expect_refusal "--only S9: no scene; there are S1" bench/choices/roulette.py --program "$program" --only S1,S9
 expect_refusal "--runs: 3: fewer than 4" bench/accuracy/body_bias.py --program "$program" --runs 3
 expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$program"
 expect_refusal "$work/none is no program" bench/peers/mmc.py --program "$program" --mmc "$work/none"
-expect_refusal "$work is no program" bench/speed/speed.sh --program "$work"
+expect_refusal "$work is no program" bench/speed/speed.py --program "$work"
 expect_refusal "$work/none is no program" bench/accuracy/frontier.py --program "$program" --mcml "$work/none"
-for chart in accuracy frontier summary; do
-    expect_refusal "none.csv: cannot be read" bench/accuracy/$chart.py --draw none.csv "$work/none.svg"
+for chart in accuracy/accuracy accuracy/frontier accuracy/summary speed/speed; do
+    expect_refusal "none.csv: cannot be read" bench/$chart.py --draw none.csv "$work/none.svg"
 done
 expect_refusal "--draw: expected 2 arguments" bench/accuracy/accuracy.py --draw none.csv
 expect_refusal "--draw needs CSV and DIRECTORY and nothing else" bench/accuracy/accuracy.py --draw none.csv "$work/none" --quick

@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
-"""Called by unbiased.sh, which says what it does: unbiased.py BENCH_UNBIASED OUT RUNS PHOTONS REFERENCE [SCENE ...].
-unbiased.py --table OUT only reads what was left in OUT. Leaves unbiased.md, a row a scene, and unbiased-sizes.md, one of each size of
-runs, with the verdict.
-
+"""Are results unbiased, and their errors true?
+    unbiased.py [--runs N] [--photons N] [--reference N] [--scene NAME] [--build DIR] [--out DIR]
+Flies N (2000) independent runs of N (1e4) photons of S1 to S6a, three shapes and a rough scan, in build/, as the program
+does by default. Their means are compared with adding-doubling and with stored profiles where tests/reference has them,
+else with N (1e8) photons of random sampling and MCML's roulette. How often runs lie within one and two of their own
+errors is counted there and in as many runs of 1000 and 12345 photons. Leaves unbiased.md, a row a scene, unbiased-sizes.md, one of
+each size of runs, with the verdict, and a CSV of every scene in bench/out; exit code 1 when a mean or an error is wrong.
+    unbiased.py --table OUT
+only reads what was left in OUT.
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -16,6 +21,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cases
+import command
 import tables
 
 SCENES = {**{name: cases.SCENES[name] for name in ("S1", "S2", "S3", "S4", "S5", "S6a")},
@@ -164,22 +170,28 @@ def judged(out, names):
     return first, second, failed
 
 
-def main():
-    if sys.argv[1] == "--table":
-        out, names = sys.argv[2], [name for name in SCENES if os.path.exists(os.path.join(sys.argv[2], f"unbiased-{name}.csv"))]
-    else:
-        program, out, runs, photons, reference = sys.argv[1], sys.argv[2], *(int(float(word)) for word in sys.argv[3:6])
-        names = sys.argv[6:] or list(SCENES)
-        for name in names:
-            if name not in SCENES:
-                sys.exit(f"unbiased.sh: {name} is no scene of {', '.join(SCENES)}")
-            fly_scene(name, program, out, runs, photons, reference)
+def judge(out, names=SCENES):
+    """Of those that were left in OUT."""
+    names = [name for name in names if os.path.exists(os.path.join(out, f"unbiased-{name}.csv"))]
     first, second, failed = judged(out, names)
     rows = read_scene(out, names[0])
     tables.keep(os.path.join(out, "unbiased.md"), [
         f"Measured: {time.strftime('%Y-%m-%d')}; {rows[0]['runs']:.0f} runs of {rows[0]['photons']:.0f} photons of each scene.", "", *first])
     tables.keep(os.path.join(out, "unbiased-sizes.md"), [*second, "", "Wrong: " + (", ".join(failed) or "nothing")])
     sys.exit(1 if failed else 0)
+
+
+def main():
+    parser = command.parser(__doc__, place=command.BUILD, runs=2000, photons=10000, reference=100000000)
+    parser.add_argument("--scene", choices=SCENES, metavar="NAME")
+    command.instead(parser, "--table", ("OUT",), judge)
+    arguments = parser.parse_args()
+    command.build(parser, arguments.build, "bench_unbiased")
+    os.makedirs(arguments.out, exist_ok=True)
+    names = [arguments.scene] if arguments.scene else list(SCENES)
+    for name in names:
+        fly_scene(name, os.path.join(arguments.build, "bench_unbiased"), arguments.out, arguments.runs, arguments.photons, arguments.reference)
+    judge(arguments.out, names)
 
 
 main()

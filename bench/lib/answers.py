@@ -94,10 +94,10 @@ def answers():
         rows("accuracy/results/summary-amd-epyc-2core.csv", scene="lohill", method="auto")[0]["s_Rd"]),
         "python3 bench/accuracy/summary.py", "1", "accuracy/results/summary-amd-epyc-2core.svg")
     yield ("Are results unbiased, and their errors true?", "of %d numbers the worst is %.1f errors off" % worst_z(
-        "accuracy/results/unbiased.md"), "sh bench/accuracy/unbiased.sh", "30", "")
+        "accuracy/results/unbiased.md"), "python3 bench/accuracy/unbiased.py", "30", "")
     yield ("How far off are bodies as meshes?", "%s at the default tolerance (black sphere)" % cells(
         "accuracy/results/body_bias.md", "", "14580", "1e-3")[3], "python3 bench/accuracy/body_bias.py", "4", "")
-    yield ("Are the report's figures right?", "its flat scenes are", "sh bench/accuracy/figures.sh", "10",
+    yield ("Are the report's figures right?", "its flat scenes are", "python3 bench/accuracy/figures.py", "10",
            "accuracy/results/figure8.svg")
     yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
     yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082"),

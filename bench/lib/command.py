@@ -49,8 +49,8 @@ def build_folder(path):
     return os.path.abspath(path)
 
 
-BUILD = os.path.join(cases.ROOT, "build")
-PROGRAM = ("program", built, os.path.join(BUILD, "clustermcml"))
+BUILD = ("build", build_folder, os.path.join(cases.ROOT, "build"))
+PROGRAM = ("program", built, os.path.join(BUILD[2], "clustermcml"))
 
 
 def at_least(least):

@@ -20,7 +20,7 @@ for script in bench/*/*.sh; do
     case $script in */lib.sh) continue ;; esac # has no options of its own
     scripts=$((scripts + 1))
     case $script in
-    */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
+    */atlas.sh | */parts.sh) place=--build ;;
     */gpu_static.sh) place=--kernels ;;
     *) place=--program ;;
     esac
@@ -34,11 +34,15 @@ for script in bench/*/*.sh; do
 done
 for script in $(grep -l '^import command$' bench/*/*.py); do
     scripts=$((scripts + 1))
-    peer=
-    case $script in */views.py) ;; bench/peers/*) peer="--mmc $program" ;; esac
-    expect_refusal "unrecognized arguments: --nonsense" "$script" --program "$program" $peer --nonsense
-    expect_refusal "--program: expected one argument" "$script" --program
-    expect_refusal "$work/none is no program" "$script" --program "$work/none"
+    place=--program good=$program peer= no=" is no program"
+    case $script in
+    */unbiased.py) place=--build good=$(dirname "$program") no=": no build folder" ;;
+    */views.py) ;;
+    bench/peers/*) peer="--mmc $program" ;;
+    esac
+    expect_refusal "unrecognized arguments: --nonsense" "$script" $place "$good" $peer --nonsense
+    expect_refusal "$place: expected one argument" "$script" $place
+    expect_refusal "$work/none$no" "$script" $place "$work/none"
     python3 -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
     grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
@@ -51,7 +55,7 @@ test "$scripts" -ge 16 || complain "only $scripts scripts in bench"
 expect_refusal "--photons: 1e: not a number" bench/speed/scaling.py --program "$program" --photons 1e
 expect_refusal "--rounds: 4: fewer than 5" bench/speed/speed.py --program "$program" --rounds 4
 expect_refusal "--seconds: 0: not a number" bench/speed/opencl.py --program "$program" --seconds 0
-expect_refusal "--runs x: not a number" bench/accuracy/unbiased.sh --runs x
+expect_refusal "--runs: x: not a number" bench/accuracy/unbiased.py --build "$(dirname "$program")" --runs x
 expect_refusal "--only S9: no scene; there are S1" bench/choices/roulette.py --program "$program" --only S1,S9
 expect_refusal "--runs: 3: fewer than 4" bench/accuracy/body_bias.py --program "$program" --runs 3
 expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$program"

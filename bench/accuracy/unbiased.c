@@ -61,9 +61,9 @@ static void keep(const struct bench *bench, const struct cml_result *result, dou
                                                      result->Rd_a,   result->Tt_a,   result->A_z};
     for (int q = 0; q < NUM_QUANTITIES; q++) {
         const struct quantity *is = &bench->quantity[q];
-        const int n = q < CML_NUM_TOTALS ? CML_NUM_TOTALS : is->bins;
+        const int n = q < CML_TOTALS ? CML_NUM_TOTALS : is->bins;
         for (int i = 0; i < is->bins; i++) {
-            const int bin = q < CML_NUM_TOTALS ? q : i;
+            const int bin = q < CML_TOTALS ? q : i;
             value[is->first + i] =
                 cml_result_bin_sum(batches[q], n, bin) * CML_WEIGHT_UNIT / (double)result->photons;
             error[is->first + i] = cml_result_bin_error(result, batches[q], n, bin);
@@ -222,11 +222,10 @@ static cml_status open_scene(const char *path, struct bench *bench, struct cml_e
     CML_TRY(cml_mci_read(path, NULL, &bench->list, err));
     const struct cml_scene *scene = bench->list.scenes;
     const struct quantity quantities[NUM_QUANTITIES] = {
-        {"Rsp", 0, 1},          {"Rd", 0, 1},
-        {"Tt", 0, 1},           {"A", 0, 1}, /* as in enum cml_total */
-        {"Rd_r", 0, scene->nr}, {"Tt_r", 0, scene->nr},
-        {"Rd_a", 0, scene->na}, {"Tt_a", 0, scene->na},
-        {"A_z", 0, scene->nz}};
+        {"Rsp", 0, 1},          {"Rd", 0, 1},           {"A", 0, 1},
+        {"Tt", 0, 1}, /* as in enum cml_total */
+        {"Rd_r", 0, scene->nr}, {"Tt_r", 0, scene->nr}, {"Rd_a", 0, scene->na},
+        {"Tt_a", 0, scene->na}, {"A_z", 0, scene->nz}};
     memcpy(bench->quantity, quantities, sizeof quantities);
     for (int q = 0; q < NUM_QUANTITIES; q++) {
         bench->quantity[q].first = bench->bins;

@@ -38,6 +38,9 @@ expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages
 sed 's/^40 50 1 /1 1 1 /' samples/mcml_sample.mci >"$work/one-bin.mci"
 means=quantity,first,last,mean,mean_error,reference,reference_error,deviation,packets,independent,reported,within_1,within_2
 expect_table $means 9 4 bench_unbiased "$work/one-bin.mci" 20 1000 1
+# a profile of one bin holds its total
+awk -F, '{ mean[$1] = $4 } END { exit !(mean["A"] == mean["A_z"] && mean["Rd"] == mean["Rd_r"] && mean["Tt"] == mean["Tt_r"]) }' "$work/out" ||
+    complain "bench_unbiased: profiles are not their totals: $(cat "$work/out")"
 
 for bench in "bench_busy" "bench_queries" "bench_curved" "bench_asked"; do
     code=0

@@ -119,10 +119,10 @@ def answers():
     yield ("Which generating vector for the lattice?", "its worst error is 1/%s of random's (1e6 photons)" % rows(
         "choices/results/lattice.csv", photons="1e6")[0]["random points over it"], "build/bench_lattice", "1", "")
     yield ("Where does the time go?", "%s %% of the rays asked meet the boundary (S6a, rough)" % (
-        100 - int(reading("parts/README.md", r"\| S6a-rough-1e5 \|.*\| (\d+) % \|"))), "sh bench/parts/parts.sh", "6", "")
+        100 - int(reading("parts/README.md", r"\| S6a-rough-1e5 \|.*\| (\d+) % \|"))), "python3 bench/parts/parts.py", "6", "")
     yield ("What does the kernel need on a GPU?", "%s registers (H100, all kinds of boundaries)" % rows(
         "parts/results/gpu-static.csv", device="sm_90", boundaries="cones, bodies")[0]["registers"],
-        "sh bench/parts/gpu_static.sh", "1", "")
+        "python3 bench/parts/gpu_static.py", "1", "")
     yield ("How fast is an OpenCL device?", "prints a table; none is kept", "python3 bench/speed/opencl.py", "5", "")
     yield ("What do threads cost on a busy machine?", "prints a table; none is kept", "python3 bench/speed/busy_machine.py", "1", "")
 

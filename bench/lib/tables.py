@@ -70,16 +70,19 @@ def compiler(program):
     return command_line([words[0], "--version"]), " ".join(flags)
 
 
+def processor():
+    if not os.path.exists("/proc/cpuinfo"):
+        return "?"
+    with open("/proc/cpuinfo") as stream:
+        names = [line.split(":")[1].strip() for line in stream if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
 def machine(program, rounds):
     """What the numbers depend on, as (key, text) pairs."""
-    model = "?"
-    if os.path.exists("/proc/cpuinfo"):
-        with open("/proc/cpuinfo") as stream:
-            names = [line.split(":")[1].strip() for line in stream if line.startswith("model name")]
-        model = names[0] if names else platform.machine()
     built_by, flags = compiler(program)
     return [("date", time.strftime("%Y-%m-%d")), ("program", command_line([program, "--version"])),
-            ("machine", "%s, %d cores" % (model, os.cpu_count())), ("compiler", built_by), ("flags", flags), ("rounds", str(rounds))]
+            ("machine", "%s, %d cores" % (processor(), os.cpu_count())), ("compiler", built_by), ("flags", flags), ("rounds", str(rounds))]
 
 
 def write_csv(path, header, rows):

@@ -1,16 +1,27 @@
 #!/usr/bin/env python3
-"""Compiles the OpenCL kernel for NVIDIA's GPUs and says what it needs there: gpu_static.py WORK CLANG LIBRARY PTXAS CSV, with
-WORK/kernel.cl; gpu_static.py --readme CSV README writes the table into a text.
-
+"""What the OpenCL kernel needs on NVIDIA's GPUs, without one: registers, spills, stack, instructions, theoretical occupancy.
+    gpu_static.py [--clang PATH] [--ptxas PATH] [--kernels DIR] [--out DIR]
+Compiles the kernel for sm_70, sm_80 and sm_90, as the program has it built for a GPU, to PTX with clang (16 or newer, with
+NVPTX) and libclc's nvptx64--nvidiacl.bc, then with NVIDIA's ptxas. What is not on the PATH is looked for where Debian puts
+it; ptxas comes from the Python package registry otherwise (nvidia-cuda-nvcc-cu12) and stays in DIR (bench/out). Leaves
+gpu_static.csv there, and prints the table of it. Exit code 77 where a tool is missing.
+    gpu_static.py --readme CSV README
+writes the table into the text. NVIDIA's own OpenCL compiler need not choose the same registers.
 SPDX-License-Identifier: MIT
 """
+import argparse
 import csv
+import glob
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cases
+import command
 import tables
 
 GROUP = 128  # work-items: GPU_GROUP of src/engine/opencl/opencl_flight.c
@@ -89,15 +100,70 @@ def measure(work, clang, library, ptxas):
     return rows
 
 
+def missing(text):
+    print("gpu_static.py: " + text, file=sys.stderr)
+    sys.exit(77)
+
+
+def find_clang(wanted):
+    """(clang, the library of the target's functions)"""
+    names = [wanted] if wanted else ["clang-16", "clang-17", "clang-18", "clang-19", "clang"]
+    clang = next(filter(None, map(shutil.which, names)), None)
+    if not clang:
+        missing("%s is missing (packages clang-16 libclc-16-dev)" % names[-1])
+    if "nvptx64" not in call([clang, "--print-targets"]):
+        missing("%s knows no nvptx64" % clang)
+    found = [path for folder in ("/usr/lib/clc", "/usr/share/clc", "/usr/lib/llvm-*/share/clc")
+             for path in glob.glob(folder + "/**/nvptx64--nvidiacl.bc", recursive=True)]
+    if not found:
+        missing("nvptx64--nvidiacl.bc is missing (package libclc-16 or newer)")
+    return clang, found[0]
+
+
+def find_ptxas(out):
+    """On the PATH, or in a wheel of NVIDIA's."""
+    if shutil.which("ptxas"):
+        return shutil.which("ptxas")
+    wheel = os.path.join(out, "ptxas")
+    if not os.path.isdir(wheel) and subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", wheel,
+                                                    "nvidia-cuda-nvcc-cu12"], stdout=sys.stderr, check=False).returncode:
+        missing("ptxas is missing, and so is a package registry to get it from")
+    found = [path for path in glob.glob(wheel + "/**/ptxas", recursive=True) if os.path.isfile(path)]
+    if not found:
+        missing("no ptxas in %s" % wheel)
+    os.chmod(found[0], 0o755)
+    return found[0]
+
+
+def kernels(path):
+    if not os.path.isfile(os.path.join(path, "transport.cl")):
+        raise argparse.ArgumentTypeError("%s: no folder of kernels" % path)
+    return os.path.abspath(path)
+
+
+def write_readme(path, readme):
+    with open(path, encoding="utf-8") as file:
+        titles, *rows = csv.reader(file)
+    tables.replace(readme, "parts/gpu_static.py", list(tables.table(titles, rows)))
+
+
 def main():
-    if sys.argv[1] == "--readme":
-        with open(sys.argv[2], encoding="utf-8") as file:
-            titles, *rows = csv.reader(file)
-        tables.replace(sys.argv[3], "parts/gpu_static.py", list(tables.table(titles, rows)))
-        return
-    work, clang, library, ptxas, target = sys.argv[1:6]
-    rows = measure(work, clang, library, ptxas)
-    with open(target, "w", encoding="utf-8", newline="") as file:
+    parser = command.parser(__doc__, place=("kernels", kernels, os.path.join(cases.ROOT, "kernels")))
+    parser.add_argument("--clang")
+    parser.add_argument("--ptxas")
+    command.instead(parser, "--readme", ("CSV", "README"), write_readme)
+    arguments = parser.parse_args()
+    command.need(parser, "cmake", "readelf")
+    clang, library = find_clang(arguments.clang)
+    os.makedirs(arguments.out, exist_ok=True)
+    ptxas = arguments.ptxas or find_ptxas(arguments.out)
+    with tempfile.TemporaryDirectory() as work:
+        kernel = os.path.join(work, "kernel")
+        call(["cmake", "-D", "KERNELS=" + arguments.kernels, "-D", "OUTPUT=" + kernel, "-P",
+              os.path.join(cases.ROOT, "src", "engine", "opencl", "opencl_text.cmake")])
+        os.rename(kernel + ".text", kernel + ".cl")
+        rows = measure(work, clang, library, ptxas)
+    with open(os.path.join(arguments.out, "gpu_static.csv"), "w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows([TITLES, *rows])
     print("%s; %s" % (call([clang, "--version"]).splitlines()[0], call([ptxas, "--version"]).splitlines()[-1]))
     print("\n".join(tables.table(TITLES, rows)))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What bounds the speed of the cpu engine: limits.py SPEED.csv PARTS.txt README.md rewrites the tables there.
 
-SPEED.csv is of speed.py with --mcml, PARTS.txt of parts.sh on the same machine. The first table says how many times as
+SPEED.csv is of speed.py with --mcml, PARTS.txt of parts.py on the same machine. The first table says how many times as
 fast as original MCML the engine would be without one of its stages; the others, of a medium each, how much of its speed with a plane on top it would keep below a curved
 top without one of the parts that come with it. The last one: how often a ray is sent to it.
 SPDX-License-Identifier: MIT

@@ -20,8 +20,7 @@ for script in bench/*/*.sh; do
     case $script in */lib.sh) continue ;; esac # has no options of its own
     scripts=$((scripts + 1))
     case $script in
-    */atlas.sh | */parts.sh) place=--build ;;
-    */gpu_static.sh) place=--kernels ;;
+    */atlas.sh) place=--build ;;
     *) place=--program ;;
     esac
     expect_refusal "unknown option --nonsense" "$script" --nonsense
@@ -36,7 +35,8 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     scripts=$((scripts + 1))
     place=--program good=$program peer= no=" is no program"
     case $script in
-    */unbiased.py) place=--build good=$(dirname "$program") no=": no build folder" ;;
+    */gpu_static.py) place=--kernels good=kernels no=": no folder of kernels" ;;
+    */parts.py | */unbiased.py) place=--build good=$(dirname "$program") no=": no build folder" ;;
     */views.py) ;;
     bench/peers/*) peer="--mmc $program" ;;
     esac

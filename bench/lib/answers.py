@@ -99,7 +99,7 @@ def answers():
         "accuracy/results/body_bias.md", "", "14580", "1e-3")[3], "python3 bench/accuracy/body_bias.py", "4", "")
     yield ("Are the report's figures right?", "its flat scenes are", "python3 bench/accuracy/figures.py", "10",
            "accuracy/results/figure8.svg")
-    yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
+    yield ("Where do methods fail?", natural_events(), "python3 bench/stability/atlas.py", "30", "")
     yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082"),
            "python3 bench/peers/mmc.py --mmc PATH", "4", "")
     yield ("And below an overhang?", "%s (A) and %s (S6a) times MMC's B, %s and %s its S, %s and %s Mitsuba" % tuple(

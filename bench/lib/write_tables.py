@@ -19,7 +19,7 @@ COMMANDS = {
     "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
                  ["accuracy/frontier_table.py", "accuracy/results/frontier-amd-epyc-2core.csv"],
                  ["accuracy/results/unbiased.md"]),
-    "stability": (["stability/atlas_table.py", "--readme"],),
+    "stability": (["stability/atlas.py", "--readme"],),
     "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-amd-epyc-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"],
               ["peers/results/peers-shared-amd-epyc-2core.md"]),
     "choices": tuple(["choices/results/" + name] for name in ("roulette.md", "control.csv", "aim.md", "lattice.csv", "lattice-tried.csv")),

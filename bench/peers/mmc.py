@@ -140,9 +140,8 @@ def bench(arguments):
 
 
 def main():
-    if sys.argv[1:2] == ["--readme"] and len(sys.argv) == 4:
-        return tables.put(*sys.argv[2:], "peers/mmc.py")
     parser = command.parser(__doc__, rounds=(5, 5))
+    command.instead(parser, "--readme", ("RESULT", "README"), lambda path, readme: tables.put(path, readme, "peers/mmc.py"))
     parser.add_argument("--mmc", type=command.built, required=True)
     arguments = parser.parse_args()
     tables.keep(os.path.join(arguments.out, "mmc.md"), bench(arguments))

@@ -1,14 +1,29 @@
-"""The atlas as a table: atlas_table.py FILE.csv [--natural]. One row per situation and aim, one column per method; of
-natural flights one row per method, and what was found.
-
-atlas_table.py --readme README.md: writes the short table there from the files in bench/stability/results."""
+#!/usr/bin/env python3
+"""The atlas of what fails where:
+    atlas.py [--quick] [--full] [--only WORD,...] [--build DIR] [--out DIR]
+    atlas.py --natural [--crossings N] [--full] [--only WORD,...] [--build DIR] [--out DIR]
+by default of build/ into bench/out, within 30 minutes on two cores; --quick within 3; --full adds 1e6 and 1e7
+triangles, --only leaves situations with a WORD in their name. Leaves atlas.csv and atlas.md, a row per situation and aim, a column
+per method. --natural: N (1e9) crossings in all of packets aimed at nothing in particular, within 20 minutes; leaves natural.csv and
+natural.md, a row per method, and what was found. tests/stability/README.md says what is flown and counted.
+    atlas.py --table CSV
+    atlas.py --natural-table CSV
+print what was flown so again.
+    atlas.py --readme README
+writes the short table there from the files in bench/stability/results.
+SPDX-License-Identifier: MIT
+"""
 import csv
 import os
+import subprocess
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cases
+import command
 import tables
 
+PROGRAMS = ("clustermcml", os.path.join("tests", "stability_atlas"))
 EVENTS = ("lost", "wrong", "missed", "spurious", "nan")
 METHODS = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 SAME = {"reference": "reference-cone", "cpu": "cpu-cone"}  # planes stand in the columns of the cones
@@ -35,23 +50,54 @@ def count(cells, key):
     return sum(int(cell[key] or 0) for cell in cells)
 
 
-def natural_flights(cells):
+def natural_lines(cells):
     asked = [cell for cell in cells if cell["method"] != "program" and cell["status"] == "flown"]
     crossings, situations = count(asked, "crossings"), len({cell["situation"] for cell in asked})
-    print(f"lost {count(asked, 'lost')} and wrong side {count(asked, 'wrong') + count(asked, 'missed')} in {crossings:.3g} "
-          f"oracle-checked crossings of packets aimed at nothing in particular, over all {situations} situations that "
-          f"`check` accepts, at least {min(int(cell['crossings']) for cell in asked):.2g} in each by each method. No event "
-          f"in so many bounds the rate by {3 / crossings:.1e} (95 %). The program's own flights are asked only for lost.\n")
-    print("| method | situations | crossings | " + " | ".join(EVENTS) + " |")
-    print("|---|---|---|" + "---|" * len(EVENTS))
+    yield (f"lost {count(asked, 'lost')} and wrong side {count(asked, 'wrong') + count(asked, 'missed')} in {crossings:.3g} "
+           f"oracle-checked crossings of packets aimed at nothing in particular, over all {situations} situations that "
+           f"`check` accepts, at least {min(int(cell['crossings']) for cell in asked):.2g} in each by each method. No event "
+           f"in so many bounds the rate by {3 / crossings:.1e} (95 %). The program's own flights are asked only for lost.")
+    yield ""
+    rows = []
     for method in dict.fromkeys(cell["method"] for cell in cells):
         row = [cell for cell in cells if cell["method"] == method and cell["status"] == "flown"]
-        events = " | ".join("-" if method == "program" and key != "lost" else str(count(row, key)) for key in EVENTS)
-        print(f"| {method} | {len(row)} | {count(row, 'crossings'):.3g} | {events} |")
+        rows.append([method, len(row), f"{count(row, 'crossings'):.3g}",
+                     *("-" if method == "program" and key != "lost" else count(row, key) for key in EVENTS)])
+    yield from tables.table(("method", "situations", "crossings", *EVENTS), rows)
     for cell in cells:
         events = ", ".join(f"{key} {cell[key]}" for key in EVENTS if int(cell[key] or 0))
         if events or cell["status"] != "flown":
-            print(f"\n{cell['situation']}, {cell['method']}: {cell['status']}, {cell['crossings']} crossings, {events}")
+            yield f"\n{cell['situation']}, {cell['method']}: {cell['status']}, {cell['crossings']} crossings, {events}"
+
+
+def program_text(program):
+    """What the program's own flight said, or how it ended."""
+    return f"lost {program['lost']}, trapped {program['trapped']}, {program['note']}" if program["status"] == "flown" else (
+        f"{program['status']}: {program['note']}")
+
+
+def aimed_lines(cells):
+    rows, programs, named = {}, {}, set()
+    for cell in cells:
+        if cell["method"] == "program":
+            programs[cell["situation"]] = cell
+        else:
+            rows.setdefault((cell["situation"], cell["aim"]), {})[SAME.get(cell["method"], cell["method"])] = cell
+    natural = [cell for cell in cells if cell["aim"] == "face" and cell["status"] == "flown"]
+    yield (f"{count(cells, 'crossings'):.3g} crossings; lost or on the wrong side in the {count(natural, 'crossings'):.3g} "
+           f"of packets aimed at nothing in particular (`face`): {count(natural, 'lost') + count(natural, 'wrong')}.")
+    yield ""
+    yield "Events per 1e8 crossings; `<`: none was seen, and the limit at 95 %. tests/stability/README.md has the words."
+    yield ""
+    table = []
+    for (situation, aim), row in rows.items():
+        known = situation in programs and situation not in named
+        named.add(situation)
+        table.append([situation, aim, *(cell_text(row.get(method)) for method in METHODS),
+                      program_text(programs[situation]) if known else ""])
+    table += [[situation, "check", *"----", f"{program['status']}: {program['note'].split('/')[-1]}"]
+              for situation, program in programs.items() if situation not in named]
+    yield from tables.table(("situation", "aim", "reference, cone", "cpu, cone", "reference, mesh", "cpu, mesh", "program"), table)
 
 
 # --- the table in README ---
@@ -85,8 +131,8 @@ KINDS = (("ridges, tips, rough meshes", "ridges-and-tip cone-tip pit-tip pole-of
          ("bodies in bodies", "nested-spheres-1e-6cm nested-cylinders-1e-6cm nested-ball-in-tube nested-stones-1e-6"))
 
 
-def read_cells(name):
-    path = os.path.join(RESULTS, name)
+def read_cells(path):
+    """No cells where no such file was kept."""
     if not os.path.exists(path):
         return []
     with open(path, encoding="utf-8") as file:
@@ -107,7 +153,7 @@ def readme_lines(quick, natural):
     refused = [cell for cell in quick if cell["aim"] == "check"]
     unknown = {cell["situation"] for cell in quick if cell not in refused} - set(" ".join(k for _, k in KINDS).split())
     if unknown:
-        sys.exit("atlas_table.py: in none of KINDS: " + " ".join(sorted(unknown)))
+        sys.exit("atlas.py: in none of KINDS: " + " ".join(sorted(unknown)))
     yield "| situations | aimed at | crossings | cones, double | cones, single | meshes, double | meshes, single |"
     yield "|---|---|---|---|---|---|---|"
     yield pooled("all", "nothing in particular", natural)
@@ -122,45 +168,40 @@ def readme_lines(quick, natural):
 
 
 def rewrite(readme):
-    aimed = read_cells("atlas-quick.csv") + read_cells("atlas-large.csv")
-    tables.replace(readme, "stability/atlas_table.py", readme_lines(aimed, read_cells("atlas-natural.csv")))
+    quick, large, natural = (read_cells(os.path.join(RESULTS, "atlas-%s.csv" % name)) for name in ("quick", "large", "natural"))
+    tables.replace(readme, "stability/atlas.py", readme_lines(quick + large, natural))
+
+
+# --- the program ---
+
+def built(path):
+    """A build folder with the program and the walker."""
+    for name in PROGRAMS:
+        command.built(os.path.join(path, name))
+    return os.path.abspath(path)
+
+
+def show(path, lines_of=aimed_lines):
+    print("\n".join(lines_of(read_cells(path))))
 
 
 def main():
-    if sys.argv[1] == "--readme":
-        rewrite(sys.argv[2])
-        return
-    with open(sys.argv[1], encoding="utf-8") as file:
-        cells = list(csv.DictReader(file))
-    if "--natural" in sys.argv[2:]:
-        natural_flights(cells)
-        return
-    rows, programs = {}, {}
-    for cell in cells:
-        if cell["method"] == "program":
-            programs[cell["situation"]] = cell
-        else:
-            rows.setdefault((cell["situation"], cell["aim"]), {})[SAME.get(cell["method"], cell["method"])] = cell
-    flown = sum(int(cell["crossings"] or 0) for cell in cells)
-    natural = [cell for cell in cells if cell["aim"] == "face" and cell["status"] == "flown"]
-    lost = sum(int(cell["lost"]) + int(cell["wrong"]) for cell in natural)
-    print(f"{flown:.3g} crossings; lost or on the wrong side in the {sum(int(c['crossings']) for c in natural):.3g} "
-          f"of packets aimed at nothing in particular (`face`): {lost}.\n")
-    print("Events per 1e8 crossings; `<`: none was seen, and the limit at 95 %. tests/stability/README.md has the words.\n")
-    print("| situation | aim | reference, cone | cpu, cone | reference, mesh | cpu, mesh | program |")
-    print("|---|---|---|---|---|---|---|")
-    named = set()
-    for (situation, aim), row in rows.items():
-        program = programs.get(situation)
-        text = "" if situation in named or program is None else (
-            f"lost {program['lost']}, trapped {program['trapped']}, {program['note']}"
-            if program["status"] == "flown" else f"{program['status']}: {program['note']}")
-        named.add(situation)
-        print(f"| {situation} | {aim} | " + " | ".join(cell_text(row.get(m)) for m in METHODS) + f" | {text} |")
-    for situation, program in programs.items():
-        if situation not in named:
-            note = program["note"].split("/")[-1]
-            print(f"| {situation} | check | - | - | - | - | {program['status']}: {note} |")
+    parser = command.parser(__doc__, "quick full natural", ("build", built, command.BUILD[2]), crossings=1e9)
+    parser.add_argument("--only", default="", metavar="WORD,...")
+    command.instead(parser, "--table", ("CSV",), show)
+    command.instead(parser, "--natural-table", ("CSV",), lambda path: show(path, natural_lines))
+    command.instead(parser, "--readme", ("README",), rewrite)
+    arguments = parser.parse_args()
+    kept = os.path.join(arguments.out, "natural" if arguments.natural else "atlas")
+    how = (["--natural", "--crossings", str(arguments.crossings), "--seconds", "0"] if arguments.natural
+           else ["--crossings", "1e8", "--seconds", "0.2" if arguments.quick else "5"])  # a cell, which ends by its seconds
+    os.makedirs(arguments.out, exist_ok=True)
+    done = subprocess.run([sys.executable, "-B", os.path.join(cases.ROOT, "tests", "stability", "atlas.py"),
+                           *(os.path.join(arguments.build, name) for name in PROGRAMS), "--out", kept + ".csv", "--only", arguments.only,
+                           *how, *["--full"] * arguments.full], check=False)
+    if done.returncode:
+        sys.exit(done.returncode)
+    tables.keep(kept + ".md", list((natural_lines if arguments.natural else aimed_lines)(read_cells(kept + ".csv"))))
 
 
 main()

@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Bias per radial deviation, the larger of totals and profile, rounded up from the worst scene of
- * bench/accuracy/accuracy.sh ("bias / deviation" of its reading). Vertex normals smooth the edges between
+ * bench/accuracy/accuracy.py ("bias / deviation" of its reading). Vertex normals smooth the edges between
  * rings: their bias does not shrink with the triangles, so that only the facets' is asked of the
  * tessellation. */
 static double bias_per_deviation(const struct cml_tessellation *tessellation)

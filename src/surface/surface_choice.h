@@ -1,5 +1,5 @@
 /* How fine a tessellation must be for the bias that is asked for, and what bias and cost to expect of cones
- * and meshes. The rules are the constants of surface_choice.c; bench/accuracy/accuracy.sh measures them
+ * and meshes. The rules are the constants of surface_choice.c; bench/accuracy/accuracy.py measures them
  * again. Knows no engine and makes no surface; which surfaces may be planes is measured
  * (engine/plane_trial.h). SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_CHOICE_H

@@ -311,6 +311,8 @@ static void check_whole(const struct reader *r)
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
         if (!over_own_bins(quantity) || cml_outcome_size(r->o, quantity) == 0) continue;
+        if (quantity == CML_QUANTITY_A_t && !r->o->error[CML_QUANTITY_A_z] && !r->o->value[i])
+            continue; /* of a run with --ignore-absorption */
         if (!r->o->value[i] || !r->o->error[i])
             damaged(r, "%.200s: %s%s is missing (expected it with its bins)", r->path,
                     r->o->value[i] ? "se_" : "", cml_quantities[i].name);

@@ -53,6 +53,9 @@ for text in one two 'A title'; do
     on_map grep -q ">$text<" "$work/maps.svg" || complain "maps: no $text"
 done
 check_texts
+mkdir "$work/surface"
+expect_code 0 "$work/scene.mci" --ignore-absorption --quiet -o "$work/surface"
+expect_code 0 plot "$work/surface/scene.mco" --of Rd_t -o "$work/gates.svg" # gates, and none of absorption
 
 # What gnuplot is told:
 keep_gnuplot_script

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/stop.h"
 
+#include "base/clock.h"
 #include "base/status.h"
 
 #include <signal.h>
@@ -10,11 +11,16 @@
 
 /* Written by a signal handler, which any thread may be interrupted for, and read by all threads between two
  * pieces: such an object must be atomic, and without a lock (C11, 5.1.2.3 and 7.14.1.1). */
-static atomic_int requested, flying;
-_Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal handler cannot wait for a lock");
+static atomic_int flying;
+static atomic_llong requested; /* when, ms */
+_Static_assert(ATOMIC_INT_LOCK_FREE == 2 && ATOMIC_LLONG_LOCK_FREE == 2,
+               "a signal handler cannot wait for a lock");
 
-/* The second signal ends the process as if it had not been caught: exit code 128 + number, as shells
- * report it. _exit, because exit is not safe in a handler. */
+/* A signal that comes more than a second after the first ends the process as if it had not been caught: exit
+ * code 128 + number, as shells report it. _exit, because exit is not safe in a handler; clock_gettime is.
+ * Sooner it is the same wish: launchers and batch systems send one to the process and once more to its group.
+ * Ctrl-C is no exception: a run that was asked to stop does so within a second, and hours of it are worth
+ * more than a third press of the key. */
 static void remember(int signal)
 {
     static const char early[] = "clustermcml: stopped before the flight: nothing was written\n";
@@ -22,7 +28,9 @@ static void remember(int signal)
         (void)!write(STDERR_FILENO, early, sizeof early - 1);
         _exit(CML_E_STOPPED);
     }
-    if (atomic_exchange(&requested, 1)) _exit(128 + signal);
+    const long long now = (long long)(1e3 * cml_now());
+    long long first = 0;
+    if (!atomic_compare_exchange_strong(&requested, &first, now) && now - first > 1000) _exit(128 + signal);
 }
 
 void cml_stop_ignore(void)

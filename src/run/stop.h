@@ -16,8 +16,8 @@ void cml_stop_without_reader(void);
  * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
 void cml_stop_before_flight(void);
 
-/* From here on, after cml_stop_before_flight, the first of them is remembered, the second ends the process.
- */
+/* From here on, after cml_stop_before_flight, the first of them is remembered; one that comes more than a
+ * second after it ends the process. */
 void cml_stop_watch(void);
 
 /* Whether one of them has come since. */

@@ -69,12 +69,12 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
     code=$?
 done
 
-# As in slurm.sh: 75, or a kill after which there is a new checkpoint.
-fresh() {
-    find "$part" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .
-}
-if test $code -eq 75 || { test $code -ge 128 && fresh; }; then
-    scontrol requeue "$SLURM_JOB_ID"
-    exit 75
+# As in slurm.sh: requeued is what was stopped or killed, and has left a new checkpoint.
+if test $code -eq 75 || test $code -ge 128; then
+    if find "$part" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .; then
+        scontrol requeue "$SLURM_JOB_ID"
+        exit 75
+    fi
+    echo "stopped with $code before it wrote a checkpoint, not requeued: if its time was over, --time is too short"
 fi
 exit $code

@@ -1,6 +1,6 @@
 #!/bin/bash
 # A run on a cluster with Slurm, without job arrays: it checkpoints, stops when its time is over or it is preempted,
-# and is requeued until it is done.  sbatch samples/slurm.sh scene.mci [options of clustermcml]
+# and is requeued until it is done, while every attempt writes a checkpoint.  sbatch samples/slurm.sh scene.mci [options of clustermcml]
 # CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --nodes=2
@@ -9,7 +9,8 @@
 #SBATCH --time=04:00:00
 #SBATCH --requeue
 #SBATCH --open-mode=append
-# Two minutes before the time is over, to the ranks themselves: they write a checkpoint and return 75.
+# Two minutes before the time is over, to the ranks themselves: they write a checkpoint and return 75. Not all Slurms send
+# it to a requeued job once more (22.05 does not): then SIGTERM comes when the time is over, with KillWait (30 s) to obey.
 #SBATCH --signal=USR2@120
 # SPDX-License-Identifier: MIT
 set -u
@@ -32,20 +33,21 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
 done
 
 # 75: stopped, resumable. A launcher may return something else when it was itself told to stop, and a preempted job
-# may be killed before it says anything: then a checkpoint that is newer than this attempt says the same. USR2 (140) that
-# comes before the ranks have met, on a machine that is slow to start them, leaves the checkpoint of the attempt before.
-directory=. before=
-for word; do # the value of -o among the arguments
-    case $before in -o | --output-dir) directory=$word ;; esac
-    case $word in --output-dir=*) directory=${word#*=} ;; -o?*) directory=${word#-o} ;; esac
+# may be killed before it says anything. Requeued is what has got on, as a checkpoint that is newer than this attempt says:
+# a run that does not fly within its limit never will.
+directory=. output= before=
+for word; do # the values of -o and --output among the arguments
+    case $before in -o | --output-dir) directory=$word ;; --output) output=$word ;; esac
+    case $word in --output-dir=*) directory=${word#*=} ;; --output=*) output=${word#*=} ;; -o?*) directory=${word#-o} ;; esac
     before=$word
 done
-is_there() { # [TESTS OF find]
-    find "$directory" -maxdepth 1 -name '*.checkpoint' "$@" 2>/dev/null | grep -q .
-}
-if test $code -eq 75 || { test $code -eq 140 && is_there; } || { test $code -ge 128 && is_there -newer "$started"; }; then
-    echo "stopped with $code, requeued: scontrol requeue ${SLURM_JOB_ID:-?}"
-    scontrol requeue "$SLURM_JOB_ID"
-    exit 75
+case $output in /*) directory=${output%/*}/ ;; esac
+if test $code -eq 75 || test $code -ge 128; then
+    if find "$directory" -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .; then
+        echo "stopped with $code, requeued: scontrol requeue ${SLURM_JOB_ID:-?}"
+        scontrol requeue "$SLURM_JOB_ID"
+        exit 75
+    fi
+    echo "stopped with $code before it wrote a checkpoint, not requeued: if its time was over, --time is too short"
 fi
 exit $code

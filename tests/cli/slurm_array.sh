@@ -1,6 +1,7 @@
 #!/bin/sh
 # samples/slurm-array.sh without Slurm: stand-ins for srun and scontrol. A task that is stopped asks to be requeued, and goes on
-# when it is; the joined parts are what `merge` makes of runs of the same seeds.
+# when it is; the joined parts are what `merge` makes of runs of the same seeds. samples/slurm.sh likewise; neither asks for more
+# time that it would use for nothing.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 case $program in /*) ;; *) program=$PWD/$program ;; esac
@@ -10,8 +11,8 @@ cat >"$work/bin/srun" <<'END'
 while case $1 in --*) true ;; *) false ;; esac do shift; done
 if test -n "${STOP:-}"; then
     "$@" &
-    until ls "$STOP"/*-0002.mco >/dev/null 2>&1; do sleep 0.01; done
-    kill -TERM $!
+    until ls $STOP 2>/dev/null | grep -q . || ! kill -0 $!; do sleep 0.01; done
+    kill -${SIGNAL:-TERM} $!
     wait $!
     exit
 fi
@@ -70,8 +71,49 @@ test ! -e "$work/asked" || complain "a finished task was requeued"
 
 # stopped in the middle
 code=0
-STOP=$work/study/part-3 task 3 "$work/long.csv" 2>"$work/err" || code=$?
+STOP="$work/study/part-3/*-0002.mco" task 3 "$work/long.csv" 2>"$work/err" || code=$?
 test $code -eq 75 && test "$(cat "$work/asked")" = "requeue 93" || complain "stopped: exit $code, $(cat "$work/asked" "$work/err")"
 task 3 "$work/long.csv" || complain "requeued: exit $?"
 test "$(ls "$work/study/part-3" | grep -c 'mco$')" -eq 200 || complain "requeued: $(ls "$work/study/part-3" | wc -l) files"
+
+# ---- slurm.sh: what has got on is requeued, what was stopped before it flew is not
+
+slow="samples/shapes/hihill.mci --tolerance 1e-9 --photons 1e9" # minutes before it flies
+mkdir "$work/job" "$work/job/d"
+job() { # CODE SIGNAL FILE ARGUMENTS...: it gets SIGNAL when FILE is there
+    rm -f "$work/asked"
+    wanted=$1 code=0
+    export SIGNAL="$2" STOP="$3"
+    shift 3
+    PATH=$work/bin:$PATH CLUSTERMCML=$program SLURM_JOB_ID=7 bash samples/slurm.sh --checkpoint 0.05 "$@" >"$work/out" 2>"$work/err" || code=$?
+    test $code -eq "$wanted" || complain "slurm.sh $*, SIG$SIGNAL: exit $code, not $wanted: $(cat "$work/out" "$work/err")"
+}
+is_requeued() { # CODE
+    grep -q "^stopped with $1, requeued" "$work/out" && test "$(cat "$work/asked")" = "requeue 7" || complain "not requeued: $(cat "$work/out")"
+}
+is_not_requeued() { # CODE
+    grep -qx "stopped with $1 before it wrote a checkpoint, not requeued: if its time was over, --time is too short" "$work/out" &&
+        test ! -e "$work/asked" || complain "requeued: $(cat "$work/out")"
+}
+job 75 TERM "$work/job/*.lock" $slow -o "$work/job"
+is_not_requeued 75
+touch -d 2001-01-01 "$work/job/thick.mco.checkpoint" # of an attempt before this one
+job 137 KILL "$work/job/*.lock" $slow -o "$work/job"
+is_not_requeued 137
+rm "$work/job/thick.mco.checkpoint"
+job 75 TERM "$work/job/*.checkpoint" samples/thick.mci --photons 1e9 -o "$work/job"
+is_requeued 75
+for places in "-o$work/job --output d/thick.mco" "--output-dir=$work/job" "--output $work/job/thick.mco" "--output=$work/job/d/thick.mco"; do
+    rm -f "$work"/job/*.* "$work"/job/d/*
+    job 75 KILL "$work/job/*.checkpoint $work/job/d/*.checkpoint" samples/thick.mci --photons 1e9 $places
+    is_requeued 137
+done
+printf '#!/bin/sh\nexit 75\n' >"$work/bin/stopped"
+chmod +x "$work/bin/stopped"
+rm -f "$work/asked"
+code=0
+unset STOP
+program=$work/bin/stopped task 4 "$work/two.csv" >"$work/out" || code=$?
+test $code -eq 75 || complain "an array's task: exit $code"
+is_not_requeued 75
 finish

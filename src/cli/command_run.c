@@ -160,17 +160,17 @@ static cml_status describe(const struct cml_options *options, char **text, struc
                                         .photons = options->photons,
                                         .target_error = options->target_error,
                                         .controlled = options->control};
-    char rest[5 * PATH_MAX];
-    const int size = snprintf(rest, sizeof rest, "error of %.*s\n", PATH_MAX / 2,
-                              options->error_of ? options->error_of : "");
+    char rest[4 * PATH_MAX] = "";
     if (options->sweep)
-        snprintf(rest + size, sizeof rest - (size_t)size,
+        snprintf(rest, sizeof rest,
                  "more %" PRIu64 ", keep %d, resume %d, json %d, reweight %d\n%s\n%s\n%s\n", options->more,
                  options->keep, options->resume, options->json, options->reweight, options->sweep,
                  options->output ? options->output : "", options->directory ? options->directory : "");
     CML_TRY(cml_settings_text(&options->settings, &settings, err));
-    const struct cml_provenance provenance =
+    struct cml_provenance provenance =
         cml_run_provenance(&setup, &options->surface, options->ignore_heightfields);
+    provenance.aim = options->aim;
+    provenance.error_of = options->error_of;
     const cml_status status = cml_identity_of(&provenance, settings, rest, text, err);
     free(settings);
     return status;

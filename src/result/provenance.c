@@ -25,9 +25,16 @@ const char *cml_option_word(enum cml_option_of_bits option, double value)
     return form_of(&cml_options_of_bits[option], value);
 }
 
+static void identify_text(FILE *out, const char *name, const char *text)
+{
+    fprintf(out, "%s %s\n", text ? name : "no", text ? text : name);
+}
+
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
 {
-    fprintf(out, "engine %s\n", provenance->engine);
+    identify_text(out, "engine", provenance->engine);
+    identify_text(out, "aim", provenance->aim);
+    identify_text(out, "error_of", provenance->error_of);
     for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++)
         fprintf(out, "%s %.17g\n", cml_options_of_bits[i].name, provenance->value[i]);
 }

@@ -11,9 +11,6 @@
 enum { CML_AS_WORD = 8 };
 enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (run/identity.h), as text */
 
-/* `windows` is the number of layers that light comes out of, `error_of` that of a layer; less than 0 that of
- * a detector. */
-
 /* clang-format off */
 /* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
  * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
@@ -29,10 +26,7 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
     D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g", NULL)                                  \
     D(photons, setup->photons, 0, NULL, NULL, NULL, NULL)                                                            \
     D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(error_of, setup->error_of, 0, NULL, NULL, NULL, NULL)                                                          \
     D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL, "absorption by place")                                    \
-    D(aim, options->tail != NULL, 0, NULL, NULL, NULL, NULL)                                                         \
-    D(windows, options->windows ? options->windows->detector ? -options->windows->detector : options->windows->layers : 0, 0, NULL, NULL, NULL, NULL)                           \
     D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \
     D(derivatives, options->derivatives, 0, NULL, NULL, NULL, NULL)                                                  \
     D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \
@@ -58,7 +52,8 @@ extern const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS]
 
 /* Seeds and photons are at most 2^53, which a double holds. */
 struct cml_provenance {
-    char engine[32];                       /* its name; "": not known, or several */
+    char engine[32];            /* its name; "": not known, or several */
+    const char *aim, *error_of; /* of a run, as these options say it; NULL: not given, or not known */
     double value[CML_NUM_OPTIONS_OF_BITS]; /* NAN: not known */
 };
 
@@ -68,8 +63,8 @@ struct cml_provenance cml_provenance_unknown(void);
 /* The form of the value in the head of an .mco, where it is a word. */
 const char *cml_option_word(enum cml_option_of_bits option, double value);
 
-/* A line "NAME VALUE" for the engine and each option, numbers with 17 digits, which tell any two doubles
- * apart. */
+/* A line "NAME VALUE", or "no NAME", for the engine and each option, numbers with 17 digits, which tell any
+ * two doubles apart. */
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance);
 
 /* The lines of the head of an .mco; of several runs in one only what they share. */

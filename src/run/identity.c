@@ -13,7 +13,7 @@ struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat)
 {
     const struct cml_engine_options *options = &setup->options;
-    struct cml_provenance provenance;
+    struct cml_provenance provenance = {.engine = ""};
 #define TAKE(name, from, ...) provenance.value[CML_DECIDES_##name] = (double)(from);
     CML_OPTIONS_OF_BITS(TAKE)
     snprintf(provenance.engine, sizeof provenance.engine, "%s", setup->engine->name);

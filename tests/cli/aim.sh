@@ -39,7 +39,7 @@ expect_code 0 "$work/x.mci" --aim A_l:2 --photons 12001 --keep --threads 2 --qui
 expect_code 0 "$work/x.mci" --aim A_l:2 --more 7999 --quiet -o "$work/b"
 same "--more" "$work/b/x.mco" "$work/c/x.mco"
 expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/b"
-grep -q "of another run: 'aim 1' there, 'aim 0' here" "$work/err" || complain "extended without --aim: $(cat "$work/err")"
+grep -q "of another run: 'aim A_l:2' there, 'no aim' here" "$work/err" || complain "extended without --aim: $(cat "$work/err")"
 expect_code 0 "$work/x.mci" --aim Tt -o "$work/b"
 grep -Eq '^  Tt   0\.[0-9]+ \+- [0-9.e-]+ expected, as by [0-9.]+ times the photons$' "$work/out" ||
     complain "summary: $(cat "$work/out")"
@@ -73,8 +73,9 @@ grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
 file=$work/x.mci:3
 expect_error 2 "$file: --aim Rd (expected Tt, Tt_r, A_l:N of layer N or the name of a detector)" "$work/x.mci" --aim Rd --quiet -o "$work/d"
-expect_error 2 "--aim Tt,A_l:0 (expected Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
-expect_error 2 "--aim Tt, (expected Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas)" "$work/x.mci" --aim Tt,
+for name in Tt, Tt,A_l:0 A_l:01 A_l:+1 A_l:1x; do
+    expect_error 2 "--aim $name (expected Tt, Tt_r, A_l:N of layer N or the name of a detector, or several with commas)" "$work/x.mci" --aim $name
+done
 expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
 expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3, with others above it)" "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
 if "$program" devices 2>/dev/null | grep -q '^0'; then
@@ -198,7 +199,7 @@ expect_code 0 "$work/x.mci" --aim near --photons 12001 --keep --threads 2 --quie
 expect_code 0 "$work/x.mci" --aim near --more 7999 --quiet -o "$work/c"
 same "--more" "$work/c/x.mco" "$work/b/x.mco"
 expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
-grep -q "of another run: 'windows -1' there, 'windows 0' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
+grep -q "of another run: 'aim near' there, 'no aim' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
 expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
 expect_code 0 merge "$work/b/x.mco" "$work/d/x.mco" --output "$work/m.mco"
 awk -v a="$(of detector_near "$work/b/x.mco")" -v b="$(of detector_near "$work/d/x.mco")" -v m="$(of detector_near "$work/m.mco")" \
@@ -216,7 +217,11 @@ PYTHON
 expect_code 0 plan "$work/x.mci" --photons 1024 --error-of A_l:2 --aim near
 grep -q ' A_l:2 *$' "$work/out" && grep -qx '  All of this is with --aim near.' "$work/out" || complain "plan --error-of: $(cat "$work/out")"
 expect_error 2 "--error-of (expected --target-error beside it)" "$work/x.mci" --error-of far
-expect_error 2 "--error-of far,near (expected A_l:N of layer N or the name of a detector)" "$work/x.mci" --error-of far,near
+for name in far,near A_l:01 A_l:+1; do
+    expect_error 2 "--error-of $name (expected A_l:N of layer N or the name of a detector)" "$work/x.mci" --error-of $name
+done
+expect_code 2 "$work/x.mci" --target-error 0.03 --photons 20000 --aim near --resume --error-of A_l:2 --quiet -o "$work/c"
+grep -q "of another run: 'no error_of' there, 'error_of A_l:2' here" "$work/err" || complain "another --error-of: $(cat "$work/err")"
 for name in none A_l:3; do
     expect_error 2 "$file: --error-of $name (expected A_l:N of layer 1 to 2, or the name of a detector)" "$work/x.mci" --target-error 0.1 --error-of $name --quiet -o "$work/d"
 done

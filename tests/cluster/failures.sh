@@ -25,7 +25,7 @@ run="$program $big --photons 100 --quiet -o $work --threads 1"
 two_kinds "$run" "ulimit -v 300000; $run"
 test $code -eq 2 && grep -q '^clustermcml: out of memory: [0-9]* MiB for the result$' "$work/said" &&
     test "$(wc -l <"$work/said")" -eq 1 || complain "no memory on rank 1: $code, $(cat "$work/err")"
-for other in "--seed 2" "--error-of A_l:1"; do
+for other in "--seed 2" "--error-of A_l:1" "--aim A_l:2"; do
     two_kinds "$program $sample -o $work --target-error 0.1" "$program $sample -o $work --target-error 0.1 $other"
     test $code -eq 2 && grep -q 'rank 1 has another program or other options than rank 0' "$work/said" &&
         test "$(wc -l <"$work/said")" -eq 1 || complain "$other on rank 1: $code, $(cat "$work/err")"

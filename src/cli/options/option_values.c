@@ -176,7 +176,7 @@ static bool is_aim(const char *name)
     if (strncmp(name, "A_l:", 4) != 0) return length > 0;
     if (length - 4 >= sizeof number) return false;
     snprintf(number, sizeof number, "%.*s", (int)length - 4, name + 4);
-    return cml_parse_int(number, &layer) && layer > 0;
+    return *number >= '1' && *number <= '9' && cml_parse_int(number, &layer);
 }
 
 cml_status cml_read_aim(const struct cml_option *option, const char *value, struct cml_options *options,

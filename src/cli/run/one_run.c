@@ -398,6 +398,8 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     const struct cml_options *options = call->options;
     const char *settings = run->setup.scene->settings;
     run->provenance = cml_run_provenance(&run->setup, &options->surface, options->ignore_heightfields);
+    run->provenance.aim = options->aim;
+    run->provenance.error_of = options->error_of;
     run->setup.provenance = &run->provenance;
     CML_TRY(cml_identity_of(&run->provenance, settings, call->inputs, &run->identity, err));
     run->setup.identity = run->identity;

@@ -52,6 +52,16 @@ class Options(unittest.TestCase):
             with self.assertRaisesRegex(mc.InputError, text):
                 call()
 
+    def test_values_of_another_kind_are_refused(self):
+        for call, text in ((lambda: mc.run(HILL, error_of=True), "error_of = True (expected a value)"), (lambda: mc.run(HILL, keep=1), "keep = 1 (expected True or False)"),
+                           (lambda: mc.plan(HILL, aim="a\0"), r"aim = 'a\x00' (expected text without NUL characters)"),
+                           (lambda: mc.run(HILL, set={"\0": 1}), r"set = {'\x00': 1} (expected text without NUL characters)"),
+                           (lambda: mc.merge([], "\0.h5"), r"output = '\x00.h5' (expected a name without NUL characters)"),
+                           (lambda: mc.Scene([SLAB]).write("\0"), r"path = '\x00' (expected a name without NUL characters)")):
+            with self.assertRaises(mc.InputError) as caught:
+                call()
+            self.assertEqual(str(caught.exception), text)
+
 
 class Commands(unittest.TestCase):
     def setUp(self):

@@ -156,5 +156,7 @@ def merge(results: Sequence[Path], output: Path) -> xr.Dataset:
         raise errors.refuse("output", output, "a name that ends in .mco or .h5")
     if os.fspath(output).endswith(".photons.h5"):
         raise errors.refuse("output", output, "the name of a result; tables of packets are joined by pandas.concat")
+    if "\0" in os.fspath(output):
+        raise errors.refuse("output", output, "a name without NUL characters")
     say(["merge", *files, "--quiet", "--output", os.path.abspath(os.fspath(output))], "")
     return read(output)

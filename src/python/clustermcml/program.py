@@ -79,13 +79,19 @@ def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[
     for name, value in options.items():
         if name in NO_ARGUMENTS and name not in kind.__annotations__:
             raise errors.refuse(name, value, "no such argument: " + NO_ARGUMENTS[name])
-        option = "--" + name.replace("_", "-")
-        if isinstance(value, (bool, np.bool_)):
+        option, is_flag, known = "--" + name.replace("_", "-"), isinstance(value, (bool, np.bool_)), kind.__annotations__.get(name)
+        if known and known.__forward_arg__ == "bool" and value is not None:
+            errors.flag(name, value)
+        elif known and is_flag and value:
+            raise errors.refuse(name, value, "a value")
+        if is_flag:
             words += [option] if value else []
         elif isinstance(value, Mapping):
             words += [word for item in value.items() for word in (option, f"{item[0]}={item[1]}")]
         elif value is not None:
             words += [option, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]
+        if any("\0" in word for word in words):
+            raise errors.refuse(name, value, "text without NUL characters")
     return words
 
 

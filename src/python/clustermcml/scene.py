@@ -346,6 +346,8 @@ class Scene:
         """Writes the `.mci` PATH, and beside it the surfaces that are arrays. The result will have the same name with `.mco`.
         comment: lines before all others, each with # before it and a line feed behind."""
         path = os.fspath(path)
+        if "\0" in path:
+            raise errors.refuse("path", path, "a name without NUL characters")
         name = os.path.splitext(os.path.basename(path))[0]
         text = self.text(name + ".mco", os.path.dirname(os.path.abspath(path)))
         with open(path, "w", encoding="utf-8") as file:

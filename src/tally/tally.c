@@ -337,15 +337,20 @@ static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bin
                     bins + at.A_z - at.Rd_r);
 }
 
-/* Anew those of the groups to which anything has come since the last note: of this batch, or of any where it
- * is -1, or late. */
+/* Late packets add what they bring to those of their groups, whose cells are many; those of the group of this
+ * batch, or of all where it is -1, are summed anew. */
 static void sum_groups(const struct cml_tally *tally, int batch)
 {
     const int groups = cml_cell_groups(&tally->grid);
-    unsigned changed = batch < 0 ? ~0u : 1u << batch % groups;
-    for (int row = 0; row < tally->late.count; row++) changed |= 1u << tally->late.batch[row] % groups;
-    for (size_t g = 0; g < (size_t)groups; g++)
-        if (changed >> g & 1u) sum_group(tally, g, tally->grouped + g * bins_of_cells(&tally->grid));
+    const size_t first = cml_tally_profiles(&tally->grid).Rd_r, cells = bins_of_cells(&tally->grid);
+    for (int row = 0; row < tally->late.count; row++) {
+        const int g = tally->late.batch[row] % groups;
+        if (g == batch % groups) continue;
+        add_columns(tally->late.rows + (size_t)row * cml_tally_profile_bins(&tally->grid) + first, 1, cells,
+                    tally->grouped + (size_t)g * cells);
+    }
+    for (int g = 0; g < groups; g++)
+        if (batch < 0 || g == batch % groups) sum_group(tally, (size_t)g, tally->grouped + (size_t)g * cells);
 }
 
 /* The totals and profiles of all that a tally has scored itself. */

@@ -9,8 +9,8 @@
 #SBATCH --time=04:00:00
 #SBATCH --requeue
 #SBATCH --open-mode=append
-# Two minutes before the time is over, to the ranks themselves: they write a checkpoint and return 75. Not all Slurms send
-# it to a requeued job once more (22.05 does not): then SIGTERM comes when the time is over, with KillWait (30 s) to obey.
+# Two minutes before the time is over, to the ranks themselves: they write a checkpoint and return 75. Without it they do so
+# at SIGTERM, which comes when the time is over; Slurm then waits KillWait (30 s).
 #SBATCH --signal=USR2@120
 # SPDX-License-Identifier: MIT
 set -u

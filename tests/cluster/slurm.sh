@@ -120,8 +120,8 @@ patience=$(($(date +%s) + 300))
 while test "$(date +%s)" -lt $patience; do
     state=$(scontrol show job "$job")
     case $state in
-    *JobState=PENDING*Reason=BeginTime*) # Slurm waits two minutes before it starts a requeued job
-        steps_run || scontrol update JobId="$job" StartTime=now+2 ;;
+    *JobState=PENDING*Reason=BeginTime*) # Slurm waits two minutes before it starts a requeued job; early enough that it flies at the next look
+        steps_run || test $((($(date +%s) - began) % 30)) -gt 15 || scontrol update JobId="$job" StartTime=now+2 ;;
     *JobState=RUNNING*Restarts=1*)
         if test -z "$asked" && test "$(grep -c ', 2 ranks$' "$work/run/log")" -eq 2; then
             sleep 3

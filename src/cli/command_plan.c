@@ -318,6 +318,7 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
         return CML_OK;
     }
     aim_at_detectors(plan, surfaces);
+    if (setup->error_of > 0) return CML_OK; /* A_l is counted, as in a run without --aim */
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 

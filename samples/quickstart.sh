@@ -10,7 +10,7 @@ sh "$root/samples/packages.sh"
 # A build folder that exists keeps its options; a new one needs no tests, whose libraries may be missing.
 test -f "$root/build/CMakeCache.txt" || options="-DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_TESTS=OFF"
 cmake -S "$root" -B "$root/build" ${options:-} >/dev/null
-cmake --build "$root/build" --parallel "$(nproc)" --target clustermcml
+cmake --build "$root/build" --parallel "$(nproc)" --target clustermcml pages # what `cmake --install` needs
 
 results=$root/build/quickstart
 mkdir -p "$results"

@@ -59,6 +59,7 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
 
 /* The most media of which people read what they absorb; of more bodies the files have it. */
 #define MOST_MEDIA 16
+#define LEAST_BATCHES 4 /* that have seen something, for an error to mean anything */
 
 /* Only where A is not all of one layer. */
 static void print_absorbed(FILE *stream, const struct cml_report *report)
@@ -86,6 +87,16 @@ static void print_unseen(FILE *stream, const struct cml_report *report, int k)
     if (report->unseen == k + 1) fprintf(stream, "; --aim %s would split packets on their way to it", name);
 }
 
+/* The error of what came in few batches: one packet may have brought all of it. */
+static void print_rare(FILE *stream, const struct cml_result *result, int k)
+{
+    int batches = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++)
+        batches += result->detector[(size_t)b * (size_t)result->grid.detectors + (size_t)k] > 0;
+    if (batches < LEAST_BATCHES)
+        fprintf(stream, ", of %d of %d batches: too few to trust", batches, CML_NUM_BATCHES);
+}
+
 /* What each detector has seen. */
 static void print_detected(FILE *stream, const struct cml_report *report)
 {
@@ -98,11 +109,13 @@ static void print_detected(FILE *stream, const struct cml_report *report)
         }
         fprintf(stream, "  detector %s", report->scene->detectors[k].name);
         const double seen = cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT;
-        if (seen > 0)
+        if (seen > 0) {
             cml_report_estimate(stream, seen / (double)result->photons,
                                 cml_result_bin_error(result, result->detector, detectors, k));
-        else
+            print_rare(stream, result, k);
+        } else {
             print_unseen(stream, report, k);
+        }
         fputc('\n', stream);
     }
 }
@@ -250,8 +263,8 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
     print_saved(stream, report);
     print_parts(stream, result);
-    fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps", seconds, (double)result->photons / seconds,
-            steps);
+    fprintf(stream, "  %.3g s, %llu photons, %.3g photons/s, %.3g steps", seconds,
+            (unsigned long long)result->photons, (double)result->photons / seconds, steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);
     fprintf(stream, " on %d thread%s\n", report->timing->threads, report->timing->threads == 1 ? "" : "s");
     print_seconds_to(stream, report);

@@ -562,6 +562,7 @@ double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, 
     const double bottom = cml_result_bin_sum(result->detector, detectors, k),
                  mean = cml_result_bin_sum(moment, n, i) / bottom;
     double squares = 0, batches = 0;
+    int seen = 0; /* batches: those of one do not differ from their mean, and say nothing of its error */
     *error = NAN;
     if (!(bottom > 0)) return NAN;
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
@@ -570,8 +571,9 @@ double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, 
                      y = (double)result->detector[(size_t)b * (size_t)detectors + (size_t)k];
         squares += (x - mean * y) * (x - mean * y);
         batches += 1;
+        seen += y > 0;
     }
-    if (batches > 1) *error = sqrt(squares * batches / (batches - 1)) / bottom;
+    if (seen > 1) *error = sqrt(squares * batches / (batches - 1)) / bottom;
     return mean;
 }
 

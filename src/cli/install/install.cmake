@@ -47,6 +47,8 @@ if(CLUSTERMCML_PAGES)
     add_custom_target(pages ALL DEPENDS ${pages}/clustermcml.1 ${pages}/clustermcml)
     install(FILES ${pages}/clustermcml.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT plain)
     install(FILES ${pages}/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+else()
+    add_custom_target(pages DEPENDS clustermcml)
 endif()
 
 include(${here}/package.cmake)

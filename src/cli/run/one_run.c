@@ -79,9 +79,9 @@ static void announce(const struct cml_options *options, const struct cml_run_set
 {
     if (options->quiet || options->json || cml_cluster_rank() != 0) return;
     const struct cml_scene *scene = setup->scene;
-    printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
-           scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
-           (unsigned long long)setup->options.seed);
+    printf("%s: %s%g photons, %d layer%s, %s engine, seed %llu\n", scene->output,
+           setup->target_error > 0 ? "at least " : "", (double)setup->photons, scene->num_layers,
+           scene->num_layers == 1 ? "" : "s", setup->engine->name, (unsigned long long)setup->options.seed);
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);

@@ -8,8 +8,19 @@
 #include <math.h>
 #include <stdio.h>
 
-#define MOST_PHOTONS 4096 /* whose errors are known to a tenth: as many as 64 batches tell */
+/* Errors of even spreading fall faster than by the root of the photons, so a short plain flight takes them
+ * for too large: an eighth of the run's photons, within these. */
+#define LEAST_PHOTONS 4096
+#define MOST_PHOTONS 65536
 
+static uint64_t plain_photons(uint64_t photons)
+{
+    if (photons / 8 > MOST_PHOTONS) return MOST_PHOTONS;
+    if (photons < LEAST_PHOTONS) return photons;
+    return photons / 8 > LEAST_PHOTONS ? photons / 8 : LEAST_PHOTONS;
+}
+
+/* Known to a quarter: 64 batches tell an error to 9 %. */
 static double cost(const struct cml_result *result, enum cml_total total)
 {
     return pow(cml_result_error(result, total), 2) * cml_result_steps(result);
@@ -21,7 +32,7 @@ static void print_costs(const struct cml_result *result, const struct cml_result
     for (int i = 0; i < CML_NUM_GOALS; i++) {
         const double times = cost(result, cml_goals[i]) / cost(plain, cml_goals[i]);
         if (!isfinite(times) || times == 0) continue;
-        printf("%s%s takes %.2g", before, cml_quantities[cml_goals[i]].name, times);
+        printf("%s%s takes some %.1g", before, cml_quantities[cml_goals[i]].name, times);
         before = ", ";
     }
     if (before[0] == ',') printf(" times the steps (by %g photons without)\n", (double)plain->photons);
@@ -45,7 +56,7 @@ void cml_unaimed_show(const struct cml_options *options, const struct cml_run_se
                                  .surfaces = setup->surfaces,
                                  .engine = setup->engine,
                                  .options = setup->options,
-                                 .photons = setup->photons < MOST_PHOTONS ? setup->photons : MOST_PHOTONS};
+                                 .photons = plain_photons(run->result.photons)};
     struct cml_run_result plain;
     struct cml_error ignored;
     scene.nr = scene.nz = scene.na = 1;

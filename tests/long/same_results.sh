@@ -75,7 +75,7 @@ s/^(\/ @version = ).*/\1VERSION/
 /^\/ @identity = /d
 /^call(\/|$| )/d
 s/built in [^ ]* s, [^ ]* MiB/built in TIME, MEASURED/
-s/^  [^ ]* s, [^ ]* photons\/s, /  TIME, /
+s/^  [^ ]* s, ([0-9]+ photons, )?[^ ]* photons\/s, /  TIME, /
 s/, [^ ]* ns\/step/, TIME/
 s/^(  an error of 1 % takes:).*/\1 TIME/
 /^ *[0-9]+ %, .* elapsed, /d

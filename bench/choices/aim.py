@@ -7,7 +7,10 @@ their way instead. Fibres far from a pencil are aimed at by name; their counted 
 lie, less the ratio of areas and what their aperture leaves of the light in an aimed flight, for of the fibre a plain flight would see a
 packet or none. The gain in time to the same error is the mean
 square of the counted errors over that of the expected ones (of those counted in windows), times the processor time of the flight without over that
-with; of rare light the counted error is that of few packets, which makes its gain known to some tens of percent. Beside
+with; of rare light the counted error is that of few packets, which makes its gain known to some tens of percent. Through the
+thickest slab plain flights see none: of rare light the variance of what a photon brings is its share times the mean weight, by weight, of
+what arrives, and roulette makes that the same at all depths that little light reaches: it is measured behind a thinner slab. Errors
+of Tt(r) are those of ten bins, added up as squares. Beside
 it stand what plan says of windows, what comes before the flight, in seconds of a processor, and how far expected and counted values are
 apart, in errors of the difference. Leaves aim.md in DIR. SPDX-License-Identifier: MIT
 """
@@ -49,7 +52,11 @@ SCENES = {
     "skin7 rough bottom": ("S5", 7, "0.018", 1, None),
     "slab 1.5 cm rough bottom": ("1.4 0.5 100 0.9 1.5", 1, "0.018", 1, None),
     "slab 3.2 cm rough bottom": ("1.4 0.5 100 0.9 3.2", 1, "0.018", 4, None),
+    "slab 4.95 cm rough bottom": ("1.4 0.5 100 0.9 4.95", 1, "0.018", 4, None),
 }
+# name: the scene in whose place plain flights show what those that arrive weigh
+THINNER = {"slab 4.95 cm rough bottom": "slab 3.2 cm rough bottom"}
+DR, NR = 0.5, 10
 
 
 def scene_of(name):
@@ -63,7 +70,7 @@ def scene_of(name):
 
 
 def write(name, folder):
-    """The scene's file, on a coarse grid."""
+    """The scene's file, on a coarse grid, and its photons in units of --photons."""
     medium, boundary, rough, factor, extra = scene_of(name)
     lines = cases.data_lines(medium) if " " not in medium else [
         "1.0", "1", "x.mco A", "1000", "0.1 0.1", "1 1 1", "1", "1.0", medium, "1.0"]
@@ -74,7 +81,7 @@ def write(name, folder):
     lines.insert(cases.ABOVE + 1 + boundary, rough)
     path = os.path.join(folder, "scene.mci")
     with open(path, "w", encoding="utf-8") as file:
-        file.write("\n".join([lines[0], "1", "x.mco A", lines[3], *extra, "0.1 0.1", "1 1 1"] + lines[6:]) + "\n")
+        file.write("\n".join([lines[0], "1", "x.mco A", lines[3], *extra, "0.1 %g" % DR, "1 %d 1" % NR] + lines[6:]) + "\n")
     return path, factor
 
 
@@ -89,7 +96,15 @@ def fly(program, path, photons, seed, *options):
     done = subprocess.run([program, path, "--photons", str(photons), "--seed", str(seed), "--threads", "1", "--ignore-absorption",
                            "--checkpoint", "off", "--json", "-o", os.path.dirname(path), *options],
                           stdout=subprocess.PIPE, check=True)
-    return dict(json.loads(done.stdout), all_s=processor() - began)
+    return dict(json.loads(done.stdout), all_s=processor() - began, Tt_r_se=error_of_profile(os.path.join(os.path.dirname(path), "x.mco")))
+
+
+def error_of_profile(path):
+    """Of the light in all bins of Tt(r)."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    errors = text[text.index("\nse_Tt_r"):].split("\n")[2:2 + NR]
+    return math.hypot(*(2 * math.pi * (i + 0.5) * DR ** 2 * float(error) for i, error in enumerate(errors)))
 
 
 def planned(program, path, aim):
@@ -119,6 +134,15 @@ def share_of(name, aimed):
     return FIBRES[name][2] / FIBRES[name][3] / 4 * accepted
 
 
+def expect_errors(plain, aimed, name, arguments, folder):
+    """Those of plain flights that see nothing, of Tt and Tt(r), by the weights of a thinner scene."""
+    path, factor = write(name, folder)
+    thinner = [fly(arguments.program, path, factor * arguments.photons, seed) for seed in range(1, arguments.runs + 1)]
+    weight = statistics.fmean(r["photons"] * r["Tt_se"] ** 2 for r in thinner) / statistics.fmean(r["Tt"] for r in thinner)
+    for record in plain:
+        record["Tt_se"] = record["Tt_r_se"] = math.sqrt(weight * statistics.fmean(r["Tt"] for r in aimed) / record["photons"])
+
+
 def row(name, arguments, folder):
     path, factor = write(name, folder)
     photons, layer = factor * arguments.photons, SCENES[name][4] if name in SCENES else None
@@ -130,16 +154,19 @@ def row(name, arguments, folder):
     pace = statistics.median(a["cpu_s"] / b["cpu_s"] for a, b in pairs)
     before = statistics.median((b["all_s"] - b["cpu_s"]) - (a["all_s"] - a["cpu_s"]) for a, b in pairs)
     key = "Tt_expected" if "Tt_expected" in aimed[0] else "Tt" if aim == "Tt" else "detector_fibre"
+    plan = "" if key == "Tt_expected" else "%.2g" % planned(arguments.program, path, "Tt_r" if aim == "Tt" else aim)
+    if name in THINNER:
+        expect_errors(plain, aimed, THINNER[name], arguments, folder)
     value = statistics.fmean(record[key] for record in aimed)
     apart = (value - share * statistics.fmean(record[other] for record in plain)) / math.hypot(
         mean_error(aimed, key + "_se"), share * mean_error(plain, other + "_se"))
-    plan = "" if key == "Tt_expected" else "%.2g" % planned(arguments.program, path, "Tt_r" if aim == "Tt" else aim)
+    profile = "%.2g" % gain(plain, aimed, "Tt_r", "Tt_r", pace) if key == "Tt" else ""
     deep = ""
     if layer:
         deep = "%.2g" % (statistics.fmean(record["A_l_se"][layer - 1] ** 2 for record in plain) /
                          statistics.fmean(record["A_l_expected_se"][layer - 1] ** 2 for record in aimed) * pace)
-    return [name, "%d" % photons, "%.4g" % value, "%+.1f" % apart, "%.2f" % (1 / pace), "%.1f" % before,
-            "%.2g" % gain(plain, aimed, key, other, pace, share), plan, "%.2g" % gain(plain, aimed, "Rd", "Rd", pace),
+    return [name, "%d" % photons, "%.4g" % value, "" if name in THINNER else "%+.1f" % apart, "%.2f" % (1 / pace), "%.1f" % before,
+            "%.2g" % gain(plain, aimed, key, other, pace, share), plan, profile, "%.2g" % gain(plain, aimed, "Rd", "Rd", pace),
             "%.2g" % gain(plain, aimed, "A", "A", pace), deep]
 
 
@@ -152,7 +179,7 @@ def main():
     tables.keep(os.path.join(arguments.out, "aim.md"), [
         tables.measured(tables.machine(arguments.program, arguments.runs)) + "; %d runs." % arguments.runs, "",
         *tables.table(("scene", "photons", "Tt, or what the fibre sees", "apart, errors", "time of flight", "before it, s", "gain of it",
-                       "as planned", "of Rd", "of A", "of A of the deepest layer"), rows)])
+                       "as planned", "of Tt(r)", "of Rd", "of A", "of A of the deepest layer"), rows)])
 
 
 if __name__ == "__main__":

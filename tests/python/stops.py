@@ -21,12 +21,13 @@ class Stops(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
-    def interrupted(self, number):
-        """Exit code and words of a Python process that gets this signal behind the first checkpoint of a run that it flies."""
+    def interrupted(self, number, deaf=False):
+        """Exit code and words of a Python process that gets this signal behind the first checkpoint of a run that it flies. deaf: to
+        SIGINT, as one that a script starts with &."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
                   "mc.run(sys.argv[2], photons=8e5, threads=1, checkpoint=0.1, output_dir=sys.argv[3])")
         process = subprocess.Popen([sys.executable, "-c", script, sys.path[0], os.path.join(TOP, "samples", "thick.mci"), self.folder],
-                                   stderr=subprocess.PIPE, text=True)
+                                   stderr=subprocess.PIPE, text=True, preexec_fn=lambda: deaf and signal.signal(signal.SIGINT, signal.SIG_IGN))
         checkpoint = os.path.join(self.folder, "thick.mco.checkpoint")
         while not os.path.exists(checkpoint) and process.poll() is None:
             time.sleep(0.02)
@@ -38,8 +39,9 @@ class Stops(unittest.TestCase):
 
     def test_interrupt(self):
         """Ctrl-C or SIGTERM while it flies: the program stops, its checkpoint stays, and resuming gives the result of one run."""
-        self.assertEqual(self.interrupted(signal.SIGTERM), (143, ""))
-        os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
+        for deaf in (False, True):
+            self.assertEqual(self.interrupted(signal.SIGTERM, deaf), (143, ""))
+            os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
         self.assertIn("KeyboardInterrupt", self.interrupted(signal.SIGINT)[1])
         with unittest.mock.patch("clustermcml.program._start", side_effect=_start) as started:
             resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5, resume=True, output_dir=self.folder)

@@ -181,7 +181,7 @@ def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
 
 def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[str]:
     """The lines of standard output as they come. An interrupt, or whatever else ends this, is passed on: the program writes its
-    checkpoint, and this waits."""
+    checkpoint, and this waits. SIGINT would not do: what a script starts with & ignores it, and so does all that this starts."""
     assert process.stdout is not None
     told: list[str] = []
     try:
@@ -191,7 +191,7 @@ def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -
                 progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows")
         process.wait()
     except BaseException:
-        process.send_signal(signal.SIGINT)
+        process.terminate()
         process.wait()
         raise
     return told

@@ -102,7 +102,7 @@ class Fits(unittest.TestCase):
 
     def test_what_the_data_cannot_tell_is_said(self):
         fit = mc.fit(slab(), BOUNDS, {"Rd": (0.33, 0.003)}, photons=2000, flights=2)
-        self.assertRegex(fit.words, "do not tell layer1.mua and layer1.mus: 1 number for 2 parameters")
+        self.assertRegex(str(fit), "\nno freedom to judge the fit: measured numbers 1, parameters 2, 2 flights\nThe data do not tell layer1.mua and layer1.mus: 1 number for 2 parameters")
         self.assertEqual(fit.errors["layer1.mua"], np.inf)
         self.assertRegex(str(mc.fit(slab(), {"layer1.mua": (1, 2)}, {"Tt": (0.35, 0.001)}, photons=2000)), "A bound stopped layer1.mua at 1:")
 
@@ -136,15 +136,15 @@ class Fits(unittest.TestCase):
 
 
 class Shell(unittest.TestCase):
-    def fit(self, table, started=False):
-        """Exit code and what is said of slab's fit to a table. started: by an interpreter of its own."""
+    def fit(self, table, *more, started=False):
+        """Exit code and what is said of slab's fit to a table. more: words of the command. started: by an interpreter of its own."""
         with tempfile.TemporaryDirectory() as folder:
             scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
             slab().write(scene)
             with open(path, "wb") as file:
                 file.write(table if isinstance(table, bytes) else table.encode())
             words = ["fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
-                     "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45"]
+                     "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45", *more]
             if started:
                 done = subprocess.run([sys.executable, "-m", "clustermcml", *words], capture_output=True, text=True,
                                       env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
@@ -165,7 +165,16 @@ class Shell(unittest.TestCase):
             self.assertAlmostEqual(z, (value - model) / (noise**2 + error**2) ** 0.5, 1)
         code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\nRd_r,0.1,nan,0.1\n")
         self.assertIn("clustermcml: note: /seen.csv: left out lines of Rd_r without a value: 1\n", said)
+        self.assertNotIn("degree", said)
         self.assertEqual((code, len(re.findall(r"^model: Rd_r at 0.0(?:15|45) = \S+ \+- \S+, measured (?:0.5|1.2) \+- 0.1, z ", said, re.M))), (0, 2), said)
+
+    def test_pictures(self):
+        """Of totals alone there is none, which is said before anything flies; a fit whose picture fails is printed first."""
+        with unittest.mock.patch("clustermcml.__main__.fit", side_effect=AssertionError("flew")):
+            self.assertEqual(self.fit("Rd,,0.3,0.01\n", "-o", "fit.svg"),
+                             (2, "clustermcml: -o = 'fit.svg' (expected a profile in the table: Rd_r Tt_r Rd_a Tt_a)\n"))
+        code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\n", "-o", "/proc/fit.svg")
+        self.assertEqual((code, said.count("\nmodel: Rd_r at 0.015 "), said.count("\nclustermcml: /proc/fit.svg: ")), (5, 1, 1), said)
 
     def test_tables_that_do_not_fit(self):
         for table, text in (("Rd,,0.3\n", ":1 = 'Rd,,0.3' (expected name,place,value,error)"), ("Rd,,0.3,0.1\nRd,,0.3,0.1\n", ":2 = 'Rd' (expected each total once)"),

@@ -129,17 +129,17 @@ def main() -> int:
     words = parser.parse_args()
     warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
     try:
-        found = fit(words.scene, _bounds(words.parameters), _measured(words.measured, words.scene), flights=words.flights,
-                    **_options(words))
+        measured = _measured(words.measured, words.scene)
+        if words.output is not None and not set(PROFILES) & set(measured):
+            raise errors.refuse("-o", words.output, "a profile in the table: " + " ".join(PROFILES))
+        found = fit(words.scene, _bounds(words.parameters), measured, flights=words.flights, **_options(words))
+        print("\n".join([str(found), *_beside(found)]), flush=True)
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:
         where = f"{words.measured}: " if str(error).startswith("measured") else ""
         print(f"clustermcml: {where}{error}", file=sys.stderr)
         return error.exit_code
-    print(found)
-    for line in _beside(found):
-        print(line)
     return 0
 
 

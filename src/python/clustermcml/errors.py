@@ -97,7 +97,8 @@ def choice(name: str, value: Any, *known: str) -> None:
 
 
 def array(name: str, value: Any, kinds: str, expected: str) -> Any:
-    """The value as an array of finite numbers, whose dtype is of one of the kinds. What a mask hides is no number.
+    """The value as an array of finite numbers, whose dtype is of one of the kinds. What a mask hides is no number. Of a large array with
+    holes the first is named: its beginning may have none.
 
     >>> array("Mesh.faces", [[0, 1, 2], [3]], "iu", "an array [m, 3] of whole numbers")
     Traceback (most recent call last):
@@ -108,8 +109,14 @@ def array(name: str, value: Any, kinds: str, expected: str) -> Any:
         numbers = np.asarray(value)
     except (TypeError, ValueError):
         raise refuse(name, value, expected) from None
-    if numbers.dtype.kind not in kinds or not np.all(np.isfinite(numbers)) or (isinstance(value, np.ma.MaskedArray) and np.any(value.mask)):
+    if numbers.dtype.kind not in kinds:
         raise refuse(name, value, expected)
+    finite = np.isfinite(numbers)
+    holes = np.argwhere(~finite | (value.mask if isinstance(value, np.ma.MaskedArray) else False))
+    if len(holes):
+        first = tuple(holes[0])
+        raise refuse(f"{name}{holes[0].tolist() or ''}", np.ma.masked if finite[first] else numbers[first].item(),
+                     f"{expected}; {len(holes)} of {numbers.size} numbers are missing, the first here")
     return numbers
 
 

@@ -84,7 +84,10 @@ class Fit:
         lines = [f"{name} = {value:.6g} +- {self.errors[name]:.2g}" for name, value in self.values.items()]
         names = list(self.values)
         lines += [f"correlation of {names[i]} and {names[k]}: {self.correlation[i, k]:+.2f} +- {self.correlation_errors[i, k]:.2f}" for i in range(len(names)) for k in range(i)]
-        lines.append(f"chi square {self.chi2:.3g} with {self.degrees} degrees of freedom, {self.flights} flights")
+        judged = f"chi square {self.chi2:.3g} with {self.degrees} degree{'s' * (self.degrees > 1)} of freedom"
+        if self.degrees <= 0:
+            judged = f"no freedom to judge the fit: measured numbers {self.degrees + len(names)}, parameters {len(names)}"
+        lines.append(f"{judged}, {self.flights} flights")
         return "\n".join(lines + ([self.words] if self.words else []))
 
 

@@ -159,6 +159,15 @@ for word in 'mua:^| mua, mus |' 'g:^| g |' 'n:^| n |' 'd:^| d |' 'light:^| .na:N
 done
 expect_error 2 "--aim Tt_r (expected it once, several names with commas)" $sample --aim Tt --aim Tt_r
 expect_error 2 "--error-of b (expected it once)" $sample --target-error 0.1 --error-of a --error-of b
+for option in of over by; do
+    expect_error 2 "--$option Tt (expected it once)" plot a.sweep.csv --$option Rd --$option Tt
+done
+for option in aim error-of label; do # without dashes, where nothing else has that name
+    expect_code 0 help "--$option"
+    mv "$work/out" "$work/text"
+    expect_code 0 help $option
+    cmp -s "$work/text" "$work/out" || complain "help $option: $(cat "$work/out")"
+done
 expect_error 2 "help: no text on \"\" (try clustermcml help)" help ""
 expect_error 2 "help: no text on print (try clustermcml help)" help print # a line of an example in Python
 expect_error 2 "help: no text on layer1.mux (try clustermcml help)" help layer1.mux

@@ -329,7 +329,11 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     }
     const struct cml_help_text *text = cml_help_texts;
     while (text->name && strcmp(text->name, topic) != 0) text++;
-    if (!text->name) return *topic && print_word(stream, topic) > 0 ? CML_OK : refuse(topic, err);
+    if (!text->name) {
+        option = cml_option_find(topic, strlen(topic));
+        if (option) print_one_option(stream, option);
+        return (*topic && print_word(stream, topic) > 0) || option ? CML_OK : refuse(topic, err);
+    }
     fputs(text->text, stream);
     return CML_OK;
 }

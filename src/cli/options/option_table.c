@@ -30,6 +30,7 @@ enum {
 #define FLAG(name) .read = cml_read_true, .member = MEMBER(name)
 #define NO_FLAG(name) .read = cml_read_false, .member = MEMBER(name)
 #define TEXT(name) .read = cml_read_text, .member = MEMBER(name)
+#define ONCE(name) .read = cml_read_once, .member = MEMBER(name)
 #define COUNT(name, low, high) .read = cml_read_count, .member = MEMBER(name), .least = (low), .most = (high)
 #define INT(name, low, high) .read = cml_read_int, .member = MEMBER(name), .least = (low), .most = (high)
 
@@ -159,14 +160,14 @@ const struct cml_option cml_option_table[] = {
      "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file. Of a sweep: a column, "
      "default "
      "Rd",
-     TEXT(of)},
+     ONCE(of)},
     {"cut", 0, "x|y|z=A", PLOT, NULL,
      "of voxels, A_xyz and phi_xyz of an .h5: where they are cut, cm; default y=0", .read = cml_read_cut},
     {"over", 0, "NAME[,NAME]", PLOT, NULL,
      "of a sweep: the column along the lower axis, default what was swept first; two: in colours over both",
-     TEXT(over)},
+     ONCE(over)},
     {"by", 0, "NAME", PLOT, NULL,
-     "of a sweep: a curve for each value of this column; default where rows need it", TEXT(by)},
+     "of a sweep: a curve for each value of this column; default where rows need it", ONCE(by)},
     {"label", 0, "TEXT", PLOT, NULL, "in place of a file's name; once for each file, in their order",
      .read = cml_read_label},
     {"title", 0, "TEXT", PLOT, NULL, "above the picture; default: names of the scenes, none above maps",

@@ -9,9 +9,9 @@
 typedef cml_status cml_option_reader(const struct cml_option *option, const char *value,
                                      struct cml_options *options, struct cml_error *err);
 
-/* Shared: they set option->member. A bool becomes true or false; a text is the value; numbers lie between
- * option->least and most, and whole ones may be written like 1e7; a range is A:B. */
-cml_option_reader cml_read_true, cml_read_false, cml_read_text, cml_read_count, cml_read_int,
+/* Shared: they set option->member. A bool becomes true or false; a text is the value, of once given but once;
+ * numbers lie between option->least and most, and whole ones may be written like 1e7; a range is A:B. */
+cml_option_reader cml_read_true, cml_read_false, cml_read_text, cml_read_once, cml_read_count, cml_read_int,
     cml_read_seconds, cml_read_range;
 
 /* Each reads the value of one option. */

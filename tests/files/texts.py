@@ -13,7 +13,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 import svg_text  # noqa: E402
-from fields import h5py  # noqa: E402
+from fields import h5py, numpy as np  # noqa: E402
 
 TOP = os.path.dirname(cml.TESTS)
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -107,6 +107,19 @@ def pixel_error(path, pixels):
     return float((errors / values)[pixels].mean())
 
 
+def furrows_ratio():
+    """Rd_xy where the furrows face the light over that where they turn away, and its error, as chapter 5 chooses them."""
+    values, errors, x = map_of("furrows.h5", "Rd_xy")
+    heights = 100 * np.fromfile(os.path.join(TOP, "meshes/furrows.gsf"), "<f4")[-64 * 64:].reshape(64, 64)[::-1]
+    at = (np.arange(64) - 31.5) * 0.0025
+    rises = np.array([np.diff(np.interp([x - 0.003, x + 0.003], at, row, period=0.16), axis=0)[0] for row in heights])
+    slopes = np.array([np.interp(x, at, column, period=0.16) for column in rises.T]).T / 0.006
+    lit = np.hypot(x, x[:, None]) < 0.17
+    (up, up_error), (down, down_error) = ((values[chosen].mean(), np.linalg.norm(errors[chosen]) / chosen.sum())
+                                          for chosen in (lit & (slopes > 0.2), lit & (slopes < -0.2)))
+    return up / down, up / down * math.hypot(up_error / up, down_error / down)
+
+
 def tutorial_numbers():
     """(what the text says, the numbers that its groups must be, with what they may be off by). Files are in the folder."""
     lower, higher = change("rough.mco", "level.mco", "A"), change("level.mco", "rough.mco", "Rd")
@@ -123,6 +136,8 @@ def tutorial_numbers():
     yield r"on average (\S+) cm to the right", ((float((values * x).sum() / values.sum()), 1e-4),)
     yield r"give an error of (\d+) % in its middle", ((100 * pixel_error("scan.h5", (slice(18, 22), slice(20, 40))), 0.5),)
     yield r"light are known to (\S+) %, which", ((100 * pixel_error("furrows.h5", slice(14, 66)), 0.5),)
+    ratio, error = furrows_ratio()
+    yield r"in the mean (\d+) \+- (\d+) % higher", ((100 * (ratio - 1), 100 * error), (100 * error, 0))
     yield (r"plane would mirror (\S+) \(`check` prints it\), the texture mirrors (\S+),",
            ((flat_rsp(os.path.join(TOP, "samples/furrows.mci")), 0), total("furrows.mco", "Rsp")))
     vessel = cml.read_sections("vessel.mco")
@@ -144,7 +159,8 @@ def tutorial_numbers():
     yield (r"mean height of the patch is (\S+) cm, so that the epidermis is as thick as the level one to (\S+) %",
            ((patch["boundaries"][0]["mean_height"], 0), (100 * (patch["layers"][0]["mean_d"] / patch["layers"][0]["d"] - 1), 0)))
     fibres = cml.read_sections("fibres.mco")
-    yield r"all of its way, (\S+) cm, lies in the dermis", ((fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]),)
+    far = fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]
+    yield r"all of its way, (\S+) \+- (\S+) cm, lies in the dermis", (far, (far[1], 0))
     deep = cml.read_sections("deep.mco")
     yield r"gives Tt as (\S+) \+- (\S+) millionths", ((1e6 * deep["Tt_expected"][0], 0), (1e6 * deep["se_Tt_expected"][0], 0))
     remote = cml.read_sections("remote.mco")

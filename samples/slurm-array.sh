@@ -16,7 +16,7 @@
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-clustermcml}
-directory=$1
+directory=${1:?expected the folder of the study: slurm-array.sh DIR [scene.mci ...]}
 shift
 
 fail() {
@@ -57,10 +57,11 @@ export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
 part=$directory/part-$SLURM_ARRAY_TASK_ID
 mkdir -p "$part"
 trap : TERM USR2
-started=$(mktemp)
-trap 'rm -f "$started"' EXIT
+said=$(mktemp 2>/dev/null || TMPDIR=. mktemp)
+touch "$said.begun"
+trap 'rm -f "$said" "$said.begun"' EXIT
 srun --mpi=pmix --cpus-per-task="$OMP_NUM_THREADS" --kill-on-bad-exit=1 "$program" "$@" --seed "$SLURM_ARRAY_TASK_ID" \
-    -o "$part" --resume &
+    -o "$part" --resume 2> >(trap '' TERM USR2; exec tee "$said" >&2) &
 step=$!
 code=0
 wait $step || code=$?
@@ -69,9 +70,11 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
     code=$?
 done
 
-# As in slurm.sh: requeued is what was stopped or killed, and has left a new checkpoint.
+# As in slurm.sh: requeued is what says that --resume continues, or has left a new checkpoint.
 if test $code -eq 75 || test $code -ge 128; then
-    if find "$part" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .; then
+    sleep 1 # tee may be behind
+    if grep -q ' to fly; --resume continues' "$said" ||
+        find -L "$part" -name '*.checkpoint' -newer "$said.begun" 2>/dev/null | grep -q .; then
         scontrol requeue "$SLURM_JOB_ID"
         exit 75
     fi

@@ -21,9 +21,11 @@ export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
 # --resume begins anew where there is no checkpoint, so the first attempt needs no other command. Let the shell wait:
 # a preempted batch script gets SIGTERM, which the ranks get too.
 trap : TERM USR2
-started=$(mktemp)
-trap 'rm -f "$started"' EXIT
-srun --mpi=pmix --cpus-per-task="$OMP_NUM_THREADS" --kill-on-bad-exit=1 "$program" "$@" --resume &
+said=$(mktemp 2>/dev/null || TMPDIR=. mktemp)
+touch "$said.begun"
+trap 'rm -f "$said" "$said.begun"' EXIT
+srun --mpi=pmix --cpus-per-task="$OMP_NUM_THREADS" --kill-on-bad-exit=1 "$program" "$@" --resume \
+    2> >(trap '' TERM USR2; exec tee "$said" >&2) &
 step=$!
 code=0
 wait $step || code=$?
@@ -32,9 +34,9 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
     code=$?
 done
 
-# 75: stopped, resumable. A launcher may return something else when it was itself told to stop, and a preempted job
-# may be killed before it says anything. Requeued is what has got on, as a checkpoint that is newer than this attempt says:
-# a run that does not fly within its limit never will.
+# 75: stopped, and its last line says that --resume continues; where it was stopped before it flew, as it would be for ever,
+# it does not. A launcher may return something else when it was itself told to stop, and a preempted job may be killed before
+# it says anything: a checkpoint that is newer than this attempt says the same.
 directory=. output= before=
 for word; do # the values of -o and --output among the arguments
     case $before in -o | --output-dir) directory=$word ;; --output) output=$word ;; esac
@@ -42,8 +44,13 @@ for word; do # the values of -o and --output among the arguments
     before=$word
 done
 case $output in /*) directory=${output%/*}/ ;; esac
+got_on() {
+    grep -q ' to fly; --resume continues' "$said" ||
+        find -L "$directory" -name '*.checkpoint' -newer "$said.begun" 2>/dev/null | grep -q .
+}
 if test $code -eq 75 || test $code -ge 128; then
-    if find "$directory" -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .; then
+    sleep 1 # tee may be behind
+    if got_on; then
         echo "stopped with $code, requeued: scontrol requeue ${SLURM_JOB_ID:-?}"
         scontrol requeue "$SLURM_JOB_ID"
         exit 75

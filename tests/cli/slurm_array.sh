@@ -103,6 +103,15 @@ flies KILL 137 -o"$work/job" --output d/thick.mco
 flies KILL 137 --output-dir="$work/job"
 flies KILL 137 --output "$work/job/thick.mco"
 flies KILL 137 --output="$work/job/d/thick.mco"
+# where no checkpoint is found the last line says that there is one
+mkdir "$work/far"
+sed "s#^[^ ]*.mco A#$work/far/thick.mco A#" samples/thick.mci >"$work/far.mci"
+STOP="$work/far/*.checkpoint" SIGNAL=TERM job 75 "$work/far.mci" --photons 1e9
+grep -q "^stopped with 75, requeued" "$work/out" && test "$(cat "$work/asked")" = "requeue 7" || complain "an absolute name: $(cat "$work/out")"
+ln -s "$work/far" "$work/link"
+rm "$work"/far/*
+STOP="$work/far/*.checkpoint" SIGNAL=KILL job 75 samples/thick.mci --photons 1e9 -o "$work/link"
+grep -q "^stopped with 137, requeued" "$work/out" || complain "a link: $(cat "$work/out")"
 unset STOP
 printf '#!/bin/sh\ntest -z "${FATAL:-}" || kill -KILL $$\nexit 75\n' >"$work/bin/begins" # and gets no further
 chmod +x "$work/bin/begins"

@@ -140,6 +140,7 @@ static void scale(struct cml_flat_tail *tail, const double *table)
         double most = 0;
         int power = 0;
         for (int j = 0; j < cells; j++) most = fmax(most, table[j * tail->scores + s]);
+        if (most < CML_TAIL_LEAST) continue;
         (void)frexp(most, &power);
         tail->exponent[s] = power >= 0                        ? 0
                             : -power < CML_TAIL_MOST_EXPONENT ? -power

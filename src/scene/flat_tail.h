@@ -6,6 +6,8 @@
 
 #include "base/status.h"
 
+#include <stdbool.h>
+
 /* Everything in it is owned. Zeroed: none. */
 struct cml_flat_tail {
     int layer;  /* that has the level */
@@ -20,6 +22,12 @@ struct cml_flat_tail {
 
 #define CML_FLAT_TAIL_CELLS 1024 /* of an interval */
 #define CML_TAIL_MOST_EXPONENT 54
+
+/* What is less from every direction counts as 0: sums are of units of 2^-79, and each packet is rounded. */
+#define CML_TAIL_LEAST 1e-20
+
+/* Whether anything of a score is there. */
+bool cml_flat_tail_has(const struct cml_flat_tail *tail, int score);
 
 /* The widest root of a cosine in an interval. */
 double cml_flat_tail_widest(const struct cml_flat_tail *tail, int interval);

@@ -108,6 +108,16 @@ expect_error 2 "$file: --aim Tt (expected another name of the detector: this is 
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 
+# What no sum can hold is refused where it is asked for, and 0 beside it.
+grid='20000\n0.01 0.01\n20 20 3\n'
+scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.0\n"
+least="expected 1e-20 of the light or more that gets there, not less"
+expect_error 2 "$file: --aim Tt ($least)" "$work/x.mci" --aim A_l:2,Tt --quiet -o "$work/d"
+expect_code 0 "$work/x.mci" --photons 1000 --aim A_l:2 -o "$work/d"
+grep -qx '  Tt   0 +- 0 expected' "$work/out" || complain "Tt of 1e-30: $(grep Tt "$work/out")"
+scene "3\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.4 1 100 0.9 1\n1.0\n"
+expect_error 2 "$file: --aim A_l:3 ($least)" "$work/x.mci" --aim A_l:3 --quiet -o "$work/d"
+
 # A detector that has seen nothing is proposed as an aim where it can be one; plan says why it cannot.
 unseen() { # WORDS-BEHIND LINES-OF-THE-GRID
     grid="100\n0.01 0.01\n20 20 3\n$2\n"

@@ -412,6 +412,24 @@ static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                                 : make_windows(aim, scene, media, wanted.layers, windows, err);
 }
 
+/* The next of names that commas part. */
+static const char *after(const char *name)
+{
+    name += strcspn(name, ",");
+    return name + (*name == ',');
+}
+
+static cml_status check_worth(const char *name, const struct cml_scene *scene, int level,
+                              const struct cml_flat_tail *tail, struct cml_error *err)
+{
+    const int length = (int)strcspn(name, ","), layer = strncmp(name, "A_l:", 4) == 0 ? atoi(name + 4) : 0;
+    const int score = layer ? layer - level : strncmp(name, "Tt", (size_t)length) == 0 ? 0 : -1;
+    char expected[80];
+    if (score < (layer ? 1 : 0) || cml_flat_tail_has(tail, score)) return CML_OK;
+    snprintf(expected, sizeof expected, "%g of the light or more that gets there, not less", CML_TAIL_LEAST);
+    return refuse(scene, name, length, expected, err);
+}
+
 /* media: of the flat twin. tail: it is wanted, too, which takes longest, and which no scene is refused for
  * but by its numbers. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
@@ -422,13 +440,15 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     struct wanted wanted = {0};
     if (scene->backing.kind != CML_BACKING_NONE)
         return refuse(scene, aim, (int)strlen(aim), "no backing", err);
-    for (const char *name = aim; *name; name += strcspn(name, ",") + (name[strcspn(name, ",")] == ','))
+    for (const char *name = aim; *name; name = after(name))
         CML_TRY(add_name(name, scene, level.layer, &wanted, err));
     if (wanted.layers > 0 || wanted.detectors > 0)
         CML_TRY(aim_windows(aim, scene, surfaces, media, wanted, &to->windows, err));
-    return wanted.tail && tail
-               ? cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err)
-               : CML_OK;
+    if (!(wanted.tail && tail)) return CML_OK;
+    CML_TRY(cml_tail_create(media, scene->num_layers, level.layer, level.z, &to->tail, err));
+    for (const char *name = aim; *name; name = after(name))
+        CML_TRY(check_worth(name, scene, level.layer, &to->tail, err));
+    return CML_OK;
 }
 
 static cml_status create_of(const char *aim, const struct cml_scene *scene,

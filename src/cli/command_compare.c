@@ -63,7 +63,9 @@ cml_status cml_command_compare(const struct cml_options *options, struct cml_err
     CML_TRY(cml_result_read(options->operands[0], &outcome[0], err));
     cml_status status = cml_result_read(options->operands[1], &outcome[1], err);
     if (status == CML_OK) {
-        status = compare(options, outcome, err);
+        for (int i = 0; i < 2 && status == CML_OK; i++)
+            status = cml_outcome_check(&outcome[i], options->operands[i], err);
+        if (status == CML_OK) status = compare(options, outcome, err);
         cml_outcome_clear(&outcome[1]);
     }
     cml_outcome_clear(&outcome[0]);

@@ -490,3 +490,49 @@ cml_status cml_outcome_make_shapes(struct cml_outcome *o, struct cml_error *err)
     }
     return CML_OK;
 }
+
+/* Squares of larger numbers would overflow. place: of the first, among those that have the name together. */
+static cml_status check_numbers(const struct cml_outcome *o, const char *file, const char *name,
+                                const double *numbers, size_t count, size_t place, double least,
+                                struct cml_error *err)
+{
+    const bool errors = strncmp(name, "se_", 3) == 0,
+               unknown = (errors && o->photons == 1) || cml_outcome_may_be_none(errors ? name + 3 : name);
+    const double most = CML_OUTCOME_MOST;
+    for (size_t i = 0; i < count; i++)
+        if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))
+            return cml_fail(err, CML_E_INPUT, "%.200s: %s[%zu] = %g (expected a number from %g to %g)", file,
+                            name, place + i, numbers[i], least, most);
+    return CML_OK;
+}
+
+/* Under the name of the section of an .mco in which it stands. */
+static cml_status check_quantity(const struct cml_outcome *o, const char *file, enum cml_quantity quantity,
+                                 bool errors, struct cml_error *err)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const double *numbers = (errors ? o->error : o->value)[quantity];
+    const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
+    const bool negative =
+        info->estimator == CML_FROM_RESIDUE ||
+        (!errors && (info->estimator == CML_FROM_TWIN || cml_quantity_is_derivative(quantity) ||
+                     quantity == CML_QUANTITY_detector_deepest));
+    char name[64];
+    if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
+    snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);
+    return check_numbers(o, file, name, numbers, cml_outcome_size(o, quantity),
+                         total  ? quantity
+                         : book ? (size_t)(quantity - CML_QUANTITY_book_launched)
+                                : 0,
+                         negative ? -CML_OUTCOME_MOST : 0, err);
+}
+
+cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file, struct cml_error *err)
+{
+    CML_TRY(check_numbers(outcome, file, "user time", &outcome->user_time, 1, 0, 0, err));
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        CML_TRY(check_quantity(outcome, file, (enum cml_quantity)i, false, err));
+        CML_TRY(check_quantity(outcome, file, (enum cml_quantity)i, true, err));
+    }
+    return CML_OK;
+}

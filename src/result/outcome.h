@@ -144,6 +144,13 @@ const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome,
  * integer. */
 double cml_outcome_numbers(const struct cml_outcome *outcome);
 
+/* The largest number of a result: squares of larger ones would overflow. */
+#define CML_OUTCOME_MOST 1e100
+
+/* CML_E_INPUT: a number that no run writes: larger, below 0 where nothing is, or none where one is known. */
+CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file,
+                                           struct cml_error *err);
+
 /* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
 CML_NODISCARD cml_status cml_outcome_make_shapes(struct cml_outcome *outcome, struct cml_error *err);
 

@@ -110,4 +110,12 @@ for seed in 1 5; do # transmitted, reflected
 done
 a=$work/1/one.mco b=$work/5/one.mco
 expect_error 2 "compare: $a and $b: 1 and 1 packets (expected enough to compare anything)" compare "$a" "$b"
+
+# numbers that no run writes, which no z can tell apart
+expect_code 0 samples/thick.mci --photons 1000 --quiet -o "$work"
+for number in 1e160 -0.8; do
+    awk -v n=$number '/^RAT/ { n_th = NR + 2 } NR == n_th { $0 = n } { print }' "$work/thick.mco" >"$work/odd.mco"
+    expect_code 2 compare "$work/thick.mco" "$work/odd.mco"
+    grep -q "odd.mco: RAT\[1\] = .* (expected a number from 0 to 1e+100)$" "$work/err" || complain "Rd of $number: $(cat "$work/out" "$work/err")"
+done
 finish

@@ -109,58 +109,12 @@ static cml_status merge_quantities(const struct cml_merge_input *inputs, int cou
 
 /* ---- what no run writes ---- */
 
-/* Squares of larger numbers would overflow. place: of the first, among those that have the name together. */
-static cml_status check_numbers(const struct cml_merge_input *input, const char *name, const double *numbers,
-                                size_t count, size_t place, double least, struct cml_error *err)
-{
-    const bool errors = strncmp(name, "se_", 3) == 0,
-               unknown = (errors && input->outcome->photons == 1) ||
-                         cml_outcome_may_be_none(errors ? name + 3 : name);
-    const double most = CML_MERGE_MOST;
-    for (size_t i = 0; i < count; i++)
-        if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))
-            return cml_fail(err, CML_E_INPUT, "%.200s: %s[%zu] = %g (expected a number from %g to %g)",
-                            input->name, name, place + i, numbers[i], least, most);
-    return CML_OK;
-}
-
-/* Under the name of the section of an .mco in which it stands. */
-static cml_status check_quantity(const struct cml_merge_input *input, enum cml_quantity quantity, bool errors,
-                                 struct cml_error *err)
-{
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const double *numbers = (errors ? input->outcome->error : input->outcome->value)[quantity];
-    const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
-    const bool negative =
-        info->estimator == CML_FROM_RESIDUE ||
-        (!errors && (info->estimator == CML_FROM_TWIN || cml_quantity_is_derivative(quantity) ||
-                     quantity == CML_QUANTITY_detector_deepest));
-    char name[64];
-    if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
-    snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);
-    return check_numbers(input, name, numbers, cml_outcome_size(input->outcome, quantity),
-                         total  ? quantity
-                         : book ? (size_t)(quantity - CML_QUANTITY_book_launched)
-                                : 0,
-                         negative ? -CML_MERGE_MOST : 0, err);
-}
-
 static cml_status check_errors(const struct cml_merge_input *input, struct cml_error *err)
 {
     if (input->outcome->error[CML_QUANTITY_Rsp] && input->outcome->num_streams > 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "%.200s: has no seed or no standard errors (expected a result of this program)",
                     input->name);
-}
-
-static cml_status check_input(const struct cml_merge_input *input, struct cml_error *err)
-{
-    CML_TRY(check_numbers(input, "user time", &input->outcome->user_time, 1, 0, 0, err));
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        CML_TRY(check_quantity(input, (enum cml_quantity)i, false, err));
-        CML_TRY(check_quantity(input, (enum cml_quantity)i, true, err));
-    }
-    return CML_OK;
 }
 
 /* ---- what is not counted ---- */
@@ -211,7 +165,7 @@ cml_status cml_merge_head(const struct cml_merge_input *inputs, int count, const
 static cml_status fill(const struct cml_merge_input *inputs, int count, const char *title,
                        struct cml_outcome *merged, struct cml_error *err)
 {
-    for (int k = 0; k < count; k++) CML_TRY(check_input(&inputs[k], err));
+    for (int k = 0; k < count; k++) CML_TRY(cml_outcome_check(inputs[k].outcome, inputs[k].name, err));
     CML_TRY(cml_merge_head(inputs, count, title, merged, err));
     CML_TRY(cml_outcome_allocate(merged, err));
     for (int i = 0; i < inputs[0].outcome->num_heights; i++) {

@@ -41,7 +41,7 @@ static cml_status check(const struct cml_merge_array *array, int file, size_t be
 {
     const struct cml_hdf5_arrays *arrays = &array->all->file[file];
     const struct cml_field *field = &array->of_file[file]->field;
-    const double most = CML_MERGE_MOST, least = array->errors || field->single ? 0 : -most;
+    const double most = CML_OUTCOME_MOST, least = array->errors || field->single ? 0 : -most;
     for (size_t i = 0; i < count; i++)
         if (!(numbers[i] >= least && numbers[i] <= most))
             return cml_fail(err, CML_E_INPUT, "%.400s: %s[%zu] = %g (expected a number from %g to %g)",

@@ -18,9 +18,6 @@ CML_NODISCARD cml_status cml_merge_check(const struct cml_merge_input *inputs, i
 CML_NODISCARD cml_status cml_merge_head(const struct cml_merge_input *inputs, int count, const char *title,
                                         struct cml_outcome *merged, struct cml_error *err);
 
-/* The largest number of an input. */
-#define CML_MERGE_MOST 1e100
-
 /* What the standard errors of input k count in those of the mean: its share of the packets. One packet has no
  * error of its own: it counts 0, and the others for it, as if it scattered like them. Where all count 0,
  * errors come from the spread between inputs (cml_merge_add_spread). */

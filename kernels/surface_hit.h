@@ -60,7 +60,9 @@ CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, stru
     hit->point = cml_along(p, t, u);
     hit->point.z = cml_clamp_to_ring(rings.z[ring], cml_ring_end(rings, ring), hit->point.z);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
-    hit->facet = cml_cone_facet(rings, ring, q.x, q.y);
+    /* at the tip a packet meets the side to which it goes: a level facet would turn some to it for ever */
+    const int at_tip = !first & (q.x == 0) & (q.y == 0);
+    hit->facet = cml_cone_facet(rings, ring, at_tip ? u.x : q.x, at_tip ? u.y : q.y);
     hit->normal = first ? cml_cone_normal(rings, ring, q.x, q.y) : hit->facet;
     hit->primitive = ring;
     return 1;

@@ -23,6 +23,12 @@ expect_sound() { # NAME: $work/out is the JSON line of a run without loss
     grep -q '"lost":0,' "$work/out" && grep -q '"residue":0[,.}]' "$work/out" || complain "$1: $(cat "$work/out")"
 }
 
+# Light that interacts within a rounding of the tip of a cone, before it has left the axis, leaves on the side to which it goes.
+scene tip "b 4 0.02 0.1 0.01 0.2 -0.01 0.3 0.01 0.1" "1.4 8 12 0.5 0.35"
+expect_code 0 trace "$work/tip.mci" 1088599 --seed 22 --set photons=1e8
+tail -n 1 "$work/out" | grep -q '^# .* after [0-9]* interactions and [0-9] boundary events' ||
+    complain "light at the tip of a cone: $(tail -n 1 "$work/out")"
+
 python3 bench/lib/rough.py mesh 1e5 0.03 "$work/rough.obj" || complain "no rough mesh"
 scene rough 'm "rough.obj"' "1.34 0.1 10 0.5 0.5"
 for options in "" "--mesh-search embree"; do

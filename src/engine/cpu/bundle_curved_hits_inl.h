@@ -40,11 +40,10 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
 }
 
 /* Where packets meet their ring, as in cml_intersect_field for a packet that is not the beam itself: fills t,
- * normals and doubtful (the root must be searched for), and moves x, y, z there. */
+ * normals and doubtful (the root must be searched for, or it is the tip), and moves x, y, z there. */
 CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);
-    const struct cml_vec axis = {0, 0, -1};
 #pragma omp simd
     for (int k = 0; k < size; k++) {
         const struct cml_vec p = {h->x[k], h->y[k], h->z[k]}, u = {h->ux[k], h->uy[k], h->uz[k]};
@@ -59,13 +58,13 @@ CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, st
         const real r = CML_SQRT(q.x * q.x + q.y * q.y);
         const struct cml_vec up = cml_cone_normal_of_slope(ring.slope, q.x, q.y, r);
         h->t[k] = t;
-        h->doubtful[k] = !(known | (good & (better < t_max)));
+        h->doubtful[k] = !((known | (good & (better < t_max))) & (r > 0));
         h->x[k] = point.x;
         h->y[k] = point.y;
         h->z[k] = cml_clamp_to_ring(ring.z, h->ring_end[k], point.z);
-        h->normal_x[k] = r > 0 ? up.x : axis.x;
-        h->normal_y[k] = r > 0 ? up.y : axis.y;
-        h->normal_z[k] = r > 0 ? up.z : axis.z;
+        h->normal_x[k] = up.x;
+        h->normal_y[k] = up.y;
+        h->normal_z[k] = up.z;
     }
 }
 

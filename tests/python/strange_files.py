@@ -134,12 +134,33 @@ class Crafted(unittest.TestCase):
 
     def test_mco(self):
         text = self.sound["mco"].decode()
-        for change, said in ((lambda: text.replace("5\t7\t2\t", "2000000000\t7\t2\t"), r"nz = 2000000000 .expected a whole number from 1 to \d+,"),
-                             (lambda: text.replace("5\t7\t2\t", "5\t7\t0\t"), "na = 0"), (lambda: text.replace("5\t7\t2\t", "5\t-7\t2\t"), "nr = -7"),
-                             (lambda: text.replace("\n1\t\t\t\t\t#", "\n900000000\t\t\t\t\t#"), "number of layers = 900000000"),
-                             (lambda: text.replace("\n300 ", "\n1e999 "), "infinity"), (lambda: "A1\nInParm\nname" + " " * 10**6 + ".", "StopIteration")):
-            self.assertNotEqual(change(), text)
-            self.refused(self.write("mco", change().encode()), r"strange\.mco: not a whole \.mco file .*" + said)
+        more = "expected a whole number from 1 to"
+        rsp, rd = re.search(r"^RAT .*\n(\S+).*\n(\S+)", text, re.M).groups()
+        for old, new, said in (("5\t7\t2\t", "2000000000\t7\t2\t", f":16: nz = '2000000000' .{more} "), ("5\t7\t2\t", "5\t7\t0\t", f":16: na = '0' .{more}"),
+                               ("5\t7\t2\t", "5\t-7\t2\t", f":16: nr = '-7' .{more}"), ("5\t7\t2\t", "5\t7_0\t2\t", f":16: nr = '7_0' .{more}"),
+                               ("5\t7\t2\t", "5\t7.0\t2\t", f":16: nr = '7.0' .{more}"), ("\n1\t\t\t\t\t#", "\n900000000\t\t\t\t\t#", f":18: number of layers = '900000000' .{more}"),
+                               *(("\n300 ", f"\n{word} ", f":14: photons = '{word}' .expected a whole number above 0") for word in ("0", "-300", "1e999", "1e30", "300.5", "3_00")),
+                               ("\n300 ", "\n\u0663 ", ":14: photons = '.' .expected a whole"), ("\n300 ", "\n300 7 ", ":14: number too many = '7' .expected the end of the line"),
+                               *(("\n0.01\t0.01\t", f"\n{word}\t0.01\t", f":15: dz = '{word}' .expected a number above 0") for word in ("0", "-0.01", "nan", "1e400")),
+                               *(("\n1.4\t1\t100\t0.9\t0.1", "\n" + line, f":21: {what} .expected a number") for line, what in
+                                 (("0 1 9 0 1", "n = '0'"), ("1 nan 9 0 1", "mua = 'nan'"), ("1 -1 9 0 1", "mua = '-1'"), ("1 1 9 2 1", "g = '2'"), ("1 1 9 0 -1", "d = '-1'"), ("1 1 9 0", "d = 'nothing'"))),
+                               *((f"\n{rd} ", f"\n{word} ", rf":26: RAT.1. = '{seen}' .expected a number, one of 4") for word, seen in
+                                 (("inf", "inf"), ("zero", "zero"), ("nan", "nan"), ("1e400", "1e400"), ("0.8_2", "0.8_2"), ("\u0663.5", "..5"), ("1.#INF", "1.#INF"), ("0.8\xa0", "0.8."))),
+                               (f"\n{rd} ", f"\n0.8 {rd} ", r":28: RAT.4. = '\S+' .expected the end of 4 numbers"), (f"\n{rsp} ", "\n# ", r":30: RAT.3. = 'A_l'"),
+                               ("\nse_RAT ", "\nse_RAT #\nzero ", r":\d+: se_RAT.0. = 'zero' "), ("\nbooks ", "\nbooks #\n1\nmore ", r":\d+: books.1. = 'more' .expected a number, one of 12"),
+                               ("\nA_rz", "\nB_rz", ": A_rz.0. = 'nothing'"), ("A1", "A1\0", "NUL byte"), ("\n", "\r", "last line is missing"),
+                               (text, "A1\nInParm\nname" + " " * 10**6 + ".", ": photons = 'nothing'")):
+            self.assertIn(old, text)
+            with self.subTest(said):
+                self.refused(self.write("mco", text.replace(old, new, -1 if old == "\n" else 1).encode()), r"strange\.mco.*" + said)
+
+    def test_mco_as_the_program_takes_them(self):
+        """With the ends of lines of others and a byte order mark; of two sections of a name the first counts; text behind a number is a comment."""
+        text, sound = self.sound["mco"], mc.read(self.write("mco", self.sound["mco"]))
+        for other in (text.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + text, text.replace(b"\nse_RAT ", b"\nRAT #\n1\n2\n3\n4\n\nse_RAT "),
+                      text.replace(b"\n300 ", b"\n3e2 photons ")):
+            self.assertNotEqual(other, text)
+            xr.testing.assert_identical(mc.read(self.write("mco", other)), sound)
 
     def test_a_number_of_a_later_program(self):
         """Its own comment says what it is."""

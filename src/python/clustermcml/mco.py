@@ -5,8 +5,10 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import math
 import re
-from typing import Any, Iterator
+import sys
+from typing import Any, Iterator, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,7 +16,8 @@ import xarray as xr
 from . import errors
 
 TOTALS = ("Rsp", "Rd", "A", "Tt")
-LAYER = ("n", "mua", "mus", "g", "d")
+WHOLE = ("A_l", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a", "A_rz", "Rd_ra", "Tt_ra")  # what every file has behind its totals
+NUMERAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 END = "   Last line: # end"  # says, behind the time, that the file ends so; those of original MCML and of older versions do not
 BOOKS = {
     "launched": "launched", "gained": "gained in roulette", "specular": "specular (Rsp)", "reflected": "reflected (Rd)",
@@ -57,6 +60,7 @@ for _by in ("mua", "mus"):
                                           f"derivative of {_name} by {_by}")
 # a section of one number: its name, what it is, its unit
 NUMBER = re.compile(r"^([A-Za-z]\w*) # (.+) \[([^]]+)\]\n *\S+\n(?=\n|\Z)", re.MULTILINE)
+MAY_BE_NONE = ("_path", "_interactions", "_deepest")  # nan, where a detector saw nothing
 # of every detector, behind detector_NAME
 OF_DETECTORS = {
     "": ((), "1", "detected"),
@@ -94,42 +98,112 @@ AXES = {
 }
 
 
-def _sections(text: str) -> dict[str, list[str]]:
-    """{key: the words of its lines}; comments are left out. The name of the output, with which InParm begins, is one word."""
-    sections: dict[str, list[str]] = {}
-    key = ""
-    for line in text.split("\n"):
-        words = line.split("#")[0].split()
-        if key == "InParm" and words and not sections[key]:
-            sections[key] = [re.sub(r"(?<!\s)\s+[A-Za-z]\s*(#.*)?$", "", line)]
+def _lines(text: str) -> Iterator[tuple[int, str, list[str]]]:
+    """Number, section and words of each line with words: none of one with a key; of two sections of a name the first counts. A comment
+    begins where a word would. The name of the output, with which InParm begins, is one word, all others are ASCII."""
+    plain = re.sub(r"[^\x00-\x1b -\x7f]", "?", re.sub(r"#(?<!\S#).*", "", text))
+    key, seen, named = "", {""}, False
+    for number, (line, own) in enumerate(zip(plain.split("\n"), text.split("\n")), 1):
+        words = line.split()
+        if words and key == "InParm" and not named:
+            named, words = True, [re.sub(r"(?<!\s)\s+[A-Za-z]\s*(#.*)?$", "", own)]
+        elif words and words[0][0].isalpha() and re.fullmatch(r"\w+", words[0]) and words[0].lower() not in ("nan", "inf", "infinity"):
+            key = "" if words[0] in seen else words[0]
+            seen.add(key)
+            words = []
+        elif not words:
             continue
-        if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and words[0].lower() != "nan" and (words[0] != "A" or key):
-            key = words.pop(0)
-            sections[key] = []
-        if key:
-            sections[key] += words
-    return sections
+        yield number, key, words
+
+
+class _Kind(NamedTuple):
+    """What a number of InParm may be."""
+
+    expected: str
+    least: float
+    most: float
+    word: re.Pattern[str] = NUMERAL
+
+    def fits(self, word: str) -> bool:
+        return bool(self.word.fullmatch(word)) and self.least <= float(word) <= self.most and ("whole" not in self.expected or float(word) % 1 == 0)
+
+
+POSITIVE = _Kind("a number above 0", math.ulp(0.0), sys.float_info.max)
+NOT_NEGATIVE = _Kind("a number of 0 or more", 0, sys.float_info.max)
+PHOTONS = _Kind("a whole number above 0, at most 2^53", 1, 2**53)
+LAYER = {"n": POSITIVE, "mua": NOT_NEGATIVE, "mus": NOT_NEGATIVE, "g": _Kind("a number from -1 to 1", -1, 1), "d": NOT_NEGATIVE}
+
+
+class _File:
+    """The words of a file by section. What it cannot be is refused by file and line, as the program does."""
+
+    def __init__(self, path: str, text: str) -> None:
+        self.path, self.text = path, text
+        self.sections: dict[str, list[str]] = {}
+        parameters = []
+        for number, key, words in _lines(text):
+            self.sections.setdefault(key, []).extend(words)
+            if key == "InParm" and words:
+                parameters.append((number, words))
+        self.parameters = iter(parameters)
+
+    def fields(self, **kinds: _Kind) -> list[float]:
+        """The numbers of the next line of InParm. Text behind them is a comment, but a number is a mistake."""
+        number, words = next(self.parameters, (0, []))
+        where = f"{self.path}:{number}" if number else self.path
+        for i, (name, kind) in enumerate(kinds.items()):
+            word = words[i] if i < len(words) else "nothing"
+            if not kind.fits(word):
+                raise errors.refuse(f"{where}: {name.replace('_', ' ')}", word, kind.expected)
+        if len(words) > len(kinds) and NUMERAL.fullmatch(words[len(kinds)]):
+            raise errors.refuse(f"{where}: number too many", words[len(kinds)], "the end of the line")
+        return [float(word) for word in words[:len(kinds)]]
+
+    def wrong(self, key: str, index: int, expected: str) -> errors.InputError:
+        """The error of a section's number, or of what stands where that should."""
+        left, inside = index, False
+        for number, of, words in _lines(self.text):
+            if of == key and left < len(words) or inside and of != key:
+                return errors.refuse(f"{self.path}:{number}: {key}[{index}]", words[left] if of == key else of or "nothing", expected)
+            inside |= of == key
+            left -= len(words) if of == key else 0
+        return errors.refuse(f"{self.path}: {key}[{index}]", "nothing", expected)
+
+    def numbers(self, key: str, count: int, none: bool = False, more: bool = False) -> Any:
+        """The numbers of a section, which has as many, or more. none: whether they may be nan."""
+        words = self.sections.get(key, [])
+        values = np.array([float(word) if NUMERAL.fullmatch(word) else np.nan if none and word.lower() == "nan" else np.inf for word in words[:count]])
+        bad = np.flatnonzero(np.isinf(values))
+        if len(bad) or len(values) < count:
+            raise self.wrong(key, int(bad[0]) if len(bad) else len(values), f"a number, one of {count}")
+        if len(words) > count and not more:
+            raise self.wrong(key, count, f"the end of {count} number{'s' * (count > 1)}")
+        return values
+
+    def bins(self, key: str, expected: str, *ranges: tuple[float, float]) -> list[float]:
+        """The numbers of a section of sizes. Those whose least is 1 are whole."""
+        found: list[float] = self.numbers(key, len(ranges)).tolist()
+        for i, (value, (least, most)) in enumerate(zip(found, ranges)):
+            if not least <= value <= most or least == 1 and value % 1:
+                raise self.wrong(key, i, expected)
+        return found
 
 
 def _middles(bins: int, width: float) -> Any:
     return (np.arange(bins) + 0.5) * width
 
 
-def _count(name: str, word: str, most: int) -> int:
-    """A whole number of bins or layers: the file has at least a digit and a blank for each."""
-    if not 1 <= int(word) <= most:
-        raise ValueError(f"{name} = {word} (expected a whole number from 1 to {most}, which the file can hold)")
-    return int(word)
-
-
-def _grid(words: Iterator[str], most: int) -> tuple[dict[str, Any], list[list[float]], float, float]:
-    """Axes, layers and the indices beyond them from the words of InParm, which original MCML writes: name, format, photons, dz,
-    dr, nz, nr, na, number of layers, n above, five numbers for each layer, n below. most: as many bins, or layers, as the file can hold."""
-    dz, dr = float(next(words)), float(next(words))
-    nz, nr, na, layers = (_count(name, next(words), most) for name in ("nz", "nr", "na", "number of layers"))
-    above = float(next(words))
-    media = [[float(next(words)) for _ in LAYER] for _ in range(layers)]
-    below = float(next(words))
+def _grid(file: _File) -> tuple[dict[str, Any], list[list[float]], float, float]:
+    """Axes, layers and the indices beyond them from the lines of InParm, which original MCML writes: dz dr, nz nr na, number of layers,
+    n above, five numbers for each layer, n below. Of bins and layers there are no more than the file can hold: each has a digit and a blank."""
+    most = len(file.text) // 2
+    count = _Kind(f"a whole number from 1 to {most}, which the file can hold", 1, most, re.compile("[+-]?[0-9]+"))
+    dz, dr = file.fields(dz=POSITIVE, dr=POSITIVE)
+    nz, nr, na = map(int, file.fields(nz=count, nr=count, na=count))
+    (layers,) = map(int, file.fields(number_of_layers=count))
+    (above,) = file.fields(n_above=POSITIVE)
+    media = [file.fields(**LAYER) for _ in range(layers)]
+    (below,) = file.fields(n_below=POSITIVE)
     axes = {"r": _middles(nr, dr), "z": _middles(nz, dz), "alpha": _middles(na, np.pi / 2 / na), "layer": np.arange(1.0, layers + 1)}
     return axes, media, above, below
 
@@ -167,26 +241,29 @@ def _known(text: str) -> dict[str, Any]:
     return {**known, **{name: what for name, what in numbers.items() if name not in known}}
 
 
-def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], words: list[str]) -> xr.DataArray:
+def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], values: Any) -> xr.DataArray:
     """A quantity or, as NAME_se, its standard error."""
     dims, unit, meaning = known[name.removesuffix("_se")]
-    values = np.array(words, dtype=float).reshape([axes[dim].size for dim in dims])
     long_name = "standard error" if name.endswith("_se") else meaning
-    return xr.DataArray(values, dims=dims, attrs={"units": unit, "long_name": long_name})
+    return xr.DataArray(np.reshape(values, [axes[dim].size for dim in dims]), dims=dims, attrs={"units": unit, "long_name": long_name})
 
 
-def _numbers(sections: dict[str, list[str]], known: dict[str, Any], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
+def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
     """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
-    words = {name: sections[name] for name in known if name in sections and name not in (*TOTALS, "lost")}
-    words.update({name: [word] for name, word in zip(TOTALS, sections["RAT"])})
-    words.update({key[3:] + "_se": values for key, values in sections.items() if key[3:] in known and key.startswith("se_")})
-    words.update({name + "_se": [word] for name, word in zip(TOTALS, sections.get("se_RAT", []))})
-    words.update({"book_" + name: [word] for name, word in zip(BOOKS, sections.get("books", []))})
-    words.update({"lost": sections["lost"][:1]} if "lost" in sections else {})
+    def of(name: str, key: str) -> Any:
+        none = key != name or name.endswith(MAY_BE_NONE) or not (name in QUANTITIES or name.startswith("detector_"))
+        return file.numbers(key, math.prod(axes[dim].size for dim in known[name][0]), none)
+    sections = file.sections
     totals = (*TOTALS, "A_backing") if "A_backing" in sections else TOTALS
-    control = [f"{name}_control{error}" for error in ("", "_se") for name in totals]
-    words.update({name: [word] for name, word in zip(control, sections.get("control", []))})
-    variables = {name: _variable(name, known, axes, values) for name, values in words.items()}
+    several = {"RAT": TOTALS, "se_RAT": [name + "_se" for name in TOTALS], "books": ["book_" + name for name in BOOKS], "lost": ["lost"],
+               "control": [f"{name}_control{error}" for error in ("", "_se") for name in totals]}
+    numbers = dict(zip(TOTALS, file.numbers("RAT", len(TOTALS))))
+    numbers.update({name: of(name, name) for name in known if name in WHOLE or name in sections and name not in several and name not in TOTALS})
+    numbers.update({key[3:] + "_se": of(key[3:], key) for key in sections if key.startswith("se_") and key[3:] in known})
+    for key, names in several.items():
+        if key in sections:
+            numbers.update(zip(names, file.numbers(key, len(names), key in ("se_RAT", "control"), key == "lost")))
+    variables = {name: _variable(name, known, axes, values) for name, values in numbers.items()}
     for name, variable in variables.items():
         if name + "_se" in variables:
             variable.attrs["ancillary_variables"] = name + "_se"
@@ -196,40 +273,43 @@ def _numbers(sections: dict[str, list[str]], known: dict[str, Any], axes: dict[s
 def read_mco(path: str) -> xr.Dataset:
     """The Dataset of an `.mco` file, with the names, axes and units of an `.h5` file."""
     try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            text = file.read()
+        with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
+            text = file.read().replace("\r\n", "\n")  # a lone CR ends no line
         if not text.startswith("A1"):
             raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
+        if "\0" in text:
+            raise errors.InputError(f"{path}: it holds a NUL byte (expected a text file)")
         _, end, behind = text.partition("\n# end\n")
         if END in text[:1000] and not end:
             raise errors.InputError(f"{path}: last line is missing (expected # end; the file is cut off)")
         if END in text[:1000] and behind.strip(" \t\n"):
             raise errors.InputError(f"{path}: text behind # end (expected one result)")
-        return _dataset(text, _sections(text))
+        return _dataset(text, _File(path, text))
     except errors.InputError:
         raise
     except Exception as error:  # whatever Python and its libraries say of words that are not what they should be
         raise errors.unreadable(path, "a whole .mco file", error) from error
 
 
-def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
-    words = iter(sections["InParm"])
-    title, photons = next(words), float(next(words))
-    axes, media, above, below = _grid(words, len(text) // 2)
+def _dataset(text: str, file: _File) -> xr.Dataset:
+    sections = file.sections
+    _, (title,) = next(file.parameters, (0, [""]))
+    (photons,) = file.fields(photons=PHOTONS)
+    axes, media, above, below = _grid(file)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
         axes["side"] = np.arange(1.0, 5)
     if "dRd_dmua" in sections:
         axes["inside"] = np.arange(1.0, len(sections["dRd_dmua"]) + 1)
     if "time" in sections:
-        gates = _count("number of gates", sections["time"][1], len(text) // 2)
-        axes["gate"] = _middles(gates, float(sections["time"][0]) / gates)
+        end, gates = file.bins("time", "T1 up to 1e12, and 1 to 100000 gates", (math.ulp(0.0), 1e12), (1, 1e5))
+        axes["gate"] = _middles(int(gates), end / gates)
     if "directions" in sections:
-        nt, np_ = (_count("bins of directions", word, len(text) // 2) for word in sections["directions"][:2])
+        nt, np_ = map(int, file.bins("directions", "a whole number from 1 to 3600", (1, 3600), (1, 3600)))
         axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
     if re.search(r"^# detector ", text, re.MULTILINE):
         axes["medium"] = np.arange(len(media) + 2.0 + len(re.findall(r"^# body \d+: ", text, re.MULTILINE)))
-    data = _numbers(sections, _known(text), axes)  # a Dataset last: each variable that is added to one copies it
+    data = _numbers(file, _known(text), axes)  # a Dataset last: each variable that is added to one copies it
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]

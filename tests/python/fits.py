@@ -136,8 +136,9 @@ class Fits(unittest.TestCase):
 
 
 class Shell(unittest.TestCase):
-    def fit(self, table, *more, started=False):
-        """Exit code and what is said of slab's fit to a table. more: words of the command. started: by an interpreter of its own."""
+    def fit(self, table, *more, started=""):
+        """Exit code and what is said of slab's fit to a table. more: words of the command. started: by an interpreter of its own, as "$@"
+        in this line of a shell."""
         with tempfile.TemporaryDirectory() as folder:
             scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
             slab().write(scene)
@@ -146,7 +147,7 @@ class Shell(unittest.TestCase):
             words = ["fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
                      "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45", *more]
             if started:
-                done = subprocess.run([sys.executable, "-m", "clustermcml", *words], capture_output=True, text=True,
+                done = subprocess.run(["sh", "-c", started, "", sys.executable, "-m", "clustermcml", *words], capture_output=True, text=True,
                                       env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
                 return done.returncode, done.stdout + done.stderr.replace(folder, "")
             with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err, \
@@ -154,7 +155,7 @@ class Shell(unittest.TestCase):
                 return main(), out.getvalue() + err.getvalue().replace(folder, "")
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
-        code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n", started=True)
+        code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n", started='"$@"')
         same = mc.fit(slab(), BOUNDS, {"Rd": (0.30, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3, no_reentry=True,
                       set={"layer1.g": 0.85, "layer1.n": 1.45})
         self.assertEqual(code, 0, said)
@@ -167,6 +168,12 @@ class Shell(unittest.TestCase):
         self.assertIn("clustermcml: note: /seen.csv: left out lines of Rd_r without a value: 1\n", said)
         self.assertNotIn("degree", said)
         self.assertEqual((code, len(re.findall(r"^model: Rd_r at 0.0(?:15|45) = \S+ \+- \S+, measured (?:0.5|1.2) \+- 0.1, z ", said, re.M))), (0, 2), said)
+
+    def test_a_standard_output_that_takes_nothing(self):
+        """Full, closed, or without a reader: the program's words and codes."""
+        said = "clustermcml: standard output cannot be written\n5\n"
+        for words, end, text in (((), ">/dev/full", said), (("--help",), ">/dev/full", said), ((), ">&-", said), ((), "| true", "141\n")):
+            self.assertEqual(self.fit("Rd,,0.30,0.003\nTt,,0.36,0.003\n", *words, started='{ "$@"; echo $? >&2; } ' + end), (0, text), end)
 
     def test_pictures(self):
         """Of totals alone there is none, which is said before anything flies; a fit whose picture fails is printed first."""

@@ -117,8 +117,29 @@ def _beside(found: Fit) -> list[str]:
     return lines
 
 
+def _print(text: str) -> int:
+    """Exit code, as the program's: 5 where standard output cannot be written, 141 and no word where its reader has gone away."""
+    try:
+        if sys.stdout is None:  # closed
+            raise OSError
+        print(text, end="", flush=True)
+        return 0
+    except BrokenPipeError:
+        code = 141
+    except OSError:
+        code = 5
+        print("clustermcml: standard output cannot be written", file=sys.stderr)
+    setattr(sys, "stdout", None)  # else Python tries again when it ends
+    return code
+
+
+class _Parser(argparse.ArgumentParser):
+    def print_help(self, file: Any = None) -> None:
+        raise SystemExit(_print(self.format_help()))
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m clustermcml", description="Fits mua and mus of layers and bodies to what was measured.")
+    parser = _Parser(prog="python3 -m clustermcml", description="Fits mua and mus of layers and bodies to what was measured.")
     parser.add_argument("command", choices=["fit"])
     parser.add_argument("scene", help="an .mci file with one run")
     parser.add_argument("measured", help="a table, lines NAME,PLACE,VALUE,ERROR: Rd,,0.31,0.003 or Rd_r,0.05,1.2,0.1")
@@ -133,14 +154,14 @@ def main() -> int:
         if words.output is not None and not set(PROFILES) & set(measured):
             raise errors.refuse("-o", words.output, "a profile in the table: " + " ".join(PROFILES))
         found = fit(words.scene, _bounds(words.parameters), measured, flights=words.flights, **_options(words))
-        print("\n".join([str(found), *_beside(found)]), flush=True)
+        code = _print("\n".join([str(found), *_beside(found), ""]))
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:
         where = f"{words.measured}: " if str(error).startswith("measured") else ""
         print(f"clustermcml: {where}{error}", file=sys.stderr)
         return error.exit_code
-    return 0
+    return code
 
 
 if __name__ == "__main__":

@@ -119,6 +119,13 @@ class Fits(unittest.TestCase):
             self.assertLess(abs(fit.values[name] - value), 2 * fit.errors[name], name)
         self.assertRegex(fit.words, "seem to tell of layer1.mua and .*layer2.mus is noise of the flights' slopes: more photons")
 
+    def test_photons_of_which_no_errors_come(self):
+        """Of the option or of the scene; totals and profiles, which the files have."""
+        for photons, scene in ((1, slab()), (3, slab()), (63, slab()), (None, mc.Scene(slab().layers, photons=2, nr=10, dr=0.03))):
+            for measured in ({"Rd": (0.31, 0.003)}, {"Rd_r": (np.ones(10), 1)}):
+                with self.assertRaisesRegex(mc.InputError, rf"^photons = {photons or 2} .expected at least 64: errors come of so many batches.$"):
+                    mc.fit(scene, {"layer1.mua": (0.1, 2)}, measured, photons=photons)
+
     def test_refusals(self):
         for parameters, measured, text in (
                 ({"layer1.g": (0, 1)}, {"Rd": (0.3, 0.01)}, "names like layer1.mua"), ({"layer1.mua": (2, 1)}, {"Rd": (0.3, 0.01)}, "below the upper"),

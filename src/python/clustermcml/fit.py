@@ -197,6 +197,8 @@ def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: in
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
             said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
+        if said[0]["photons"] < BATCHES:
+            raise errors.refuse("photons", said[0]["photons"], f"at least {BATCHES}: errors come of so many batches")
         return [(row, read(row)) for row in sorted(said, key=lambda row: int(row["row"] or 0))]
 
 

@@ -151,8 +151,8 @@ class Shell(unittest.TestCase):
             slab().write(scene)
             with open(path, "wb") as file:
                 file.write(table if isinstance(table, bytes) else table.encode())
-            words = ["fit", scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", "--photons", "2000", "--flights", "3",
-                     "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45", *more]
+            words = ["fit", "--photons", "2000", "--flights", "3", "--threads", "1", "--no-reentry", "--set", "layer1.g=0.85", "--set", "layer1.n=1.45",
+                     scene, path, "layer1.mua=0.1:2", "layer1.mus=50:200", *more]
             if started:
                 done = subprocess.run(["sh", "-c", started, "", sys.executable, "-m", "clustermcml", *words], capture_output=True, text=True,
                                       env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False)
@@ -198,10 +198,23 @@ class Shell(unittest.TestCase):
                             ("# Größe\n".encode("latin-1"), r":1 = b'# Gr\xf6\xdfe' (expected text in UTF-8)"), ("", "seen.csv = '' (expected lines NAME,PLACE,VALUE,ERROR)"),
                             ("Rd,,0.3,1" + 140000 * "0", ":1: error = inf (expected a standard error > 0, from 1e-30 to 1e+30)"),
                             ("detector_x,,0.3,0.1\n", "seen.csv: measured = 'detector_x' (expected detectors of the scene, which has none)"),
+                            *((f"Rd,,{word},0.1\n", f":1 = 'Rd,,{word},0.1' (expected name,place,value,error)") for word in ("0.3_1", "0_31", "\u0660.\u0663", "inf", "0x1")),
                             ("\nA,,0.3,0.1\n", ":2: name = 'A' (expected names among"), ("Rd,,nan,1\n", ":1: value = nan (expected a number from 0 to 1")):
             code, said = self.fit(table)
             self.assertEqual((code, said.count("\n")), (2, 1), said)
             self.assertIn(text, said)
+
+
+    def test_words_that_are_none(self):
+        """Parameters twice or in other numerals, flights too; and what begins like an option is none."""
+        for word, text in (("layer1.mua=1:2", "each parameter once"), ("layer2.mua=0_1:3", "NAME=LOW:HIGH, as layer1.mua=0.01:10"), ("layer2.mua=\u0661:3", "NAME=LOW:HIGH, as layer1.mua=0.01:10")):
+            self.assertEqual(self.fit("Rd,,0.3,0.1\n", word), (2, f"clustermcml: parameter = {word!r} (expected {text})\n"))
+        self.assertEqual(self.fit("Rd,,0.3,0.1\n", "--flights", "2.5"), (2, "clustermcml: flights = 2.5 (expected a whole number from 2 to 1000)\n"))
+        self.assertEqual(self.fit("Rd,,0.3,0.1\n", "--set", "layer1.n=1.4"), (2, "clustermcml: --set = 'layer1.n=1.4' (expected each name once)\n"))
+        for words in (("--phot", "5"), ("--flight", "3"), ("--flights", "1_0")):
+            with self.assertRaises(SystemExit) as ended:
+                self.fit("Rd,,0.3,0.1\n", *words)
+            self.assertEqual(ended.exception.code, 2)
 
 
 # name: scene, what is measured, photons of a flight

@@ -17,6 +17,7 @@ import numpy as np
 from . import errors
 from .commands import check
 from .fit import Fit, fit
+from .mco import NUMERAL
 from .measured import PROFILES, check_name, check_number
 from .options import FitOptions
 
@@ -35,10 +36,19 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _options(words: argparse.Namespace) -> Any:
-    found = {name: getattr(words, name) for name in FitOptions.__annotations__ if getattr(words, name) is not None}
-    if "set" in found:
-        found["set"] = dict(word.partition("=")[::2] for word in found["set"])
+    found: dict[str, Any] = {name: getattr(words, name) for name in FitOptions.__annotations__ if getattr(words, name) is not None}
+    for name, _, value in (word.partition("=") for word in found.pop("set", ())):
+        if name in found.setdefault("set", {}):
+            raise errors.refuse("--set", f"{name}={value}", "each name once")
+        found["set"][name] = value
     return found
+
+
+def _number(word: str) -> float:
+    """As the program reads one; float() takes 0.3_1 and digits of all scripts, too."""
+    if not NUMERAL.fullmatch(word):
+        raise ValueError
+    return float(word)
 
 
 def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
@@ -46,9 +56,11 @@ def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
     for word in words:
         name, _, limits = word.partition("=")
         try:
-            low, high = map(float, limits.split(":"))
+            low, high = map(_number, limits.split(":"))
         except ValueError:
             raise errors.refuse("parameter", word, "NAME=LOW:HIGH, as layer1.mua=0.01:10") from None
+        if name in bounds:
+            raise errors.refuse("parameter", word, "each parameter once")
         bounds[name] = (low, high)
     return bounds
 
@@ -77,7 +89,7 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
     left = dict.fromkeys(PROFILES, 0)
     for line, text, words in _cells(path):
         try:
-            name, (place, value, error) = words[0], (float(word or "nan") for word in words[1:])
+            name, (place, value, error) = words[0], (np.nan if word.lower() in ("", "nan") else _number(word) for word in words[1:])
         except ValueError:
             raise errors.refuse(line, text, "name,place,value,error") from None
         check_name(f"{line}: name", name)
@@ -139,12 +151,12 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main() -> int:
-    parser = _Parser(prog="python3 -m clustermcml", description="Fits mua and mus of layers and bodies to what was measured.")
+    parser = _Parser(prog="python3 -m clustermcml", allow_abbrev=False, description="Fits mua and mus of layers and bodies to what was measured.")
     parser.add_argument("command", choices=["fit"])
     parser.add_argument("scene", help="an .mci file with one run")
     parser.add_argument("measured", help="a table, lines NAME,PLACE,VALUE,ERROR: Rd,,0.31,0.003 or Rd_r,0.05,1.2,0.1")
     parser.add_argument("parameters", nargs="+", help="NAME=LOW:HIGH: layer1.mua=0.01:10")
-    parser.add_argument("--flights", type=int, default=6, help="at most so many, default 6")
+    parser.add_argument("--flights", type=_number, default=6, help="at most so many, default 6")
     parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
     _add_options(parser)
     words = parser.parse_args()

@@ -38,9 +38,9 @@ class Stops(unittest.TestCase):
         return process.returncode, said
 
     def test_interrupt(self):
-        """Ctrl-C or SIGTERM while it flies: the program stops, its checkpoint stays, and resuming gives the result of one run."""
-        for deaf in (False, True):
-            self.assertEqual(self.interrupted(signal.SIGTERM, deaf), (143, ""))
+        """Ctrl-C, or what else stops the program, while it flies: the program stops, its checkpoint stays, and resuming gives the result of one run."""
+        for number, deaf in ((signal.SIGTERM, False), (signal.SIGTERM, True), *((number, False) for number in (signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU))):
+            self.assertEqual(self.interrupted(number, deaf), (128 + number, ""))
             os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
         self.assertIn("KeyboardInterrupt", self.interrupted(signal.SIGINT)[1])
         with unittest.mock.patch("clustermcml.program._start", side_effect=_start) as started:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
 FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and of the books
+STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is Python's own
 STOPPED = 75  # exit code of a run that was stopped by a signal
 MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
@@ -198,17 +199,17 @@ def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -
 
 
 @contextlib.contextmanager
-def _exits_on_sigterm() -> Iterator[None]:
-    """SIGTERM would end this process at once, and leave the program flying: here it is an exit (143, as shells report it). Other threads
-    than the main one cannot say so, and a handler of the caller's stays."""
-    ours = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    if ours:
-        signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+def exits_on_signals() -> Iterator[None]:
+    """Signals that stop the program would end this process at once, and leave the program flying: here they are an exit (143 of SIGTERM, as
+    shells report it). Other threads than the main one cannot say so, and a handler of the caller's stays."""
+    ours = [number for number in STOPS if signal.getsignal(number) is signal.SIG_DFL] if threading.current_thread() is threading.main_thread() else []
+    for number in ours:
+        signal.signal(number, lambda number, frame: sys.exit(128 + number))
     try:
         yield
     finally:
-        if ours:
-            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _locked(path: str, folder: str) -> IO[bytes]:
@@ -282,7 +283,7 @@ def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], sc
     said: list[str] = []
     words = [find_program(), scene, "-o", folder, *options]
     here, there = os.openpty()
-    with _exits_on_sigterm(), Progress(show) as progress, _start(words, here, there) as process:
+    with exits_on_signals(), Progress(show) as progress, _start(words, here, there) as process:
         bar = Progress(False) if rows else progress
         listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
         listener.start()

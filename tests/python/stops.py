@@ -49,6 +49,19 @@ class Stops(unittest.TestCase):
         self.assertEqual(resumed.photons, 800000)
         xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5))
 
+    def test_commands_end_with_python(self):
+        """Those that fly without a checkpoint."""
+        script = "import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc; mc.crosscheck(sys.argv[2], photons=1e9)"
+        process = subprocess.Popen([sys.executable, "-c", script, sys.path[0], os.path.join(TOP, "samples", "thick.mci")])
+        child = ""
+        while not child and process.poll() is None:
+            with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
+                child = file.read().strip()
+            time.sleep(0.2)  # and some more once it is there: until Python knows of it
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(), 143)
+        self.assertFalse(os.path.exists("/proc/" + child), child)
+
     def test_a_finished_run_is_not_flown_again(self):
         """As the shell finds it, by its result; one that is gone is."""
         mapped = mc.Scene([mc.Layer(n=1.4, mua=1, mus=50, g=0.8, d=0.1)], photons=2000, map=mc.Map(4, 4, 0.1, 0.1))

@@ -53,7 +53,9 @@ class Options(unittest.TestCase):
                 call()
 
     def test_values_of_another_kind_are_refused(self):
-        for call, text in ((lambda: mc.run(HILL, error_of=True), "error_of = True (expected a value)"), (lambda: mc.run(HILL, keep=1), "keep = 1 (expected True or False)"),
+        for call, text in ((lambda: mc.run(HILL, error_of=True), "error_of = True (expected a value)"), (lambda: mc.run(HILL, checkpoint=False), "checkpoint = False (expected a value)"), (lambda: mc.sweep(HILL, {"layer1.mua": [1]}, photons=np.False_), "photons = False (expected a value)"),
+                           (lambda: mc.run(HILL, photons={}), "photons = {} (expected a value)"), (lambda: mc.plan(HILL, aim={"a": 1}), "aim = {'a': 1} (expected a value)"),
+                           (lambda: mc.run(HILL, keep=1), "keep = 1 (expected True or False)"),
                            (lambda: mc.plan(HILL, aim="a\0"), r"aim = 'a\x00' (expected text without NUL characters)"),
                            (lambda: mc.run(HILL, set={"\0": 1}), r"set = {'\x00': 1} (expected text without NUL characters)"),
                            (lambda: mc.merge([], "\0.h5"), r"output = '\x00.h5' (expected a name without NUL characters)"),

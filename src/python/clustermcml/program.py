@@ -68,8 +68,8 @@ NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned",
 
 
 def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[str]:
-    """Keywords as the program's options: True is an option without a value, None and False leave it out, a list is joined by commas,
-    a dict is the option with NAME=VALUE once for each item. kind: the class that lists them; others are the program's to refuse.
+    """Keywords as the program's options: True is an option without a value, which False leaves out, as None does with all; a list is joined by
+    commas, a dict is the option with NAME=VALUE once for each item. kind: the class that lists them; others are the program's to refuse.
 
     >>> option_words({"photons": 1e5, "target_error": None, "no_reentry": True, "device": [0, 1]})
     ['--photons', '100000.0', '--no-reentry', '--device', '0,1']
@@ -83,7 +83,7 @@ def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[
         option, is_flag, known = "--" + name.replace("_", "-"), isinstance(value, (bool, np.bool_)), kind.__annotations__.get(name)
         if known and known.__forward_arg__ == "bool" and value is not None:
             errors.flag(name, value)
-        elif known and is_flag and value:
+        elif known and (is_flag or isinstance(value, Mapping) and not known.__forward_arg__.startswith("Mapping")):
             raise errors.refuse(name, value, "a value")
         if is_flag:
             words += [option] if value else []

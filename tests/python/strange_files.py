@@ -154,6 +154,18 @@ class Crafted(unittest.TestCase):
             with self.subTest(said):
                 self.refused(self.write("mco", text.replace(old, new, -1 if old == "\n" else 1).encode()), r"strange\.mco.*" + said)
 
+    def test_mco_without_what_its_bins_are_for(self):
+        """Of gates and directions, with errors; A_t is none of --ignore-absorption."""
+        slab = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=300, format="A", time=mc.Time(100, 3), directions=mc.Directions(2, 2), detectors=[mc.Detector("disk", radius=1, name="all")])
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertNotIn("A_t", mc.run(slab, output_dir=folder, ignore_absorption=True))
+            mc.run(slab, output_dir=folder)
+            with open(os.path.join(folder, "scene.mco"), "rb") as file:
+                text = file.read()
+        for name in ("Rd_t", "se_Tt_t", "A_t", "Rsp_dir", "se_Rd_dir", "detector_all_t", "time", "directions"):
+            self.assertIn(f"\n{name} ".encode(), text)
+            self.refused(self.write("mco", text.replace(f"\n{name} ".encode(), b"\nother ")), r"strange\.mco: " + {"time": "not a whole", "directions": "not a whole"}.get(name, rf"{name}.0. = 'nothing' .expected a number, one of "))
+
     def test_mco_as_the_program_takes_them(self):
         """With the ends of lines of others and a byte order mark; of two sections of a name the first counts; text behind a number is a comment."""
         text, sound = self.sound["mco"], mc.read(self.write("mco", self.sound["mco"]))

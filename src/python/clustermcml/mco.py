@@ -257,9 +257,13 @@ def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[s
     totals = (*TOTALS, "A_backing") if "A_backing" in sections else TOTALS
     several = {"RAT": TOTALS, "se_RAT": [name + "_se" for name in TOTALS], "books": ["book_" + name for name in BOOKS], "lost": ["lost"],
                "control": [f"{name}_control{error}" for error in ("", "_se") for name in totals]}
+    whole = {*WHOLE, *(name for name, (dims, *_) in known.items() if dims[:1] in (("gate",), ("theta",)) and dims[0] in axes)}  # these with errors
+    if "A_t" not in sections and "se_A_z" not in sections:  # --ignore-absorption
+        whole.discard("A_t")
     numbers = dict(zip(TOTALS, file.numbers("RAT", len(TOTALS))))
-    numbers.update({name: of(name, name) for name in known if name in WHOLE or name in sections and name not in several and name not in TOTALS})
-    numbers.update({key[3:] + "_se": of(key[3:], key) for key in sections if key.startswith("se_") and key[3:] in known})
+    numbers.update({name: of(name, name) for name in known if name in whole or name in sections and name not in several and name not in TOTALS})
+    errors_of = [key[3:] for key in sections if key.startswith("se_") and key[3:] in known]
+    numbers.update({name + "_se": of(name, "se_" + name) for name in {*errors_of, *whole.difference(WHOLE)}})
     for key, names in several.items():
         if key in sections:
             numbers.update(zip(names, file.numbers(key, len(names), key in ("se_RAT", "control"), key == "lost")))

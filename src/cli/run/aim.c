@@ -423,7 +423,7 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
                               const struct cml_flat_tail *tail, struct cml_error *err)
 {
     const int length = (int)strcspn(name, ","), layer = strncmp(name, "A_l:", 4) == 0 ? atoi(name + 4) : 0;
-    const int score = layer ? layer - level : strncmp(name, "Tt", (size_t)length) == 0 ? 0 : -1;
+    const int score = layer ? layer - level : length == 2 && strncmp(name, "Tt", 2) == 0 ? 0 : -1;
     char expected[80];
     if (score < (layer ? 1 : 0) || cml_flat_tail_has(tail, score)) return CML_OK;
     snprintf(expected, sizeof expected, "%g of the light or more that gets there, not less", CML_TAIL_LEAST);

@@ -397,7 +397,7 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
     const cml_u32 columns = (cml_u32)tally->grid.nz + 2;
     if (tally->grid.absorption)
         for (int first = 0; first < b->lanes; first += CML_GROUP)
-            for (int k = first; k < first + CML_GROUP; k++) A_rz[(cml_u32)b->cell[k]] += b->dw[k];
+            for (int k = first; k < first + CML_GROUP; k++) A_rz[b->cell[k]] += b->dw[k];
     else
         for (int i = 0; i < b->lanes; i++) {
             cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
@@ -405,19 +405,16 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         }
 }
 
-/* Adds absorptions of late packets to A_z of their batches. Where groups have an A_rz each they go into that
- * of their own, and are gone then; else they are scattered with the others. */
+/* Adds absorptions of late packets to A_z of their batches, and leads those to A_rz of their own group, which
+ * follow that of the batch under way at a distance. All late lanes take part, as others add 0. */
 static void cml_scatter_late(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
     const cml_u32 columns = (cml_u32)f->tally->grid.nz + 2;
     for (uint64_t rest = f->late; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);
-        if (!b->dw[i]) continue;
         f->late_profiles[i][f->profiles.A_z + (cml_u32)b->cell[i] % columns] += b->dw[i];
-        if (!f->to.group_cells) continue;
-        cml_add_to_cell(&f->to, b->index_low[i], b->cell[i], b->dw[i]);
-        b->dw[i] = 0;
+        b->cell[i] += (int)(cml_first_cell(&f->to, b->index_low[i]) - f->first_cell);
     }
 }
 
@@ -468,7 +465,7 @@ static void cml_flight_interact(struct cml_flight *f)
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
     if (f->tally->A_rz) {
-        if (f->to.A_xyz) cml_scatter_volume(f); /* before what is late is gone */
+        if (f->to.A_xyz) cml_scatter_volume(f);
         if (f->late) cml_scatter_late(f);
         cml_scatter_deposits(f->b, f->tally, f->first_cell);
     }

@@ -335,27 +335,32 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     return CML_OK;
 }
 
+/* Whether the next word is that behind the name of a run. */
+static bool is_format(struct cml_mci_reader *reader)
+{
+    const char *format = cml_text_word(&reader->cursor);
+    return format && strchr("AaBb", format[0]) && !format[1];
+}
+
 /* A line that could be a run's first, behind the last run. */
 static void note_run(struct cml_mci_reader *reader, const struct cml_scene_list *list)
 {
-    const char *name = cml_text_word(&reader->cursor), *format = cml_text_word(&reader->cursor);
-    if (!format || !strchr("AaBb", format[0]) || format[1]) return;
+    const char *name = cml_text_word(&reader->cursor);
+    if (!is_format(reader)) return;
     cml_mci_note(reader, reader->text.line,
                  "the run %.100s and what follows it is not read: the number of runs is %d", name,
                  list->count);
 }
 
 /* Whatever follows the last run is ignored, as in the original: it may be a run switched off by the number of
- * runs. But a boundary line right behind n below was meant for this run. */
+ * runs, whose name may be a keyword. But a line of ours right behind n below was meant for this run. */
 static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_scene_list *list)
 {
     enum cml_mci_kind kind;
     CML_TRY(cml_mci_next(reader, true, &kind));
-    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I || kind == CML_MCI_PHASE ||
-        kind == CML_MCI_BACKING)
-        return fail_misplaced(reader, kind, "the end of the run");
     if (kind == CML_MCI_DATA) note_run(reader, list);
-    return CML_OK;
+    if (kind == CML_MCI_DATA || kind == CML_MCI_END || (is_of_run(kind) && is_format(reader))) return CML_OK;
+    return fail_misplaced(reader, kind, "the end of the run");
 }
 
 /* Original MCML does not look at the version: any number will do. MCML 2 describes media, sources and grids

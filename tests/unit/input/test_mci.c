@@ -281,6 +281,9 @@ static void several_runs_are_read_and_the_rest_ignored(void **state)
     assert_int_equal(list.scenes[0].boundaries[1].form, CML_FORM_RADIAL);
     assert_int_equal(list.scenes[1].boundaries[0].form, CML_FORM_RADIAL);
     cml_scene_list_clear(&list);
+    case_read_ok(state, "1\n1\nx A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\nbeam A\n", &list); /* a run's name */
+    assert_int_equal(list.count, 1);
+    cml_scene_list_clear(&list);
 }
 
 static void many_runs_of_many_layers(void **state)

@@ -492,6 +492,9 @@ static void lines_in_the_wrong_place(void **state)
          "x.mci:11: line = m \"a.obj\" (expected one line for boundary 1, which already has line 10)"},
         {GOOD "b 1 0 0\n", "x.mci:11: line = b 1 0 0 (expected the end of the run; a boundary line stands "
                            "before the layer, or the n below, whose top it is)"},
+        {GOOD "beam pencil\n",
+         "x.mci:11: line = beam pencil (expected the end of the run; a beam line stands "
+         "between a run's first line and its number of layers)"},
         {HEAD "#@ map 10 10 1 1\n", "x.mci:3: line = #@ map 10 10 1 1 (expected output name; a map line "
                                     "stands between a run's first line and its number of layers)"},
         {ONE "facets\n", "x.mci:9: line = facets (expected layer 1; a facets line stands between a run's "

@@ -48,7 +48,8 @@ struct cml_pilot {
 
 /* Flies rounds of setup->engine from photon 0 on, each `growth` times as long as the one before, up to
  * setup->photons, or, where that is 0, as long as they fit into about so many seconds together, opening of
- * the engine included; two at least. Collective; rank 0's pilot counts. Fails as cml_run does. */
+ * the engine included; two at least, where they do not take setup->most_seconds each. Collective; rank 0's
+ * pilot counts. Fails as cml_run does. */
 CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
                                        struct cml_pilot *pilot, struct cml_error *err);
 

@@ -21,6 +21,7 @@
  * compiled first. */
 #define ERROR_PILOT 0.3
 #define SPEED_PILOT 0.1
+#define MOST_SECONDS 30 /* of a round: packets of some scenes hardly end */
 #define DEFAULT_ERROR 1e-3
 
 /* Packets are the same on every engine, so the errors are known from the fastest. */
@@ -40,7 +41,7 @@ struct plan {
     struct cml_window_table seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
     struct cml_pilot errors[SAMPLINGS];           /* by `lattice` */
     double photons_per_s[ENGINES];                /* 0: it cannot fly the scene */
-    struct cml_error refusal;                     /* why the last one cannot */
+    struct cml_error refusal[ENGINES];            /* why one cannot */
     struct cml_error unaimed;                     /* why the first detector not to be aimed at is not */
     double seconds;                               /* that the pilots took */
 };
@@ -57,8 +58,9 @@ static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *s
     mine.engine = cml_engine_find(engine_names[engine]);
     mine.photons = 0;
     const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, 8, &pilot, err);
-    if (engine == ENGINES - 1 && (status == CML_E_DEVICE || status == CML_E_INPUT)) {
-        plan->refusal = *err;
+    if (status == CML_E_STOPPED ||
+        (engine == ENGINES - 1 && (status == CML_E_DEVICE || status == CML_E_INPUT))) {
+        plan->refusal[engine] = *err;
         return CML_OK;
     }
     plan->photons_per_s[engine] = status == CML_OK ? pilot.photons_per_s : 0;
@@ -202,7 +204,9 @@ static void print_plan(const struct plan *plan)
     for (int engine = 0; engine < ENGINES; engine++)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
             print_row(plan, engine, lattice);
-    if (plan->refusal.text[0]) printf("  without %s: %s\n", engine_names[ENGINES - 1], plan->refusal.text);
+    for (int engine = 0; engine < ENGINES; engine++)
+        if (plan->refusal[engine].text[0])
+            printf("  without %s: %s\n", engine_names[engine], plan->refusal[engine].text);
     printf(
         "  from pilots of up to %.2g photons in %.2g s; photons are known to some 20 %%, of what few packets "
         "have shown\n"
@@ -329,7 +333,8 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
     struct cml_run_setup setup = {.scene = scene,
                                   .surfaces = &surfaces,
                                   .options = options->engine_options,
-                                  .photons = options->photons};
+                                  .photons = options->photons,
+                                  .most_seconds = options->photons > 0 ? 0 : MOST_SECONDS};
     struct plan plan = {.scene = scene,
                         .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR,
                         .aimed = options->aim,
@@ -337,6 +342,7 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
     setup.options.run = (uint32_t)index;
     cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, &setup, err), err);
     if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
+    if (status == CML_E_STOPPED) status = err->status = CML_E_INPUT; /* it is the scene's */
     if (status == CML_OK) status = publish(options, &plan, err);
     cml_aim_clear(&plan.aim);
     cml_surfaces_free(&surfaces);

@@ -64,7 +64,9 @@ cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int 
     mine.photons = shorter(FIRST_ROUND, most);
     while (more) {
         const double round_begin = cml_now();
-        CML_TRY(fly_round(&mine, pilot, err));
+        const cml_status status = fly_round(&mine, pilot, err);
+        if (status == CML_E_STOPPED && pilot->num_rounds > 0) return CML_OK;
+        CML_TRY(status);
         const double next = growth * (cml_now() - round_begin);
         more = mine.photons < most && pilot->num_rounds < CML_PILOT_MOST_ROUNDS &&
                (setup->photons > 0 || pilot->num_rounds < 2 || cml_now() - begin + next < seconds);

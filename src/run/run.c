@@ -105,10 +105,12 @@ static cml_status take_range(struct flight *flight, struct cml_error *err)
     return CML_OK;
 }
 
-/* What was flown goes into a checkpoint, and the run ends. */
+/* What was flown goes into a checkpoint, and the run ends; or it takes longer than it may. */
 static bool must_stop(const struct flight *flight)
 {
-    return flight->setup->checkpoint && (cml_stop_requested() || cml_cluster_recalled());
+    const struct cml_run_setup *setup = flight->setup;
+    if (setup->most_seconds > 0 && cml_now() - flight->begin > setup->most_seconds) return true;
+    return setup->checkpoint && (cml_stop_requested() || cml_cluster_recalled());
 }
 
 /* This rank requests a synchronisation when it got a signal and, on rank 0, when a checkpoint is due. */
@@ -223,10 +225,17 @@ static void note_fewer_threads(void *context, int threads)
     flight->out->timing.threads = threads;
 }
 
+static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_STOPPED, "%s: packets hardly end: %llu were not flown in %g s",
+                    setup->scene->output, (unsigned long long)setup->photons, setup->most_seconds);
+}
+
 /* No tally knows which part of it is of packets that were given up: nothing of this flight counts, and the
  * checkpoint stays as it is. */
 static cml_status fail_given_up(const struct flight *flight, struct cml_error *err)
 {
+    if (!flight->setup->checkpoint) return fail_late(flight->setup, err);
     return cml_fail(err, CML_E_STOPPED,
                     "%s: stopped, and gave up packets that would not end, with all that flew since the last "
                     "checkpoint; --resume continues from that (%s), or begins anew without one",
@@ -345,6 +354,7 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
         show_progress(flight, 0);
     }
     if (next == FINISHED) return CML_OK;
+    if (!setup->checkpoint) return fail_late(setup, err);
     return cml_fail(err, CML_E_STOPPED,
                     "%s: stopped with %llu of %llu packets to fly; --resume continues from %s",
                     setup->scene->output, (unsigned long long)flight->state.open.total,

@@ -30,6 +30,7 @@ struct cml_run_setup {
                           * batch. */
     int error_of;        /* 0, or what that is the error of (target_error.h) */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
+    double most_seconds; /* without a checkpoint: of a flight, which is given up then; 0: it ends by itself */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;                    /* of the run, see identity.h; with a checkpoint */
     const struct cml_provenance *provenance; /* for whom publishes it; cml_run does not read it */
@@ -61,7 +62,8 @@ struct cml_run_result {
 
 /* Flies all photons. Collective; the result is rank 0's, that of the others is zero. *out is owned by the
  * caller (cml_run_result_free), cleared on failure. Lost packets and an imbalance are no failure here: see
- * cml_run_verdict. CML_E_STOPPED: a signal came, and the checkpoint was written. */
+ * cml_run_verdict. CML_E_STOPPED: a signal came, and the checkpoint was
+ * written; or the flight took longer than most_seconds. */
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);

@@ -187,6 +187,8 @@ class Shell(unittest.TestCase):
         with unittest.mock.patch("clustermcml.__main__.fit", side_effect=AssertionError("flew")):
             self.assertEqual(self.fit("Rd,,0.3,0.01\n", "-o", "fit.svg"),
                              (2, "clustermcml: -o = 'fit.svg' (expected a profile in the table: Rd_r Tt_r Rd_a Tt_a)\n"))
+            self.assertEqual(self.fit("Rd_r,0.01,0.5,0.1\n", "-o", "fit.jpg"),
+                             (2, "clustermcml: -o = 'fit.jpg' (expected a name that ends in .svg, .png, .pdf or .eps)\n"))
         code, said = self.fit("Rd_r,0.01,0.5,0.1\nRd_r,0.05,1.2,0.1\n", "-o", "/proc/fit.svg")
         self.assertEqual((code, said.count("\nmodel: Rd_r at 0.015 "), said.count("\nclustermcml: /proc/fit.svg: ")), (5, 1, 1), said)
 

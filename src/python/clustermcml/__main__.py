@@ -165,6 +165,8 @@ def main() -> int:
         measured = _measured(words.measured, words.scene)
         if words.output is not None and not set(PROFILES) & set(measured):
             raise errors.refuse("-o", words.output, "a profile in the table: " + " ".join(PROFILES))
+        if words.output is not None and not words.output.lower().endswith((".svg", ".png", ".pdf", ".eps")):
+            raise errors.refuse("-o", words.output, "a name that ends in .svg, .png, .pdf or .eps")
         found = fit(words.scene, _bounds(words.parameters), measured, flights=words.flights, **_options(words))
         code = _print("\n".join([str(found), *_beside(found), ""]))
         if words.output is not None:

@@ -1,8 +1,7 @@
 /* The names of what is summed over packets: the terms of the weight balance, counts, totals; and batches.
  * In files and messages for users the terms are called `books`, and by how much they do not balance
  * `residue`. SPDX-License-Identifier: MIT */
-#ifndef CML_BALANCE_H
-#define CML_BALANCE_H
+#pragma once
 
 /* A packet escapes once, so the sum of its squared weights gives a standard error. Weights are rounded to
  * 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
@@ -68,5 +67,3 @@ enum cml_total {
     CML_TOTAL_BACKING,
     CML_NUM_TOTALS
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* Bins of positions and directions (P7): of radius, depth, pixel and angle.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BINS_H
-#define CML_BINS_H
+#pragma once
 
 #include "mathf.h"
 #include "types.h"
@@ -56,5 +55,3 @@ CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
     const int ia = (int)bin;
     return ia < setup->na ? ia : setup->na - 1;
 }
-
-#endif

@@ -7,8 +7,7 @@
  * which it stands is divided out. A packet that rounding has put beyond a surface crosses it at once when it
  * heads on, and is back on its own side when it does not. Inside there is always a crossing ahead.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_H
-#define CML_BODY_H
+#pragma once
 
 #include "optics.h"
 #include "types.h"
@@ -197,5 +196,3 @@ CML_FN int cml_passes_box(const CML_GLOBAL struct cml_body_node *node, struct cm
     leave = zf < leave ? zf : leave;
     return !(enter > leave);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* What kinds of boundaries, beams, detectors and backings there are, as the reader of a scene, the walk and
  * the reports of a result name them; a boundary's facets with what is scored on them. Knows no precision, so
  * that scenes and tallies can stand on it. SPDX-License-Identifier: MIT */
-#ifndef CML_BOUNDARY_H
-#define CML_BOUNDARY_H
+#pragma once
 
 /* Cells of grids, voxels and facets are too many for 64 sums of each, those of the batches (balance.h):
  * their errors come from 16 groups of four batches, photon i in group i mod 16. */
@@ -57,5 +56,3 @@ enum cml_facet_score {
 struct cml_facet_range {
     int first, count;
 };
-
-#endif

@@ -3,8 +3,7 @@
  * depth bounds and horizons of boundaries, safe distances around meshes that overhang, regions around bodies.
  * Each is proven to be free of surfaces with more to spare than rounding takes (kernels/README.md, "Which
  * part of a path can meet a surface"); src/surface/bounds makes them. SPDX-License-Identifier: MIT */
-#ifndef CML_BOUNDS_H
-#define CML_BOUNDS_H
+#pragma once
 
 #include "mathf.h"
 #include "optics.h"
@@ -495,5 +494,3 @@ cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_pa
         intervals.bodies = cml_may_hit_body(world, packet->medium, packet->p, packet->u, t_max, &region);
     return intervals;
 }
-
-#endif

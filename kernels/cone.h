@@ -26,8 +26,7 @@
  *   B^2 - A C = m^2 (|w u_xy - uz p_xy|^2 - m^2 k^2),  k = x uy - y ux,
  * the last form without the cancellation that loses the axial ray.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CONE_H
-#define CML_CONE_H
+#pragma once
 
 #include "optics.h"
 #include "port.h"
@@ -493,5 +492,3 @@ CML_FN struct cml_vec cml_cone_normal(struct cml_rings rings, int i, real x, rea
     const struct cml_vec mean = {k * sum.x, k * sum.y, k * sum.z};
     return mean;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Which detectors see a packet that has left for good (P13). On the host only.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DETECTOR_H
-#define CML_DETECTOR_H
+#pragma once
 
 #include "optics.h"
 #include "types.h"
@@ -84,5 +83,3 @@ CML_FN int cml_detector_cell(const struct cml_detector_level *level, real x, rea
     const int inside = (ix >= 0) & (ix < (real)level->nx) & (iy >= 0) & (iy < (real)level->ny);
     return inside ? (int)iy * level->nx + (int)ix : -1;
 }
-
-#endif

@@ -5,8 +5,7 @@
  * bits there and try again and again while others add to the same cell. CML_TWO_WORDS: those of global
  * memory, too, for devices without cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that
  * share local memory. SPDX-License-Identifier: MIT */
-#ifndef CML_DEVICE_DEPOSITS_H
-#define CML_DEVICE_DEPOSITS_H
+#pragma once
 
 #include "device_layout.h"
 
@@ -136,5 +135,3 @@ CML_FN void cml_add_lost(const struct cml_deposits *to, cml_u64 index)
     const cml_u32 i = atomic_inc(&to->counters->num_lost);
     if (i < CML_LOST_KEPT) to->counters->lost[i] = index;
 }
-
-#endif

@@ -2,8 +2,7 @@
  * With several lanes, for a CPU, compilers make vector loops of them; with one, for a GPU, the arrays are
  * registers. The arithmetic is that of walk.h. What few packets do, boundaries, roulette and ends, is done a
  * lane at a time (transport.cl). OpenCL C only. SPDX-License-Identifier: MIT */
-#ifndef CML_DEVICE_LANES_H
-#define CML_DEVICE_LANES_H
+#pragma once
 
 #include "walk.h"
 
@@ -171,5 +170,3 @@ CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_d
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)
         if (l->mine[i]) cml_add_to_cell(to, 0, (int)l->cell[i], l->dw[i]);
 }
-
-#endif

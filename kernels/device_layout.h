@@ -1,8 +1,7 @@
 /* What the host and an OpenCL device hand each other, read by both; the host compares the layout of every
  * struct with the device's before the first packet flies.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DEVICE_LAYOUT_H
-#define CML_DEVICE_LAYOUT_H
+#pragma once
 
 #include "balance.h"
 #include "types.h"
@@ -106,5 +105,3 @@ struct cml_device_fate {
             sizeof(struct cml_phase_cell)                                                                    \
     }
 #define CML_LAYOUT_ENTRIES 45
-
-#endif

@@ -1,8 +1,7 @@
 /* Where a walk on the host puts what packets leave behind: one of the two sinks that walk.h may write to; the
  * other is an OpenCL device's (device_deposits.h). Both define struct cml_deposits and the same functions.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_HOST_DEPOSITS_H
-#define CML_HOST_DEPOSITS_H
+#pragma once
 
 #include "boundary.h"
 #include "port.h"
@@ -105,5 +104,3 @@ CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int f
     const cml_u64 cell = (cml_u64)facet * CML_FACET_SCORES + (cml_u64)score;
     cml_add_shared(&to->facets[index % CML_NUM_GROUPS * to->facet_step + cell], w);
 }
-
-#endif

@@ -6,8 +6,7 @@
  * SIAM J. Sci. Comput. 22 (2000) 1117]. Shifts are random words of the batch; with them every single point is
  * uniform, so that all means keep their expected values [Cranley, Patterson, SIAM J. Numer. Anal. 13 (1976)
  * 904]. Packets of a batch depend on each other, batches do not. SPDX-License-Identifier: MIT */
-#ifndef CML_LATTICE_H
-#define CML_LATTICE_H
+#pragma once
 
 #include "balance.h"
 #include "rng.h"
@@ -137,5 +136,3 @@ CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon
     draw.w[3] = cml_lattice_word(point, CML_LATTICE_LAUNCH_ROUND, shifts, draw.w[3]);
     return draw;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Fluence, by interactions and by marks along the paths of packets (P14). A device has none.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MARKS_H
-#define CML_MARKS_H
+#pragma once
 
 #include "bins.h"
 #include "host_deposits.h"
@@ -216,5 +215,3 @@ CML_FN void cml_mark_first(const struct cml_world *world, const struct cml_depos
     s.u.z = -s.u.z;
     (void)cml_mark_far(world, to, &s, behind, CML_INFINITY);
 }
-
-#endif

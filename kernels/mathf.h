@@ -1,8 +1,7 @@
 /* Logarithm, exponential, circle points and arc cosine with stated errors: in float our own polynomials,
  * which vectorise and give the same bits with every compiler; in double the C library's functions.
  * Coefficients: Cephes (S. Moshier), logf, expf, sinf, cosf, asinf. SPDX-License-Identifier: MIT */
-#ifndef CML_MATHF_H
-#define CML_MATHF_H
+#pragma once
 
 #include "port.h"
 
@@ -123,5 +122,3 @@ CML_FN real cml_acos(real c)
     return steep ? 2.0f * asine : 1.5707963267948966f - asine;
 #endif
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Where a packet meets a triangle mesh: what the walk asks the host for. The walk does not know how it is
  * found; the host puts a function into struct cml_world that does (src/surface/mesh/mesh_surface.h). Not for
  * OpenCL: devices refuse meshes. SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_CROSSING_H
-#define CML_MESH_CROSSING_H
+#pragma once
 
 /* on_primitive of a packet that has interacted within rounding of a mesh: it stands on no facet, and may be
  * beyond one. */
@@ -47,7 +46,5 @@ struct cml_mesh_crossing {
 typedef int cml_mesh_intersect(const struct cml_mesh_surface *mesh, const double p[3], const double u[3],
                                int below, double t_max, int exclude, int undeflected, int exact,
                                double err_position, struct cml_mesh_crossing *crossing);
-
-#endif
 
 #endif

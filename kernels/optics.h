@@ -2,8 +2,7 @@
  * that a vector loop could not take as a select. Equations: Wang & Jacques, Monte Carlo Modeling of Light
  * Transport in Multi-layered Tissues (1992, reprinted with corrections 1995), chapter 3.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_OPTICS_H
-#define CML_OPTICS_H
+#pragma once
 
 #include "mathf.h"
 #include "port.h"
@@ -251,5 +250,3 @@ CML_FN struct cml_vec cml_refract(struct cml_vec u, struct cml_vec normal, real 
     const struct cml_vec scaled = {ratio * u.x, ratio * u.y, ratio * u.z};
     return cml_normalise(cml_along(scaled, ratio * ci - ct, normal));
 }
-
-#endif

@@ -2,8 +2,7 @@
  * Every other header here is plain C that both compilers read. `real` is float unless CML_DOUBLE is defined
  * by the file that includes us: the same physics in two precisions, one per translation unit.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PORT_H
-#define CML_PORT_H
+#pragma once
 
 #ifdef __OPENCL_VERSION__
 #pragma OPENCL FP_CONTRACT OFF
@@ -97,5 +96,3 @@ typedef float real;
 struct cml_vec {
     real x, y, z;
 };
-
-#endif

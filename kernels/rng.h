@@ -4,8 +4,7 @@
  * [Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC11, table 2]. Bit-equal to
  * Random123's threefry4x32_R(12, ...), tested. Additions, rotations and exclusive-ors only: every compiler
  * makes vector code of it. SPDX-License-Identifier: MIT */
-#ifndef CML_RNG_H
-#define CML_RNG_H
+#pragma once
 
 #include "port.h"
 
@@ -105,5 +104,3 @@ CML_FN real cml_uniform_symmetric(cml_u32 word)
 {
     return CML_FMA((real)((int)word >> 8), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);
 }
-
-#endif

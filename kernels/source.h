@@ -1,7 +1,6 @@
 /* Where packets start (P1): which source a packet is of, its place, the medium there, its direction.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SOURCE_H
-#define CML_SOURCE_H
+#pragma once
 
 #include "lattice.h"
 #include "optics.h"
@@ -307,5 +306,3 @@ CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const s
     return CML_WEIGHT_ONE + packet->gained == cml_split_off(world, packet->index) + packet->absorbed +
                                                   packet->backing + packet->roulette + packet->w;
 }
-
-#endif

@@ -2,8 +2,7 @@
  * A boundary can only be crossed away from the side the packet is on: below it upwards, above it downwards.
  * That rule, not a distance, keeps a packet from meeting again the surface it has just left.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SURFACE_HIT_H
-#define CML_SURFACE_HIT_H
+#pragma once
 
 #include "body.h"
 #include "bounds.h"
@@ -297,5 +296,3 @@ CML_FN int cml_is_in_layer(const struct cml_world *world, int medium, struct cml
     return medium > 0 && medium <= world->setup.num_layers && cml_is_on_side(world, medium - 1, p, 1, err) &&
            cml_is_on_side(world, medium, below, -1, err);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* What a packet remembers of its way: time (P11), and, for detectors, path, interactions and depth by medium
  * (P13). SPDX-License-Identifier: MIT */
-#ifndef CML_TRAIL_H
-#define CML_TRAIL_H
+#pragma once
 
 #include "surface_hit.h"
 #include "types.h"
@@ -96,5 +95,3 @@ CML_FN int cml_gate(struct cml_gates gates, real path)
     const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
     return (int)(at > 0 ? at : (real)0);
 }
-
-#endif

@@ -3,8 +3,7 @@
  * is that of the boundary above it (of boundary 0 for the medium above), so that a thin layer deep down keeps
  * all its digits and a plane is exactly z = 0. x and y are measured from the first beam's axis.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TYPES_H
-#define CML_TYPES_H
+#pragma once
 
 #include "balance.h"
 #include "boundary.h"
@@ -440,5 +439,3 @@ struct cml_world {
     void *on_event_context;
 #endif
 };
-
-#endif

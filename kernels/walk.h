@@ -2,8 +2,7 @@
  * The rules it cites, P1 to P13, are written down in README.md beside it. A packet's part of the weight
  * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
  * in the packet. SPDX-License-Identifier: MIT */
-#ifndef CML_WALK_H
-#define CML_WALK_H
+#pragma once
 
 #include "bins.h"
 #include "lattice.h"
@@ -528,5 +527,3 @@ CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *t
     CML_ASSERT(cml_packet_balances(world, packet));
     cml_event(world, "end", packet);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* P19: weight windows. A packet that is too heavy where it is splits, one that is too light plays
  * roulette. Host only. SPDX-License-Identifier: MIT */
-#ifndef CML_WINDOWS_H
-#define CML_WINDOWS_H
+#pragma once
 
 #include "balance.h"
 #include "host_deposits.h"
@@ -119,5 +118,3 @@ CML_FN void cml_split(const struct cml_world *world, struct cml_branches *to, st
     for (cml_u32 k = 1; k < parts; k++) cml_branch_off(world, to, packet, k, packet->w / parts + (k < rest));
     packet->w = packet->w / parts + (rest > 0);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* A scene of a bench on one thread of an engine that was compiled with the bench: included behind
  * engine_cpu_level.c. SPDX-License-Identifier: MIT */
-#ifndef CML_BENCH_FLY_SCENE_H
-#define CML_BENCH_FLY_SCENE_H
+#pragma once
 
 #include "input/mci.h"
 #include "thread_clock.h"
@@ -89,5 +88,3 @@ static inline int bench_scenes(const struct bench_count *bench, int argc, char *
     }
     return 0;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* The clock of the benches that fly on one thread. SPDX-License-Identifier: MIT */
-#ifndef CML_BENCH_THREAD_CLOCK_H
-#define CML_BENCH_THREAD_CLOCK_H
+#pragma once
 
 #include <time.h>
 
@@ -12,5 +11,3 @@ static double thread_seconds(void)
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Arrays that grow one by one, and their order by value. SPDX-License-Identifier: MIT */
-#ifndef CML_ARRAY_H
-#define CML_ARRAY_H
+#pragma once
 
 #include "base/status.h"
 
@@ -29,5 +28,3 @@ static inline int cml_compare_doubles(const void *left, const void *right)
     const double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Files that are never seen half written, by whoever writes them at the same time.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ATOMIC_FILE_H
-#define CML_ATOMIC_FILE_H
+#pragma once
 
 #include "base/file_lock.h"
 #include "base/status.h"
@@ -63,5 +62,3 @@ CML_NODISCARD cml_status cml_file_sync_deferred(struct cml_error *err);
 
 /* Drops the temporary file. Does nothing after a commit. */
 void cml_file_abort(struct cml_file *file);
-
-#endif

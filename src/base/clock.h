@@ -1,7 +1,6 @@
 /* Wall time, and a thread's own. Only how long something took may follow from it, never a result.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CLOCK_H
-#define CML_CLOCK_H
+#pragma once
 
 #include <time.h>
 
@@ -20,5 +19,3 @@ static inline double cml_thread_seconds(void)
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
-
-#endif

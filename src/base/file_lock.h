@@ -1,7 +1,6 @@
 /* One process at a time: a lock that other processes see, and that ends with the process however it ends.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_FILE_LOCK_H
-#define CML_FILE_LOCK_H
+#pragma once
 
 #include "base/status.h"
 
@@ -19,5 +18,3 @@ CML_NODISCARD cml_status cml_file_lock_take(const char *path, struct cml_file_lo
 
 /* Removes the file and unlocks it. Does nothing for a zeroed lock or a second time. */
 void cml_file_lock_release(struct cml_file_lock *lock);
-
-#endif

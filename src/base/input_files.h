@@ -1,7 +1,6 @@
 /* Input files, remembered as they are read: what rank 0 sends to the others, who read
  * from memory what it read from disk, and what a checkpoint is compared with. SPDX-License-Identifier: MIT */
-#ifndef CML_INPUT_FILES_H
-#define CML_INPUT_FILES_H
+#pragma once
 
 #include "base/text.h"
 
@@ -29,5 +28,3 @@ CML_NODISCARD cml_status cml_inputs_unpack(const char *block, size_t size, struc
                                            struct cml_error *err);
 
 void cml_inputs_clear(struct cml_inputs *inputs);
-
-#endif

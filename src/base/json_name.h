@@ -1,7 +1,6 @@
 /* JSON: names of files, which may hold any bytes while it is UTF-8, numbers, and records on a line.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_JSON_NAME_H
-#define CML_JSON_NAME_H
+#pragma once
 
 #include "base/status.h"
 
@@ -17,5 +16,3 @@ json_t *cml_json_real(double value);
 
 /* The object, or NULL, on one line; it is freed. CML_E_INPUT when memory runs out, or had before. */
 CML_NODISCARD cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err);
-
-#endif

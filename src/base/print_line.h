@@ -1,6 +1,5 @@
 /* What users have written, on a terminal. SPDX-License-Identifier: MIT */
-#ifndef CML_PRINT_LINE_H
-#define CML_PRINT_LINE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -17,5 +16,3 @@ CML_NODISCARD cml_status cml_escape_output(bool json, struct cml_error *err);
 
 /* Whether something was written to it that nobody would read: a pipe whose other end is closed. */
 bool cml_output_unread(void);
-
-#endif

@@ -1,8 +1,7 @@
 /* Values from outside a scene's file: NAME=VALUE of --set, or a cell of the table of --sweep. What names
  * there are, and which values they may have, the reader of scenes knows (input/mci_settings.h).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SETTINGS_H
-#define CML_SETTINGS_H
+#pragma once
 
 #include "base/status.h"
 
@@ -46,5 +45,3 @@ CML_NODISCARD cml_status cml_settings_text(const struct cml_settings *settings, 
  */
 CML_NODISCARD cml_status cml_setting_fail(const struct cml_setting *setting, const char *expected,
                                           struct cml_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* Counts of references: of what is read or built once, never changed afterwards, and held by several. The
  * count stands in memory of its own; NULL is that of one holder who shares with none. For one thread.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SHARED_H
-#define CML_SHARED_H
+#pragma once
 
 #include "base/status.h"
 
@@ -32,5 +31,3 @@ static inline bool cml_share_end(int *users)
     free(users);
     return true;
 }
-
-#endif

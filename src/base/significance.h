@@ -1,7 +1,6 @@
 /* From deviates to probabilities: the few formulas that comparing noisy numbers needs.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SIGNIFICANCE_H
-#define CML_SIGNIFICANCE_H
+#pragma once
 
 /* The normal deviate with the same tail as Student's t with `freedom` degrees of freedom (infinite: t
  * itself). Wallace's approximation [Ann. Math. Stat. 30 (1959) 1124]; for 63 or more degrees and |t| <= 10
@@ -21,5 +20,3 @@ double cml_sidak(double p, double tests);
 
 /* The level of one test among `tests` at which all together keep `level`: the inverse of cml_sidak. */
 double cml_sidak_level(double level, double tests);
-
-#endif

@@ -2,8 +2,7 @@
  * Every function that can fail returns a cml_status and writes one line into its `err`; only `main` prints it
  * and turns the status into the exit code. The numbers are the exit codes of the command line.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_STATUS_H
-#define CML_STATUS_H
+#pragma once
 
 typedef enum cml_status {
     CML_OK = 0,
@@ -46,5 +45,3 @@ CML_NODISCARD cml_status cml_fail_field(struct cml_error *err, const char *file,
 /* "out of memory: N MiB for WHAT". Returns CML_E_INPUT, because only a request in the input can ask for that
  * much. */
 CML_NODISCARD cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what);
-
-#endif

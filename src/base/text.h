@@ -1,8 +1,7 @@
 /* Text in: the line reader and strict numbers. Knows nothing of any format.
  * Numbers are read in the "C" locale (the program never calls setlocale).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TEXT_H
-#define CML_TEXT_H
+#pragma once
 
 #include "base/status.h"
 
@@ -96,5 +95,3 @@ void cml_guess_offer(struct cml_guess *guess, const char *name);
 /* The only name that begins with the word; else the nearest one, if at most two letters of more than three,
  * or one of three, and at most half of its own, are wrong; else NULL. Capitals are not wrong. */
 const char *cml_guess_best(const struct cml_guess *guess);
-
-#endif

@@ -1,8 +1,7 @@
 /* The commands of the program; each takes the parsed options and returns what becomes the exit code.
  * options->operands[0] is the first word after the command's name.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_COMMAND_H
-#define CML_COMMAND_H
+#pragma once
 
 #include "cli/load/scenes.h"
 
@@ -66,5 +65,3 @@ const char *cml_plot_label(const struct cml_options *options, int i);
 /* `plot` of tables of sweeps. */
 CML_NODISCARD cml_status cml_plot_sweeps(const struct cml_options *options, enum cml_picture picture,
                                          const char *path, struct cml_error *err);
-
-#endif

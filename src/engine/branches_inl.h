@@ -1,7 +1,6 @@
 /* Code, included by each engine on the host, as packets are of its precision: where branches wait (P19).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BRANCHES_INL_H
-#define CML_BRANCHES_INL_H
+#pragma once
 
 #include "base/status.h"
 #include "windows.h"
@@ -40,5 +39,3 @@ static inline cml_status cml_branches_create(const struct cml_world *world, stru
     to->most = CML_MOST_BRANCHES;
     return CML_OK;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Code, included by terminated_packets_inl.h, which says why it is no .c file, and row_weights_inl.h: light
  * that has left into what detectors have seen (P13). SPDX-License-Identifier: MIT */
-#ifndef CML_DETECTED_LIGHT_INL_H
-#define CML_DETECTED_LIGHT_INL_H
+#pragma once
 
 #include "detector.h"
 #include "tally/tally.h"
@@ -222,5 +221,3 @@ static inline void cml_score_split_off(const struct cml_world *world, cml_u64 in
     light.times = times;
     if (light.w) cml_score_light(world, &light, NULL, sums, pixels);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* What an engine is: open a scene, fly pieces of work, close.
  * A piece, photons of one batch, is the only unit of work, and its tally depends on nothing but scene,
  * options and piece: so threads, ranks, devices and restarts cannot show. SPDX-License-Identifier: MIT */
-#ifndef CML_ENGINE_H
-#define CML_ENGINE_H
+#pragma once
 
 #include "scene/window_table.h"
 #include "scene/flat_tail.h"
@@ -160,5 +159,3 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
 
 const char *cml_fate_name(int fate);
 const char *cml_lost_cause_name(int cause);
-
-#endif

@@ -1,7 +1,6 @@
 /* Phase functions as tables of the inverse of their distribution function, for the kernels to draw from.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PHASE_TABLE_H
-#define CML_PHASE_TABLE_H
+#pragma once
 
 #include "scene/phase.h"
 
@@ -26,5 +25,3 @@ struct cml_phase_tables {
  * item is the caller's to free. CML_E_INPUT: out of memory, or too many cells. */
 CML_NODISCARD cml_status cml_phase_tables_create(const char *file, const struct cml_phase *phases,
                                                  struct cml_phase_tables *tables, struct cml_error *err);
-
-#endif

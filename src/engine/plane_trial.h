@@ -5,8 +5,7 @@
  * the difference is seen with few. The trial has a seed of its own, so that its outcome depends on the scene,
  * the tolerance and --no-reentry only: all seeds, ranks, engines and commands fly the same surfaces.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PLANE_TRIAL_H
-#define CML_PLANE_TRIAL_H
+#pragma once
 
 #include "engine/engine.h"
 
@@ -30,5 +29,3 @@ CML_NODISCARD cml_status cml_make_harmless_planes(const struct cml_scene *scene,
                                                   const struct cml_engine *engine,
                                                   const struct cml_engine_options *engine_options,
                                                   struct cml_surface_set *surfaces, struct cml_error *err);
-
-#endif

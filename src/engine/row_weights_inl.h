@@ -4,8 +4,7 @@
  * and it runs where packets change the medium, play roulette, lose weight to the backing or end. Scores, for
  * derivatives (P17), are summed as rows are: their factors add up along the path, and may be negative.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ROW_WEIGHTS_INL_H
-#define CML_ROW_WEIGHTS_INL_H
+#pragma once
 
 #include "engine/detected_light_inl.h"
 #include "tally/row_cells.h"
@@ -519,5 +518,3 @@ static inline void cml_rows_place_split_off(const struct cml_world *world, const
     const struct cml_row_light of = {rows, &light, 1};
     if (light.w) cml_rows_detect(world, &of);
 }
-
-#endif

@@ -2,8 +2,7 @@
  * each level of engine_cpu_level.c and engine_opencl.c in float), so that the walk of kernels/walk.h is
  * compiled in the precision and for the processor of the engine. Ranges of packets into a tally, or as
  * records. SPDX-License-Identifier: MIT */
-#ifndef CML_SCALAR_WALK_INL_H
-#define CML_SCALAR_WALK_INL_H
+#pragma once
 
 #include "engine/branches_inl.h"
 #include "engine/engine.h"
@@ -274,5 +273,3 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
     cml_tally_free(&tally);
     return CML_OK;
 }
-
-#endif

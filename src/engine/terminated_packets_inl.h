@@ -3,8 +3,7 @@
  * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins and sums
  * of many packets are computed in one vector loop however rarely packets end.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TERMINATED_PACKETS_INL_H
-#define CML_TERMINATED_PACKETS_INL_H
+#pragma once
 
 #include "engine/detected_light_inl.h"
 #include "engine/row_weights_inl.h"
@@ -440,5 +439,3 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
     };
     return end;
 }
-
-#endif

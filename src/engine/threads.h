@@ -1,8 +1,7 @@
 /* Threads for one task, that wait asleep. OpenMP's own keep their cores for some milliseconds where they
  * wait: on a machine whose cores are busy that is time that the threads they wait for do not get. Each runs
  * where OpenMP would bind it (OMP_PROC_BIND, OMP_PLACES). SPDX-License-Identifier: MIT */
-#ifndef CML_THREADS_H
-#define CML_THREADS_H
+#pragma once
 
 struct cml_thread_task {
     void *context;
@@ -14,5 +13,3 @@ struct cml_thread_task {
  * when all have ended. Where the system refuses to start a thread, fewer run, those of the first numbers: the
  * caller at least. task->fewer is told how many before the caller begins its body. */
 void cml_run_threads(int count, const struct cml_thread_task *task);
-
-#endif

@@ -1,8 +1,7 @@
 /* The scene as the kernels read it: struct cml_world, in the precision of the file that includes this (`real`
  * of kernels/port.h: double where CML_DOUBLE is defined, else float).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_WORLD_H
-#define CML_WORLD_H
+#pragma once
 
 #include "engine/engine.h"
 #include "engine/phase_table.h"
@@ -76,5 +75,3 @@ int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam
 CML_NODISCARD cml_status cml_source_media(const struct cml_scene *scene,
                                           const struct cml_surface_set *surfaces, int **medium,
                                           struct cml_error *err);
-
-#endif

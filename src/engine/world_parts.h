@@ -1,7 +1,6 @@
 /* What the files share that make a world: world.c, and those of its bodies and sources. Private to them.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_WORLD_PARTS_H
-#define CML_WORLD_PARTS_H
+#pragma once
 
 #include "engine/world.h"
 
@@ -44,5 +43,3 @@ static inline void cml_copy_optics(const struct cml_medium_def *from, struct cml
     to->g = (real)from->g;
     if (from->phase) to->g = (real)((cml_phase_mean(from->phase) < 0 ? -1 : 1) * (2 + from->phase->index));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Matrices of double, row by row, as few operations as adding-doubling needs. Knows no light.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DENSE_H
-#define CML_DENSE_H
+#pragma once
 
 /* Square matrices [n][n] of one kind: all rows but these are 0 beside the diagonal. Products and quotients of
  * a kind are of that kind, too. */
@@ -22,5 +21,3 @@ void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *
  * dominated by its diagonal, as it is in 1 - M where M turns power into no more power. Where a is singular b
  * becomes infinite or no number. */
 void cml_dense_divide(const struct cml_dense_kind *kind, int more, double *a, double *b);
-
-#endif

@@ -2,8 +2,7 @@
  * where the detector looks. By the diffusion equation, which is its own adjoint, in finite volumes of rings
  * and depths [Haskell and others: Boundary conditions for the diffusion equation in radiative transfer, J.
  * Opt. Soc. Am. A 11, 2727 (1994)]. SPDX-License-Identifier: MIT */
-#ifndef CML_DETECTOR_IMPORTANCE_H
-#define CML_DETECTOR_IMPORTANCE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -20,5 +19,3 @@ struct cml_seen_ring {
 CML_NODISCARD cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers,
                                                  struct cml_seen_ring seen, double reach, double depth,
                                                  int rings, int cells, double *value, struct cml_error *err);
-
-#endif

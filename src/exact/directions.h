@@ -5,8 +5,7 @@
  * reflects totally. Therefore each such interval has Gauss-Legendre nodes of its own, in the cosine that they
  * have in the medium whose index ends the interval. Double-Gauss quadrature (Sykes 1951) is the case of one
  * index. SPDX-License-Identifier: MIT */
-#ifndef CML_DIRECTIONS_H
-#define CML_DIRECTIONS_H
+#pragma once
 
 #include "exact/dense.h"
 #include "exact/light.h"
@@ -43,5 +42,3 @@ struct cml_dense_kind cml_directions_kind(const struct cml_directions *direction
 
 /* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down. */
 double cml_gauss_node(int n, int i, double *weight);
-
-#endif

@@ -1,8 +1,7 @@
 /* Totals of plane layers without photons, by adding-doubling [van de Hulst, Multiple Light Scattering, 1980;
  * Prahl, van Gemert, Welch, Applied Optics 32, 559-568 (1993)]. Knows no surfaces, engines or packets: it
  * judges them. SPDX-License-Identifier: MIT */
-#ifndef CML_EXACT_H
-#define CML_EXACT_H
+#pragma once
 
 #include "exact/directions.h"
 
@@ -53,5 +52,3 @@ void cml_exact_clear(struct cml_exact *exact);
 
 /* The largest error of all shares. */
 double cml_exact_worst(const struct cml_exact *exact);
-
-#endif

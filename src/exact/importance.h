@@ -2,8 +2,7 @@
  * adding-doubling. By reciprocity that is the fluence which diffuse light from below makes there, over 4 and
  * the squared ratio of indices [Bell, Glasstone: Nuclear Reactor Theory, 1970, section 6.1].
  * SPDX-License-Identifier: MIT */
-#ifndef CML_IMPORTANCE_H
-#define CML_IMPORTANCE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -13,5 +12,3 @@
  * directions. */
 CML_NODISCARD cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells,
                                                  double *value, struct cml_error *err);
-
-#endif

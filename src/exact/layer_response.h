@@ -1,7 +1,6 @@
 /* What one plane layer does with light from either side: reflection, transmission and absorption in discrete
  * ordinates, by doubling. SPDX-License-Identifier: MIT */
-#ifndef CML_LAYER_RESPONSE_H
-#define CML_LAYER_RESPONSE_H
+#pragma once
 
 #include "exact/directions.h"
 
@@ -29,5 +28,3 @@ CML_NODISCARD cml_status cml_layer_response_create(const struct cml_medium_def *
                                                    struct cml_error *err);
 
 void cml_layer_response_clear(struct cml_layer_response *response);
-
-#endif

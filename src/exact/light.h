@@ -1,8 +1,7 @@
 /* What shines on a stack from above, as adding-doubling takes it: shares of light that comes the same from
  * all directions, of parallel beams, and of the rest, as many rays as it takes. How wide beams are, and where
  * they stand, is no matter for totals. SPDX-License-Identifier: MIT */
-#ifndef CML_EXACT_LIGHT_H
-#define CML_EXACT_LIGHT_H
+#pragma once
 
 #include "base/status.h"
 #include "scene/scene.h"
@@ -39,5 +38,3 @@ double cml_exact_light_normal(const struct cml_exact_light *light);
 double cml_exact_node(double low, double high, int count, int i);
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share);
-
-#endif

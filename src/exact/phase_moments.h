@@ -1,6 +1,5 @@
 /* Legendre moments of a medium's phase function. SPDX-License-Identifier: MIT */
-#ifndef CML_PHASE_MOMENTS_H
-#define CML_PHASE_MOMENTS_H
+#pragma once
 
 #include "base/status.h"
 #include "scene/scene.h"
@@ -9,5 +8,3 @@
  * function; else the error is below 1e-9. CML_E_INPUT: out of memory. */
 CML_NODISCARD cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                                            struct cml_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* Plane layers and their boundaries, added up from below. SPDX-License-Identifier: MIT */
-#ifndef CML_STACK_H
-#define CML_STACK_H
+#pragma once
 
 #include "exact/directions.h"
 
@@ -23,5 +22,3 @@ CML_NODISCARD cml_status cml_stack_responses(const struct cml_medium_def *media,
 /* Fresnel's reflectance of unpolarised light, from the indices and cosines on both sides; no cosine (0) on
  * one side: total reflection, 1. Symmetric in the sides. [Hecht, Optics, chapter 4] */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2);
-
-#endif

@@ -1,7 +1,6 @@
 /* What becomes of light that goes down through a level of flat layers (scene/flat_tail.h), by adding-doubling
  * in directions without weight. SPDX-License-Identifier: MIT */
-#ifndef CML_TAIL_RESPONSE_H
-#define CML_TAIL_RESPONSE_H
+#pragma once
 
 #include "exact/directions.h"
 #include "scene/flat_tail.h"
@@ -12,5 +11,3 @@
  * or no such accuracy. On success the caller clears *tail. */
 CML_NODISCARD cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer,
                                          double z, struct cml_flat_tail *tail, struct cml_error *err);
-
-#endif

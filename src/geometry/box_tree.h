@@ -2,8 +2,7 @@
  * and which lies around another. Exists because the overlap check must stay near linear whatever the
  * triangles' sizes and shapes (walls, needles, local refinement), and whatever bodies lie in each other.
  * Knows no scene. SPDX-License-Identifier: MIT */
-#ifndef CML_BOX_TREE_H
-#define CML_BOX_TREE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -79,5 +78,3 @@ double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cm
 typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context);
-
-#endif

@@ -1,8 +1,7 @@
 /* The footprint of a boundary mesh: the simple polygon of its border loop, and where a point lies to it.
  * Exists because the outer plane has this polygon as its hole: a circle or a box there would leave a gap.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_FOOTPRINT_H
-#define CML_FOOTPRINT_H
+#pragma once
 
 #include "geometry/mesh.h"
 
@@ -25,5 +24,3 @@ bool cml_footprint_contains_box(const struct cml_footprint *footprint, const dou
                                 const double upper[2]);
 
 void cml_footprint_free(struct cml_footprint *footprint);
-
-#endif

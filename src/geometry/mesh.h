@@ -3,8 +3,7 @@
  * horizontal plane; outside the border's footprint the boundary goes on as that plane to infinity. It need
  * not be a height function. Coordinates are those of the boundary's frame: x, y of the scene, z down, z = 0
  * at the boundary's nominal depth, [cm]. Knows no files and no rays. SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_H
-#define CML_MESH_H
+#pragma once
 
 #include "base/status.h"
 
@@ -101,5 +100,3 @@ struct cml_mesh_summary {
     double edge_median, edge_min;         /* cm; NaN when memory runs out */
 };
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary);
-
-#endif

@@ -1,7 +1,6 @@
 /* The steps of cml_mesh_prepare, shared only by the mesh_*.c files. Each expects the ones above it to have
  * succeeded. SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_PARTS_H
-#define CML_MESH_PARTS_H
+#pragma once
 
 #include "geometry/mesh.h"
 
@@ -69,5 +68,3 @@ static inline uint32_t cml_half_edge_to(const struct cml_mesh *mesh, uint32_t ed
 {
     return mesh->triangle[edge / 3][(edge % 3 + 1) % 3];
 }
-
-#endif

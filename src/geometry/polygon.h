@@ -1,7 +1,6 @@
 /* Simple polygons: the edges sorted into rows of y, so that only the few near a point or near each other have
  * to be looked at. SPDX-License-Identifier: MIT */
-#ifndef CML_POLYGON_H
-#define CML_POLYGON_H
+#pragma once
 
 #include "base/status.h"
 
@@ -34,5 +33,3 @@ size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y);
  * point), or CML_POLYGON_SIMPLE. CML_E_INPUT only when memory runs out. */
 CML_NODISCARD cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t *edge,
                                                    struct cml_error *err);
-
-#endif

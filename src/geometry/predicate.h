@@ -2,8 +2,7 @@
  * Exists because "do these surfaces cross?" must have one answer: the sign is that of the exact determinant
  * of the given doubles (a filter in double, expansions where it is unsure). Assumes that no product of three
  * coordinate differences under- or overflows. SPDX-License-Identifier: MIT */
-#ifndef CML_PREDICATE_H
-#define CML_PREDICATE_H
+#pragma once
 
 /* +1 when a, b, c turn counter-clockwise (x right, y up), -1 clockwise, 0 when exactly on one line. */
 int cml_orient2d(const double a[2], const double b[2], const double c[2]);
@@ -25,5 +24,3 @@ int cml_line_side(const double a[3], const double b[3], const double o[3], const
 
 /* As cml_orient3d(a, b, c, o). 0 only for a triangle without area. */
 int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3]);
-
-#endif

@@ -1,8 +1,7 @@
 /* Whether and how two triangles meet, decided exactly (predicate.h).
  * Exists apart from the overlap check because it is pure geometry: it knows neither meshes nor scenes.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TRIANGLE_H
-#define CML_TRIANGLE_H
+#pragma once
 
 enum cml_contact {
     CML_APART,
@@ -16,5 +15,3 @@ enum cml_contact {
  * zero area are apart from everything in their own plane. */
 enum cml_contact cml_triangle_contact(const double *const a[3], const double *const b[3], int shared,
                                       double place[3]);
-
-#endif

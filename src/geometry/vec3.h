@@ -1,7 +1,6 @@
 /* Vectors of three doubles: what the files about triangles share. Sums are taken from left to right. `out`
  * may be one of the arguments only where that is said. SPDX-License-Identifier: MIT */
-#ifndef CML_VEC3_H
-#define CML_VEC3_H
+#pragma once
 
 #include <math.h>
 
@@ -62,5 +61,3 @@ static inline double cml_vec2_area(const double o[2], const double p[2], const d
 {
     return (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* What is made of the files that describe a scene while they are read. SPDX-License-Identifier: MIT */
-#ifndef CML_INPUT_OPTIONS_H
-#define CML_INPUT_OPTIONS_H
+#pragma once
 
 #include "base/settings.h"
 #include "base/text.h"
@@ -21,5 +20,3 @@ struct cml_input_options {
     bool flat; /* every boundary becomes its nominal plane; its file is read and checked all the same
                 * (the 2019 program's IGNORE_HEIGHTFIELDS) */
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* Reader of .mci files: original MCML's grammar plus the lines b, m, beam, map and facets, bare or behind "#@
  * ". SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_H
-#define CML_MCI_H
+#pragma once
 
 #include "input/input_options.h"
 #include "scene/scene.h"
@@ -20,5 +19,3 @@ CML_NODISCARD cml_status cml_mci_read(const char *path, const struct cml_input_o
  * are read again, from options->source. Checked as by cml_mci_read; on failure *scene is empty. */
 CML_NODISCARD cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
                                       struct cml_scene *scene, struct cml_error *err);
-
-#endif

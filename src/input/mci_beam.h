@@ -1,6 +1,5 @@
 /* The beam lines of .mci files. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_BEAM_H
-#define CML_MCI_BEAM_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -19,5 +18,3 @@ struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const 
 /* After all numbers are there: checks what lines and media have to do with each other. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_check_beams(const struct cml_mci_reader *reader,
                                              const struct cml_scene *scene);
-
-#endif

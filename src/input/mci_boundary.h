@@ -1,7 +1,6 @@
 /* The lines of .mci files that give a boundary its shape, b and m, and the files that they name.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_BOUNDARY_H
-#define CML_MCI_BOUNDARY_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -10,5 +9,3 @@
  * which is number `index`. What was allocated before a failure belongs to *boundary. */
 CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                           struct cml_boundary *boundary);
-
-#endif

@@ -1,6 +1,5 @@
 /* The detector lines of .mci files. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_DETECTOR_H
-#define CML_MCI_DETECTOR_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -17,5 +16,3 @@ struct cml_mci_number cml_mci_detector_number(struct cml_detector_def *detector,
 /* After all numbers are there: fills in names and planes that lines do not give, and checks what lines have
  * to do with each other. CML_E_INPUT: two of a name, too many pixels. */
 CML_NODISCARD cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene);
-
-#endif

@@ -1,8 +1,7 @@
 /* Lines and numbers of .mci files: what mci.c (grammar) and the files mci_*.c of our own lines stand on.
  * Hands out data lines, tells the lines that original MCML does not know, reads the fields of a line against
  * their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_LINES_H
-#define CML_MCI_LINES_H
+#pragma once
 
 #include "base/status.h"
 #include "base/text.h"
@@ -112,5 +111,3 @@ CML_NODISCARD cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, 
 
 /* What the name of an output was expected to be that is none; NULL: it is one. */
 const char *cml_mci_why_no_name(const char *name);
-
-#endif

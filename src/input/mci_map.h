@@ -1,8 +1,7 @@
 /* The lines of .mci files that ask for more than original MCML tallies: map, facets, time,
  * directions, fluence and photons.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_MAP_H
-#define CML_MCI_MAP_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -37,5 +36,3 @@ CML_NODISCARD cml_status cml_mci_check_photons(const struct cml_mci_reader *read
 /* Once nz and na are known: refuses more cells in maps and volume than an array may have, in figures. */
 CML_NODISCARD cml_status cml_mci_check_map(const struct cml_mci_reader *reader,
                                            const struct cml_scene *scene);
-
-#endif

@@ -1,7 +1,6 @@
 /* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common, and the line
  * behind them that says how it scatters; and what lies under the last one. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_MEDIUM_H
-#define CML_MCI_MEDIUM_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -34,5 +33,3 @@ CML_NODISCARD cml_status cml_mci_check_media(const struct cml_mci_reader *reader
 
 /* A line `backing`: what lies under the last boundary. */
 CML_NODISCARD cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing);
-
-#endif

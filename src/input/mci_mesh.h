@@ -1,7 +1,6 @@
 /* What lines of boundaries and of bodies have in common that name a mesh: the file, and options behind it.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_MESH_H
-#define CML_MCI_MESH_H
+#pragma once
 
 #include "input/mci_options.h"
 #include "input/mesh/obj.h"
@@ -31,5 +30,3 @@ CML_NODISCARD cml_status cml_mci_mesh_name(const struct cml_mci_line_options *op
 /* Takes the option read last, which is none of a tile. CML_E_INPUT when its value is wrong. */
 CML_NODISCARD cml_status cml_mci_mesh_option(const struct cml_mci_line_options *options,
                                              struct cml_obj_options *obj);
-
-#endif

@@ -1,6 +1,5 @@
 /* Words key=value behind the fields of an m or beam line. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_OPTIONS_H
-#define CML_MCI_OPTIONS_H
+#pragma once
 
 #include "input/mci_lines.h"
 
@@ -35,5 +34,3 @@ bool cml_mci_parse_list(const char *text, int count, double *values);
 
 /* The index of `word` in names[count], -1 when it is none of them. */
 int cml_mci_choose(const char *word, const char *const *names, int count);
-
-#endif

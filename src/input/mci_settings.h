@@ -11,8 +11,7 @@
  * Of several detectors detector1.x ... A value takes the place of the file's when all lines are read: it is
  * held against the range of the field, and what belongs together is checked after that. Only shapes are read
  * with their settings. SPDX-License-Identifier: MIT */
-#ifndef CML_MCI_SETTINGS_H
-#define CML_MCI_SETTINGS_H
+#pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
@@ -26,5 +25,3 @@ extern const struct cml_mci_field cml_mci_photons_field;
 /* Puts all settings in the place of what the file says. CML_E_INPUT when a value is not in the field's range,
  * or the scene has no such number; the message has the names that it knows. */
 CML_NODISCARD cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene);
-
-#endif

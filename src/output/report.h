@@ -1,7 +1,6 @@
 /* What a run says of itself: the .mco file, the summary for people, the JSON line for programs.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_REPORT_H
-#define CML_REPORT_H
+#pragma once
 
 #include "exact/exact.h"
 #include "result/outcome.h"
@@ -174,5 +173,3 @@ CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_sc
                                                const struct cml_sweep_size *sweep, double bytes,
                                                const int *starts, const struct cml_mean_shapes *mean,
                                                const struct cml_exact *flat, struct cml_error *err);
-
-#endif

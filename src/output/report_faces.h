@@ -1,7 +1,6 @@
 /* How the facets of a represented boundary are drawn (surface_facets.h says what they are).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_REPORT_FACES_H
-#define CML_REPORT_FACES_H
+#pragma once
 
 #include "surface/surface.h"
 #include "output/files/vtk.h"
@@ -12,5 +11,3 @@
 CML_NODISCARD cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                                           size_t *per_facet, struct cml_error *err);
 void cml_report_faces_free(struct cml_faces *faces);
-
-#endif

@@ -1,7 +1,6 @@
 /* How tallies become fields: what the reports share. Private to report*.c.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_REPORT_PARTS_H
-#define CML_REPORT_PARTS_H
+#pragma once
 
 #include "output/files/hdf5_file.h"
 #include "output/files/vtk.h"
@@ -125,5 +124,3 @@ CML_NODISCARD cml_status cml_report_words(const struct cml_report *report, enum 
 /* The packets that were saved, to `path`. */
 CML_NODISCARD cml_status cml_report_write_saved(const struct cml_report *report, struct cml_outcome *outcome,
                                                 const char *path, struct cml_error *err);
-
-#endif

@@ -22,8 +22,7 @@
  * (means, derivatives, totals by the twin) are never taken together. Without errors in both files there is no
  * test of grids over two axes and of what layers absorb (which MCML forms from z bins); A_z is left out where
  * one run did not tally absorption, and what has other bins in both. SPDX-License-Identifier: MIT */
-#ifndef CML_COMPARE_H
-#define CML_COMPARE_H
+#pragma once
 
 #include "plot/compare_groups.h"
 
@@ -38,5 +37,3 @@ CML_NODISCARD cml_status cml_compare(const struct cml_outcome *a, const struct c
                                      struct cml_error *err);
 
 void cml_comparison_clear(struct cml_comparison *comparison);
-
-#endif

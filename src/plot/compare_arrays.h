@@ -1,6 +1,5 @@
 /* What only .h5 files hold, compared. SPDX-License-Identifier: MIT */
-#ifndef CML_COMPARE_ARRAYS_H
-#define CML_COMPARE_ARRAYS_H
+#pragma once
 
 #include "plot/compare_groups.h"
 
@@ -9,5 +8,3 @@
 CML_NODISCARD cml_status cml_compare_arrays(const struct cml_outcome *const outcome[2],
                                             const char *const names[2], struct cml_comparison *c,
                                             struct cml_error *err);
-
-#endif

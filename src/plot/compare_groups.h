@@ -1,7 +1,6 @@
 /* The statistics of a comparison (compare.h): bins of both results taken together until they hold enough
  * packets, and the test of such a group. SPDX-License-Identifier: MIT */
-#ifndef CML_COMPARE_GROUPS_H
-#define CML_COMPARE_GROUPS_H
+#pragma once
 
 #include "result/outcome.h"
 
@@ -89,5 +88,3 @@ static inline bool cml_compare_is_of_files(enum cml_quantity which)
 {
     return cml_compare_comes_of(which, CML_FROM_FIELD);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* What a comparison says: for people, for programs, as a picture of z over every profile.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_COMPARE_REPORT_H
-#define CML_COMPARE_REPORT_H
+#pragma once
 
 #include "plot/compare.h"
 #include "plot/gnuplot.h"
@@ -24,5 +23,3 @@ CML_NODISCARD cml_status cml_compare_json(FILE *stream, const struct cml_compare
 /* A script for cml_gnuplot_draw: z of every test, one panel per profile, and the limit of the level. `report`
  * is a struct cml_compare_report. */
 CML_NODISCARD cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* Drawing by gnuplot: the parts of a script that all pictures share, and the process that draws.
  * Script on gnuplot's standard input, picture from its standard output, so that no name of a file is ever
  * part of a command. SPDX-License-Identifier: MIT */
-#ifndef CML_GNUPLOT_H
-#define CML_GNUPLOT_H
+#pragma once
 
 #include "base/status.h"
 
@@ -55,5 +54,3 @@ void cml_gnuplot_quote(FILE *out, const char *text);
 CML_NODISCARD cml_status cml_gnuplot_draw(cml_status (*write)(FILE *out, const void *what,
                                                               struct cml_error *err),
                                           const void *what, const char *path, struct cml_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * the n-th result, with error bars. Knows the drawing, not the process that draws. SPDX-License-Identifier:
  * MIT
  */
-#ifndef CML_PLOT_H
-#define CML_PLOT_H
+#pragma once
 
 #include "plot/plot_parts.h"
 #include "plot/shown.h"
@@ -25,5 +24,3 @@ struct cml_plot {
 /* For cml_gnuplot_draw: writes a script that holds its data and leaves the picture on gnuplot's standard
  * output. `plot` is a struct cml_plot. CML_E_INPUT when memory runs out, or a result cannot be shown so. */
 CML_NODISCARD cml_status cml_plot_script(FILE *out, const void *plot, struct cml_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* Pictures of maps as scripts for gnuplot: R(x,y) or another array in viridis, maps side by side with the
  * same lengths and colours, so that they can be compared. SPDX-License-Identifier: MIT
  */
-#ifndef CML_PLOT_MAP_H
-#define CML_PLOT_MAP_H
+#pragma once
 
 #include "plot/plot_parts.h"
 #include "plot/files/map_h5.h"
@@ -34,5 +33,3 @@ struct cml_map_plot {
  * output. `plot` is a struct cml_map_plot. Maps of more than 1000 pixels a side are averaged to fewer.
  * CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* What all pictures of results have around them: names of files, titles, captions, ranges, round ticks.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PLOT_PARTS_H
-#define CML_PLOT_PARTS_H
+#pragma once
 
 #include "plot/gnuplot.h"
 
@@ -63,5 +62,3 @@ double cml_plot_round_step(double length);
  * high, up to three decades; beyond, gnuplot's own do. Without light (low 0) none. Exists because gnuplot 6
  * writes out all nine of a decade below two of them, gnuplot 5 only powers. */
 void cml_plot_log_ticks(FILE *out, const char *axis, double low, double high);
-
-#endif

@@ -1,7 +1,6 @@
 /* The picture of a section through a scene: boundaries, layers with their names, the beam, the width of the
  * map. It is told lines and texts, and knows no scene. SPDX-License-Identifier: MIT */
-#ifndef CML_PLOT_SECTION_H
-#define CML_PLOT_SECTION_H
+#pragma once
 
 #include "plot/gnuplot.h"
 
@@ -65,5 +64,3 @@ struct cml_section {
 
 /* For cml_gnuplot_draw: writes the script that draws the const struct cml_section `what`. */
 CML_NODISCARD cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err);
-
-#endif

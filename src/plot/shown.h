@@ -2,8 +2,7 @@
  * Fluence without a fluence line is absorbed weight per volume over the absorption coefficient of the layer
  * (MCML manual, eqs 4.27 and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). A bin that two media
  * share has none. SPDX-License-Identifier: MIT */
-#ifndef CML_SHOWN_H
-#define CML_SHOWN_H
+#pragma once
 
 #include "plot/files/curve.h"
 #include "plot/files/map_h5.h"
@@ -61,5 +60,3 @@ CML_NODISCARD cml_status cml_shown_curve_of_others(const struct cml_curve *from,
 CML_NODISCARD cml_status cml_shown_map(const struct cml_outcome *outcome, const char *path,
                                        const struct cml_shown *shown, struct cml_pixels *map,
                                        struct cml_error *err);
-
-#endif

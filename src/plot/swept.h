@@ -1,8 +1,7 @@
 /* What `plot` shows of the table of a sweep's results (NAME.sweep.csv): a column over another, one curve for
  * each value of a third, or in colours over two. A column's standard error is that of its name and _se.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SWEPT_H
-#define CML_SWEPT_H
+#pragma once
 
 #include "plot/files/curve.h"
 #include "plot/files/map_h5.h"
@@ -36,5 +35,3 @@ void cml_swept_clear(struct cml_swept *swept);
 CML_NODISCARD cml_status cml_swept_map(const char *path, const struct cml_swept_names *names,
                                        const char *const over[2], struct cml_pixels *map,
                                        char ticks[2][CML_SWEPT_TICKS], struct cml_error *err);
-
-#endif

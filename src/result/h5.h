@@ -1,7 +1,6 @@
 /* Results as .h5 files: the quantities of the table, what decided their bits, the scene in words.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_H5_H
-#define CML_H5_H
+#pragma once
 
 #include "output/files/hdf5_file.h"
 #include "output/files/hdf5_read.h"
@@ -47,5 +46,3 @@ CML_NODISCARD cml_status cml_h5_numbers(const struct cml_hdf5 *file, const char 
  * of ours are damaged or cut off; the caller clears it otherwise. */
 CML_NODISCARD cml_status cml_result_read(const char *path, struct cml_outcome *outcome,
                                          struct cml_error *err);
-
-#endif

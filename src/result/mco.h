@@ -3,8 +3,7 @@
  * begin with '#' (the program, what decided the bits, the scene in words), then sections whose keywords no
  * section of MCML begins with. Layout: MCML manual (Wang and Jacques 1992), section 9.3, and observed on
  * version 1.2.2; scaling.h says how its numbers come about. SPDX-License-Identifier: MIT */
-#ifndef CML_MCO_H
-#define CML_MCO_H
+#pragma once
 
 #include "result/outcome.h"
 
@@ -20,5 +19,3 @@ CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_outcom
  * are not whole are left out, and the first of them is told in `damage`. Writing what was read from our own
  * file gives the same bytes. */
 CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_outcome *outcome, struct cml_error *err);
-
-#endif

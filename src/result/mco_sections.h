@@ -1,7 +1,6 @@
 /* The layout of original MCML's .mco as data: what its writer and its reader share. Private to mco*.c.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MCO_SECTIONS_H
-#define CML_MCO_SECTIONS_H
+#pragma once
 
 #include "result/mco.h"
 
@@ -38,5 +37,3 @@ CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, b
 /* A line "merged FILE: seed S, run R" as one of the outcome's streams; of any other nothing. */
 CML_NODISCARD cml_status cml_mco_read_merged(const char *line, struct cml_outcome *outcome,
                                              struct cml_error *err);
-
-#endif

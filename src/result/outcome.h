@@ -1,7 +1,6 @@
 /* What a run, or several that were merged, has found: the structure that readers fill, writers write, and
  * plots, comparisons and merging use. SPDX-License-Identifier: MIT */
-#ifndef CML_OUTCOME_H
-#define CML_OUTCOME_H
+#pragma once
 
 #include "base/status.h"
 #include "result/provenance.h"
@@ -153,5 +152,3 @@ CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, co
 
 /* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
 CML_NODISCARD cml_status cml_outcome_make_shapes(struct cml_outcome *outcome, struct cml_error *err);
-
-#endif

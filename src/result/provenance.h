@@ -1,8 +1,7 @@
 /* What decides the bits of a result besides the bytes of its input: one row for each option, and the identity
  * of a run, the head of an .mco, the attributes of an .h5, JSON and what `merge` refuses walk these rows.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PROVENANCE_H
-#define CML_PROVENANCE_H
+#pragma once
 
 #include "result/quantity.h"
 
@@ -72,5 +71,3 @@ void cml_provenance_print(FILE *out, const struct cml_provenance *provenance, bo
 
 /* Takes from a line of such a head, without line feed, what it says. */
 void cml_provenance_read(const char *line, struct cml_provenance *provenance);
-
-#endif

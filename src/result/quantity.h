@@ -1,8 +1,7 @@
 /* What a run finds: one row for each quantity, and every reader and writer of results walks these rows. The
  * names, units and long names are those of .h5 files, and of sections of .mco files that are ours.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_QUANTITY_H
-#define CML_QUANTITY_H
+#pragma once
 
 #include "output/files/field.h"
 
@@ -257,5 +256,3 @@ void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of);
 
 /* Whether a field of this name holds standard errors. */
 bool cml_quantity_is_errors(const char *name);
-
-#endif

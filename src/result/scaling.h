@@ -5,8 +5,7 @@
  * eqs 4.9 to 4.18 and 4.23 to 4.26; its solid angle, eq 4.12, is exact, but the program divides Rd_a and Tt_a
  * by that of cml_solid_angle. The functions of bins take the width of a bin and its number from 0, so that
  * who knows no scene can use them. SPDX-License-Identifier: MIT */
-#ifndef CML_SCALING_H
-#define CML_SCALING_H
+#pragma once
 
 /* Width of one of na angle bins between the outward vertical and the horizontal, rad. */
 double cml_angle_width(int na);
@@ -25,5 +24,3 @@ double cml_projected_solid_angle(double da, int ia);
 /* Solid angle of a bin of directions, sr: nt even ones of the angle from the vertical, of which this is
  * number it, and np of the azimuth. */
 double cml_direction_solid_angle(int nt, int np, int it);
-
-#endif

@@ -1,7 +1,6 @@
 /* How a run spent its time, and what is left to be said of it when its tallies are gone.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TIMING_H
-#define CML_TIMING_H
+#pragma once
 
 #include "tally/result.h"
 
@@ -51,5 +50,3 @@ struct cml_record {
 };
 
 void cml_record_clear(struct cml_record *record);
-
-#endif

@@ -4,8 +4,7 @@
  * that at any moment a whole one exists. It holds the run's identity (identity.h) and a checksum: what is
  * damaged or belongs to another run is refused. Numbers are in this machine's byte order.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CHECKPOINT_H
-#define CML_CHECKPOINT_H
+#pragma once
 
 #include "result/timing.h"
 #include "tally/ranges.h"
@@ -59,5 +58,3 @@ void cml_checkpoint_remove_older(const char *path);
 
 /* Deletes both files, if they are there. */
 void cml_checkpoint_remove(const char *path);
-
-#endif

@@ -15,8 +15,7 @@
  * order. They fail with CML_E_IO when MPI fails, or when a rank has been silent for longer than the timeout;
  * then no further collective call can succeed.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CLUSTER_H
-#define CML_CLUSTER_H
+#pragma once
 
 #include "tally/result.h"
 
@@ -102,5 +101,3 @@ void cml_cluster_set_handler(cml_cluster_handler *handler, void *context);
 /* On other ranks: sends the request and waits for rank 0's reply. Not collective. */
 CML_NODISCARD cml_status cml_cluster_request(const struct cml_work_request *request,
                                              struct cml_work_reply *reply, struct cml_error *err);
-
-#endif

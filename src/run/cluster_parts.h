@@ -1,8 +1,7 @@
 /* What the two files of the cluster share: cluster.c (beginning, end, collective calls) and cluster_service.c
  * (waiting, the service thread, requests). The only files that know MPI. Private to them.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CLUSTER_PARTS_H
-#define CML_CLUSTER_PARTS_H
+#pragma once
 
 #include "run/cluster.h"
 
@@ -46,5 +45,3 @@ void cml_cluster_sleep(double seconds);
  * when no thread can be started. cml_service_stop ends it and receives what is still under way. */
 CML_NODISCARD cml_status cml_service_start(struct cml_error *err);
 void cml_service_stop(void);
-
-#endif

@@ -2,8 +2,7 @@
  * A packet's random numbers belong to its index, so the ways differ by geometry and rounding only, and
  * differences are judged by their own spread ("paired"): over packets for the totals, over the 64 batches for
  * the bins. SPDX-License-Identifier: MIT */
-#ifndef CML_CROSSCHECK_H
-#define CML_CROSSCHECK_H
+#pragma once
 
 #include "run/run.h"
 
@@ -57,5 +56,3 @@ struct cml_check_result {
 CML_NODISCARD cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_result *result,
                                         struct cml_error *err);
 void cml_check_clear(struct cml_check_result *result);
-
-#endif

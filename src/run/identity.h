@@ -1,8 +1,7 @@
 /* What the bits of a result depend on, as lines of text: program, options, photons, the bytes of all input
  * files. Two runs with the same identity give the same tallies, whatever their threads and ranks; where two
  * differ, the first line that does says why. SPDX-License-Identifier: MIT */
-#ifndef CML_IDENTITY_H
-#define CML_IDENTITY_H
+#pragma once
 
 #include "base/input_files.h"
 #include "result/provenance.h"
@@ -25,5 +24,3 @@ CML_NODISCARD cml_status cml_identity_of(const struct cml_provenance *provenance
 
 /* Two checksums of it in 16 hexadecimal digits, by which a result says of which run it is. */
 void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM]);
-
-#endif

@@ -1,6 +1,5 @@
 /* What a run has to do, from what was asked for and what it finds. SPDX-License-Identifier: MIT */
-#ifndef CML_INTENT_H
-#define CML_INTENT_H
+#pragma once
 
 #include "run/checkpoint.h"
 
@@ -24,5 +23,3 @@ struct cml_run_findings {
 };
 
 enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found);
-
-#endif

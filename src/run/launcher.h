@@ -1,8 +1,7 @@
 /* What a launcher (mpiexec, srun) or a batch system gave this process: company, and cores.
  * Whether there is a launcher is judged by the environment, because MPI_Init costs a plain start a second,
  * and fails in a batch script. SPDX-License-Identifier: MIT */
-#ifndef CML_LAUNCHER_H
-#define CML_LAUNCHER_H
+#pragma once
 
 #include "base/status.h"
 
@@ -25,5 +24,3 @@ void cml_cores_mine(struct cml_cores *cores);
 
 /* Number of cores in a mask. */
 int cml_cores_count(const struct cml_cores *cores);
-
-#endif

@@ -3,8 +3,7 @@
  * nothing is left, when a checkpoint is due, on a signal and on an error; there the results are summed into
  * that of rank 0. A result is a sum of integers over indices: it depends neither on the number of ranks and
  * threads nor on stops. SPDX-License-Identifier: MIT */
-#ifndef CML_RUN_H
-#define CML_RUN_H
+#pragma once
 
 #include "engine/engine.h"
 #include "result/provenance.h"
@@ -74,5 +73,3 @@ CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const st
 
 /* Bytes that cml_run will hold at its peak for this grid and number of threads. */
 double cml_run_bytes(const struct cml_tally_grid *grid, int threads);
-
-#endif

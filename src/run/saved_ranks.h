@@ -1,11 +1,8 @@
 /* Saved packets of all ranks. SPDX-License-Identifier: MIT */
-#ifndef CML_SAVED_RANKS_H
-#define CML_SAVED_RANKS_H
+#pragma once
 
 #include "tally/saved.h"
 
 /* What ranks have saved becomes rank 0's, and that of the others is empty; NULL: nothing is saved.
  * Collective. */
 CML_NODISCARD cml_status cml_gather_saved(struct cml_saved *saved, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* Signals that ask the run to stop so that it can be resumed: SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGXCPU.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_STOP_H
-#define CML_STOP_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -22,5 +21,3 @@ void cml_stop_watch(void);
 
 /* Whether one of them has come since. */
 bool cml_stop_requested(void);
-
-#endif

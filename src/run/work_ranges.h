@@ -7,8 +7,7 @@
  * checkpoint is due, on a signal or an error, all ranks synchronise (cluster.h), and what they have not flown
  * of their ranges goes back. The calls of one rank must not overlap (run.c locks). SPDX-License-Identifier:
  * MIT */
-#ifndef CML_WORK_RANGES_H
-#define CML_WORK_RANGES_H
+#pragma once
 
 #include "tally/ranges.h"
 
@@ -60,5 +59,3 @@ void cml_work_timed(struct cml_work_ranges *work, struct cml_range range, double
  * have synchronised. */
 CML_NODISCARD cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, uint64_t flown,
                                          bool *stop, struct cml_error *err);
-
-#endif

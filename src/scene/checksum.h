@@ -1,7 +1,6 @@
 /* Numbers that tell shapes apart, so that results of different surfaces are not taken for one another.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CHECKSUM_H
-#define CML_CHECKSUM_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -14,5 +13,3 @@ uint32_t cml_mesh_checksum(const struct cml_mesh *mesh);
 
 /* CRC-32 of the pixels of a beam and of the table of its light, in single precision. */
 uint32_t cml_beam_checksum(const struct cml_beam *beam);
-
-#endif

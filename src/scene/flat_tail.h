@@ -1,8 +1,7 @@
 /* What becomes of light that goes down through a level below which a scene is flat (P15 of
  * kernels/README.md): a table, as adding-doubling makes it and engines read it. SPDX-License-Identifier: MIT
  */
-#ifndef CML_FLAT_TAIL_H
-#define CML_FLAT_TAIL_H
+#pragma once
 
 #include "base/status.h"
 
@@ -33,5 +32,3 @@ bool cml_flat_tail_has(const struct cml_flat_tail *tail, int score);
 double cml_flat_tail_widest(const struct cml_flat_tail *tail, int interval);
 
 void cml_flat_tail_clear(struct cml_flat_tail *tail);
-
-#endif

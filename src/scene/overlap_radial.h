@@ -1,7 +1,6 @@
 /* Exact order of a surface that is a function of the radius (plane, radial heightfield) against another one
  * or against a mesh. Part of the overlap check. SPDX-License-Identifier: MIT */
-#ifndef CML_OVERLAP_RADIAL_H
-#define CML_OVERLAP_RADIAL_H
+#pragma once
 
 #include "geometry/footprint.h"
 #include "geometry/mesh.h"
@@ -38,5 +37,3 @@ void cml_radial_against_radial(const struct cml_radial_surface *upper, const str
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest);
-
-#endif

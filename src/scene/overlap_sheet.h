@@ -1,8 +1,7 @@
 /* Do mesh boundaries cross themselves or each other? Part of the overlap check.
  * A sheet is a mesh at its depth together with its outer plane. All decisions are exact for the coordinates
  * as rounded to the scene's frame. SPDX-License-Identifier: MIT */
-#ifndef CML_OVERLAP_SHEET_H
-#define CML_OVERLAP_SHEET_H
+#pragma once
 
 #include "geometry/box_tree.h"
 #include "geometry/footprint.h"
@@ -61,5 +60,3 @@ static inline const double *cml_sheet_part_start(const struct cml_sheet *sheet, 
 
 /* Whether a point (scene's frame, cm) that is not on the sheet lies below it; of a closed mesh: inside. */
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3]);
-
-#endif

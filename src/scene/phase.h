@@ -1,8 +1,7 @@
 /* Phase functions beside Henyey and Greenstein's: how much light is scattered into which cosine c of the
  * angle of deflection. p(c) is the density of c, 2 pi times that per solid angle, and integrates to 1 over
  * -1..1. SPDX-License-Identifier: MIT */
-#ifndef CML_PHASE_H
-#define CML_PHASE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -69,5 +68,3 @@ void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums);
 
 /* Frees the phase function `first` and all that follow it. */
 void cml_phases_free(struct cml_phase *first);
-
-#endif

@@ -1,8 +1,7 @@
 /* Radial heightfields as data: flat ones, and the same surface with fewer rings.
  * Exists because every ring costs a ray something, wherever it came from. Knows no scene and no meshes.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_RADIAL_H
-#define CML_RADIAL_H
+#pragma once
 
 #include "scene/scene.h"
 #include "base/status.h"
@@ -20,5 +19,3 @@ CML_NODISCARD cml_status cml_radial_merge(const struct cml_radial *from, struct 
                                           struct cml_error *err);
 
 void cml_radial_clear(struct cml_radial *radial);
-
-#endif

@@ -3,8 +3,7 @@
  * Lengths in cm, coefficients in 1/cm, z down. Media 0..L+1, boundaries 0..L; boundary b lies between medium
  * b (above) and medium b+1 (below) at the nominal depth z_b = d_1 + ... + d_b. Bodies lie inside layers.
  * Knows no files, engines or rays. SPDX-License-Identifier: MIT */
-#ifndef CML_SCENE_H
-#define CML_SCENE_H
+#pragma once
 
 #include "boundary.h"
 #include "scene/heightmap/tile.h"
@@ -287,5 +286,3 @@ CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, 
  * most 5000: ...)". */
 #define CML_STEEPEST 5000.0
 CML_NODISCARD cml_status cml_scene_check_steepness(const struct cml_scene *scene, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* The lines in which the plane y = 0 cuts the boundaries and bodies of a scene: what a picture of the scene
  * shows. SPDX-License-Identifier: MIT */
-#ifndef CML_SECTION_H
-#define CML_SECTION_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -24,5 +23,3 @@ void cml_cut_clear(struct cml_cut *cut);
 
 /* Depth of the plane in which the boundary goes on outside its shape; mean depth of a tile; cm. */
 double cml_outer_depth(const struct cml_boundary *boundary);
-
-#endif

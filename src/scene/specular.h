@@ -1,7 +1,6 @@
 /* What original MCML takes as specular reflection of a pencil at normal incidence (rule P1 of
  * kernels/README.md). SPDX-License-Identifier: MIT */
-#ifndef CML_SPECULAR_H
-#define CML_SPECULAR_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -15,5 +14,3 @@ struct cml_specular {
 /* media: [num_layers + 2]. Boundary 0 is a plane; planes: so is boundary 1. [MCML manual,
  * equations 3.2a to 3.4] */
 struct cml_specular cml_specular_split(const struct cml_medium_def *media, int num_layers, bool planes);
-
-#endif

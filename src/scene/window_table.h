@@ -1,7 +1,6 @@
 /* Weight windows (P19 of kernels/README.md): what packets shall weigh by depth, or by their distance from a
  * detector, too, as it is made of what light is worth, and engines read it. SPDX-License-Identifier: MIT */
-#ifndef CML_WINDOW_TABLE_H
-#define CML_WINDOW_TABLE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -33,5 +32,3 @@ CML_NODISCARD cml_status cml_window_table_create(const double *importance, doubl
                                                  struct cml_window_table *to, struct cml_error *err);
 
 void cml_window_table_clear(struct cml_window_table *windows);
-
-#endif

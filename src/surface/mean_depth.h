@@ -1,6 +1,5 @@
 /* Mean depths of boundaries: what lies between two of them over a level area. SPDX-License-Identifier: MIT */
-#ifndef CML_MEAN_DEPTH_H
-#define CML_MEAN_DEPTH_H
+#pragma once
 
 #include "surface/surface.h"
 
@@ -24,5 +23,3 @@ CML_NODISCARD cml_status cml_mean_shapes(const struct cml_scene *scene, const st
                                          const struct cml_surface_options *options,
                                          struct cml_mean_shapes *mean, struct cml_error *err);
 void cml_mean_shapes_clear(struct cml_mean_shapes *mean);
-
-#endif

@@ -2,8 +2,7 @@
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
  * marched as exact cones, meshes that are regular grids or sheets are walked, other ones have a tree. A
  * representation can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
-#ifndef CML_SURFACE_H
-#define CML_SURFACE_H
+#pragma once
 
 #include "surface/body/body_surface.h"
 #include "surface/bounds/depth_map.h"
@@ -68,5 +67,3 @@ const char *cml_surface_kind_name(enum cml_surface_kind kind);
 CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_scene *scene, int b,
                                            const struct cml_surface_options *options, struct cml_mesh *mesh,
                                            struct cml_error *err);
-
-#endif

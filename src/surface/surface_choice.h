@@ -2,8 +2,7 @@
  * and meshes. The rules are the constants of surface_choice.c; bench/accuracy/accuracy.py measures them
  * again. Knows no engine and makes no surface; which surfaces may be planes is measured
  * (engine/plane_trial.h). SPDX-License-Identifier: MIT */
-#ifndef CML_SURFACE_CHOICE_H
-#define CML_SURFACE_CHOICE_H
+#pragma once
 
 #include "boundary.h"
 #include "surface/mesh/mesh_surface.h"
@@ -39,5 +38,3 @@ struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_o
 
 /* What to expect of a triangle mesh as the user gave it. */
 struct cml_expectation cml_choice_expect_mesh(void);
-
-#endif

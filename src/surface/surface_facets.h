@@ -2,8 +2,7 @@
  * A facet is a triangle of a mesh or a ring of cones, in the order of the boundary's primitives, and the last
  * one is the outer plane. The facets of a plane are the pixels of the map, if there is one, and the last one
  * is what lies outside. SPDX-License-Identifier: MIT */
-#ifndef CML_SURFACE_FACETS_H
-#define CML_SURFACE_FACETS_H
+#pragma once
 
 #include "surface/surface.h"
 
@@ -12,5 +11,3 @@ size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_ma
 
 /* The area of a facet, cm2; infinite for the last one. */
 double cml_surface_facet_area(const struct cml_surface_def *def, const struct cml_map_def *map, size_t facet);
-
-#endif

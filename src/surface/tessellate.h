@@ -8,8 +8,7 @@
  * widths; beside a ring over 256 times wider the arc is the geometric mean of both widths, since a finer one
  * would only move the needles there) and never fold over. Beyond 4e6 triangles the needle rule is relaxed.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TESSELLATE_H
-#define CML_TESSELLATE_H
+#pragma once
 
 #include "geometry/mesh.h"
 #include "scene/heightmap/mesh_budget.h"
@@ -27,5 +26,3 @@ CML_NODISCARD cml_status cml_tessellate(const struct cml_radial *radial,
                                         const struct cml_tessellation *options,
                                         const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                                         struct cml_error *err);
-
-#endif

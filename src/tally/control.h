@@ -1,8 +1,7 @@
 /* Control variates: totals of a run made sharper by those of its twin, a run of the same photons in a scene
  * whose totals are known. [Lavenberg, Welch, Management Science 27, 322 (1981)] SPDX-License-Identifier: MIT
  */
-#ifndef CML_CONTROL_H
-#define CML_CONTROL_H
+#pragma once
 
 #include "tally/result.h"
 
@@ -24,5 +23,3 @@ struct cml_controlled {
  * photons or the twin's batches are all alike. */
 struct cml_controlled cml_control_total(const struct cml_result *run, const struct cml_result *twin,
                                         enum cml_total total, const struct cml_known *known);
-
-#endif

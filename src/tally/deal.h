@@ -3,8 +3,7 @@
  * of the beams, they are dealt out in turn to the batches. In a batch a beam has points 0, 1, 2 ... of its
  * own lattice. So who flies N photons, and then those that N + M photons have besides, has flown N + M.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DEAL_H
-#define CML_DEAL_H
+#pragma once
 
 #include "base/status.h"
 #include "tally/piece.h"
@@ -40,5 +39,3 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon);
 
 /* cml_piece_at of the round, of one beam. */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn);
-
-#endif

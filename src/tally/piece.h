@@ -1,8 +1,7 @@
 /* The order in which the photons of a round are flown: batch after batch, so that threads rarely go on from
  * one batch to the next. A turn is a photon's number in that order. Ranges of turns (ranges.h) are what
  * ranks share and checkpoints hold. SPDX-License-Identifier: MIT */
-#ifndef CML_PIECE_H
-#define CML_PIECE_H
+#pragma once
 
 #include "balance.h"
 
@@ -18,5 +17,3 @@ struct cml_piece {
 /* The photon whose turn it is, begin <= turn < end, of a round with the photons begin to end - 1; and after
  * it, what follows in its batch. */
 struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t turn);
-
-#endif

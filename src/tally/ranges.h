@@ -1,8 +1,7 @@
 /* Turns (piece.h) of photons that nobody has flown yet: a set of disjoint ranges from which pieces are
  * taken. Results are sums of integers, so the order in which they are taken never shows.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_RANGES_H
-#define CML_RANGES_H
+#pragma once
 
 #include "base/status.h"
 
@@ -29,5 +28,3 @@ struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most);
 
 /* Frees the items and leaves an empty set. */
 void cml_ranges_clear(struct cml_ranges *ranges);
-
-#endif

@@ -4,8 +4,7 @@
  * spread of the batches gives their standard errors, which therefore depend on the seed only, not on threads,
  * ranks or restarts.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_RESULT_H
-#define CML_RESULT_H
+#pragma once
 
 #include "tally/tally.h"
 
@@ -140,5 +139,3 @@ uint64_t cml_result_lost(const struct cml_result *result); /* packets, all cause
 
 /* Interactions and boundary events of all packets: what the time per step counts. */
 double cml_result_steps(const struct cml_result *result);
-
-#endif

@@ -4,8 +4,7 @@
  * Rd_dir and Tt_dir, [nt][np] each, and the sums of their squares, likewise. Scores for derivatives (P17)
  * have the same cells but for these, two for each medium inside, layers first: by mua and by mus.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ROW_CELLS_H
-#define CML_ROW_CELLS_H
+#pragma once
 
 #include "tally/tally.h"
 
@@ -108,5 +107,3 @@ static inline size_t cml_row_cells(const struct cml_tally_grid *grid)
                             cml_row_cells_rz(grid) + 4 * cml_row_cells_dir(grid)
                       : 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Rows of a sweep that come of one flight (row_cells.h), each as a result of its own.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ROW_RESULT_H
-#define CML_ROW_RESULT_H
+#pragma once
 
 #include "tally/result.h"
 
@@ -22,5 +21,3 @@ double cml_effective_packets(const struct cml_result *result, enum cml_total tot
 
 /* The same of the sum of A_z, which comes of samples. */
 double cml_effective_packets_by_depth(const struct cml_result *result);
-
-#endif

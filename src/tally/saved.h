@@ -3,8 +3,7 @@
  * are depends on no order, and threads, ranks, restarts and longer runs agree. Threads
  * collect rows in a buffer of their own and hand them in when it is full. All memory is there before the
  * first packet flies. SPDX-License-Identifier: MIT */
-#ifndef CML_SAVED_H
-#define CML_SAVED_H
+#pragma once
 
 #include "base/status.h"
 #include "tally/deal.h"
@@ -97,5 +96,3 @@ struct cml_saved_row *cml_saved_next(struct cml_saved_part *part);
 
 /* Hands in what has been collected; part may be NULL. */
 void cml_saved_hand_in(struct cml_saved_part *part);
-
-#endif

@@ -3,8 +3,7 @@
  * same bits. Weight is in units of 2^-31 of a packet. A tally has 64 bits a cell and serves at most
  * CML_TALLY_MAX_PHOTONS packets; results (result.h) collect tallies.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TALLY_H
-#define CML_TALLY_H
+#pragma once
 
 #include "balance.h"
 #include "boundary.h"
@@ -234,5 +233,3 @@ void cml_tally_drop_late(struct cml_tally *tally);
  * since it was zero, without what is in rows of late packets. All of it is of this batch, 0..63, or of any
  * where batch is -1. */
 void cml_tally_bring(struct cml_tally *tally, int batch);
-
-#endif

@@ -2,8 +2,7 @@
  * are kept only when asked for. They lie behind all other arrays of the block, in this order:
  * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, phi_xyz, facets, detector_map, detector_map2, Rd_dir, Tt_dir,
  * Rsp_dir and the squares of these. Private to tally.c and result.c. SPDX-License-Identifier: MIT */
-#ifndef CML_TALLY_CELLS_H
-#define CML_TALLY_CELLS_H
+#pragma once
 
 #include "tally/tally.h"
 
@@ -75,5 +74,3 @@ static inline size_t cml_cells_maps(const struct cml_tally_grid *grid)
 
 /* Where they begin in a tally; one past its last cell when it has none of them. */
 uint64_t *cml_tally_maps(const struct cml_tally *tally);
-
-#endif

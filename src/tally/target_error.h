@@ -1,6 +1,5 @@
 /* When a run with --target-error may end. SPDX-License-Identifier: MIT */
-#ifndef CML_TARGET_ERROR_H
-#define CML_TARGET_ERROR_H
+#pragma once
 
 #include "tally/result.h"
 
@@ -20,5 +19,3 @@ bool cml_target_met(const struct cml_result *result, double target, int of);
  * that is known (P15 of kernels/README.md), below 0 what detector -of sees, from 1. INFINITY where nothing
  * was. */
 double cml_target_error_of(const struct cml_result *result, int of);
-
-#endif

@@ -2,8 +2,7 @@
  * pack (compress) and unpack (expand). No vector loop in plain C compiles well to them, and processors have
  * an instruction for each; elsewhere they are loops over set bits. Columns are [CML_GROUP], of 4 bytes; bit i
  * of a mask is entry i. Tiny inline helpers, no more code than that. SPDX-License-Identifier: MIT */
-#ifndef CML_GROUP_MASKS_H
-#define CML_GROUP_MASKS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -96,5 +95,3 @@ static inline void cml_group_unpack(const void *from, uint32_t mask, void *colum
         memcpy(to + 4 * (size_t)__builtin_ctz(mask), next, 4);
 #endif
 }
-
-#endif

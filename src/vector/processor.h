@@ -1,8 +1,7 @@
 /* Levels of the processor: the x86-64 psABI's, as far as our code can use them. Vector loops are compiled
  * once for each (CML_LEVEL, see CMakeLists.txt), so that one binary is fast on all machines. Only
  * instructions differ; results are the same to the last bit. SPDX-License-Identifier: MIT */
-#ifndef CML_PROCESSOR_H
-#define CML_PROCESSOR_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -12,5 +11,3 @@ int cml_processor_level(void);
 /* A name of the level that a file is compiled for. */
 #define CML_PASTE(a, b) a##b
 #define CML_LEVELED(name, level) CML_PASTE(name, level)
-
-#endif

@@ -1,7 +1,6 @@
 /* Closed meshes that stand for spheres and cylinders, as OBJ files beside a test. SPDX-License-Identifier:
  * MIT */
-#ifndef CML_TEST_BODY_FILES_H
-#define CML_TEST_BODY_FILES_H
+#pragma once
 
 #include "lib/require.h"
 
@@ -22,5 +21,3 @@ static inline void write_sphere(const char *path, double x, double y, double z, 
 {
     write_body(path, (struct cml_scene_body){.form = CML_BODY_SPHERE, .centre = {x, y, z}, .radius = r}, n);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Flies packets one by one and compares their ends: what all cross tests share.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TEST_FLIGHT_H
-#define CML_TEST_FLIGHT_H
+#pragma once
 
 #include "lib/require.h"
 
@@ -95,5 +94,3 @@ static inline uint64_t count_different(const struct flight *a, const struct flig
     }
     return different;
 }
-
-#endif

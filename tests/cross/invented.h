@@ -1,7 +1,6 @@
 /* What --aim would ask for, made up: two walks need only find the same counts. SPDX-License-Identifier: MIT
  */
-#ifndef CML_TEST_INVENTED_H
-#define CML_TEST_INVENTED_H
+#pragma once
 
 #include "lib/dice.h"
 
@@ -43,5 +42,3 @@ static inline void invent_windows(const struct cml_scene *scene, struct cml_wind
         if (scene->detectors[k].shape == CML_DETECTOR_RING) windows->detector = k + 1;
     if (windows->detector) windows->share = 0.5; /* of circles, whatever the scene */
 }
-
-#endif

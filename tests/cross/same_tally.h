@@ -1,6 +1,5 @@
 /* What two walks of the same packets must have left in their tallies. SPDX-License-Identifier: MIT */
-#ifndef SAME_TALLY_H
-#define SAME_TALLY_H
+#pragma once
 
 #include "flight.h"
 
@@ -32,5 +31,3 @@ static void expect_balanced_scores(const struct cml_tally *t)
             assert_true(of[CML_BALANCE_GAINED * stride] == ended);
         }
 }
-
-#endif

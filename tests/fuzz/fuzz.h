@@ -1,7 +1,6 @@
 /* What the fuzzers share: conditions that end the process, inputs as files, inputs of several files.
  * SPDX-License-Identifier: MIT */
-#ifndef FUZZ_H
-#define FUZZ_H
+#pragma once
 
 #include "base/text.h"
 
@@ -95,5 +94,3 @@ static inline struct cml_text_source fuzz_source(struct fuzz_files *files)
     const struct cml_text_source source = {fuzz_read, files};
     return source;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* One scene with its surfaces and options, the engines that fly it, and their tallies compared.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TEST_BENCH_H
-#define CML_TEST_BENCH_H
+#pragma once
 
 #include "lib/require.h"
 
@@ -77,5 +76,3 @@ static inline void assert_weight_balances(struct cml_tally *tally, uint64_t phot
     assert_int_equal(cml_result_lost(&result), 0);
     cml_result_free(&result);
 }
-
-#endif

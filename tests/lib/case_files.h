@@ -1,6 +1,5 @@
 /* A directory of a test's own, files in it, and messages without its name. SPDX-License-Identifier: MIT */
-#ifndef CASE_FILES_H
-#define CASE_FILES_H
+#pragma once
 
 #include "base/status.h"
 
@@ -98,5 +97,3 @@ static inline void case_normalise(void **state, char *text)
     for (char *at = strstr(text, prefix); at; at = strstr(at, prefix))
         memmove(at, at + length, strlen(at + length) + 1);
 }
-
-#endif

@@ -2,8 +2,7 @@
  * cut at the cylinders; in each span the height above the surface is convex or concave, so its least value is
  * at an end or at the one point where it has no slope; the first crossing is then bisected.
  * SPDX-License-Identifier: MIT */
-#ifndef CONE_ORACLE_H
-#define CONE_ORACLE_H
+#pragma once
 
 #include "cone.h"
 #include "lib/dice.h"
@@ -174,5 +173,3 @@ static inline double ray_rounding(const struct field *field, const struct ray *r
     const double size = (double)sqrtl(ray->c) + fabs((double)ray->p[2]) + field->deepest + t;
     return (double)CML_EPSILON * (1 + field->steepest) * size;
 }
-
-#endif

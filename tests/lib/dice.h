@@ -1,8 +1,7 @@
 /* What the tests of the numerics share: random numbers from the program's own generator, and the p-value of a
  * chi-square. Every sequence is fixed by its seed, so a test passes or fails for ever.
  * SPDX-License-Identifier: MIT */
-#ifndef DICE_H
-#define DICE_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -117,5 +116,3 @@ static inline size_t dice_damage(struct dice *dice, char *bytes, size_t size, in
     }
     return size;
 }
-
-#endif

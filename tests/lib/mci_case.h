@@ -1,6 +1,5 @@
 /* What the tests of the .mci reader share. SPDX-License-Identifier: MIT */
-#ifndef MCI_CASE_H
-#define MCI_CASE_H
+#pragma once
 
 #include "lib/case_files.h"
 #include "input/mci.h"
@@ -40,5 +39,3 @@ static inline void case_read_ok(void **state, const char *text, struct cml_scene
 {
     case_read_ok_with(state, text, NULL, list);
 }
-
-#endif

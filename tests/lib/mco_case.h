@@ -1,7 +1,6 @@
 /* What the tests of result files share: a directory of their own, files in it, messages without its name, and
  * two files whose bytes are written out. SPDX-License-Identifier: MIT */
-#ifndef MCO_CASE_H
-#define MCO_CASE_H
+#pragma once
 
 #include "lib/case_files.h"
 #include "result/mco.h"
@@ -135,5 +134,3 @@ static inline char *case_replace(const char *text, const char *from, const char 
     strcpy(end, text);
     return copy;
 }
-
-#endif

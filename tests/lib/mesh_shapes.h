@@ -1,7 +1,6 @@
 /* Meshes for the tests of the mesh query: a rough square patch on a regular grid, whose height is known
  * everywhere without a search, and the same sheared until it overhangs. SPDX-License-Identifier: MIT */
-#ifndef MESH_SHAPES_H
-#define MESH_SHAPES_H
+#pragma once
 
 #include "lib/dice.h"
 #include "geometry/mesh.h"
@@ -110,5 +109,3 @@ static inline double patch_depth(const struct patch *patch, double x, double y)
                  z11 = patch->z[i + 1][j + 1];
     return s > t ? z00 + s * (z10 - z00) + t * (z11 - z10) : z00 + t * (z01 - z00) + s * (z11 - z01);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Closed meshes of several parts for the tests, and an oracle of what is inside of them that shares nothing
  * with the program: solid angles in long double. SPDX-License-Identifier: MIT */
-#ifndef PART_SHAPES_H
-#define PART_SHAPES_H
+#pragma once
 
 #include "lib/dice.h"
 
@@ -186,5 +185,3 @@ static inline struct cml_mesh soup_mesh(const struct soup *soup, struct dice *di
     assert_int_equal(status, CML_OK);
     return mesh;
 }
-
-#endif

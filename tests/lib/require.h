@@ -1,7 +1,6 @@
 /* A call that must succeed, in a test of cmocka's.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TEST_REQUIRE_H
-#define CML_TEST_REQUIRE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -17,5 +16,3 @@ static inline void require_ok(cml_status status, const struct cml_error *err)
 {
     if (status != CML_OK) fail_msg("%s", err->text);
 }
-
-#endif

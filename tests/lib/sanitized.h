@@ -2,8 +2,7 @@
  * long), else one in eight, and one in sixteen by a build with sanitizers, which looks at addresses and
  * undefined operations, takes ten times as long, and skips by SANITIZED what needs all. Every kind of case,
  * shape and mesh is always there. SPDX-License-Identifier: MIT */
-#ifndef SANITIZED_H
-#define SANITIZED_H
+#pragma once
 
 #include <stdlib.h>
 
@@ -29,5 +28,3 @@ static inline int repeats(int all)
 {
     return all / cases_step();
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Spheres, cylinders and triangles as the tests know them, in long double: random ones, and what is true of
  * them by definition. None of it is the program's own geometry. Lengths in cm.
  * SPDX-License-Identifier: MIT */
-#ifndef SOLIDS_H
-#define SOLIDS_H
+#pragma once
 
 #include "lib/dice.h"
 #include "scene/body/convex.h"
@@ -134,5 +133,3 @@ static inline struct cml_convex any_solid(enum cml_convex_form form, struct dice
     solid.length = pow(10, dice_between(dice, -2, 0));
     return solid;
 }
-
-#endif

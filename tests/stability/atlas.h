@@ -1,7 +1,6 @@
 /* Flies packets through a scene, aimed where methods fail, and asks the oracle after every flight where they
  * are. SPDX-License-Identifier: MIT */
-#ifndef STABILITY_ATLAS_H
-#define STABILITY_ATLAS_H
+#pragma once
 
 #include "oracle_body.h"
 
@@ -43,5 +42,3 @@ struct atlas_count {
 typedef cml_status atlas_fly(const struct atlas_flight *flight, struct atlas_count *count,
                              struct cml_error *err);
 atlas_fly atlas_fly_float_base, atlas_fly_double_base, atlas_fly_float_v3, atlas_fly_double_v3;
-
-#endif

@@ -1,7 +1,6 @@
 /* Where a point is, told without any of the program's ray code: on which side of a boundary, and how near. In
  * double precision, by counting what lies above the point. SPDX-License-Identifier: MIT */
-#ifndef STABILITY_ORACLE_H
-#define STABILITY_ORACLE_H
+#pragma once
 
 #include "lib/dice.h"
 
@@ -34,5 +33,3 @@ struct place {
     double point[3], normal[3], tangent[3], size;
 };
 struct place oracle_place(const struct oracle *oracle, enum place_kind kind, struct dice *dice);
-
-#endif

@@ -1,8 +1,7 @@
 /* Where a point is to the bodies of a scene, told without the program's ray code: by distances to spheres and
  * cylinders, by counting what lies above the point for meshes. Points are in the frame of the layer that the
  * body lies in, but with x and y of the scene; cm. SPDX-License-Identifier: MIT */
-#ifndef STABILITY_ORACLE_BODY_H
-#define STABILITY_ORACLE_BODY_H
+#pragma once
 
 #include "oracle.h"
 
@@ -41,5 +40,3 @@ int oracle_bodies_medium(const struct oracle_bodies *bodies, int medium, const d
  * the rims, and the middles of the ends. */
 struct place oracle_body_place(const struct oracle_bodies *bodies, int k, enum place_kind kind,
                                struct dice *dice);
-
-#endif

@@ -2,8 +2,7 @@
  * a tree of boxes. Whatever is asked, no triangle whose own box has a point of the asked rectangle is left
  * out; others may come too. `unit.oracle` compares with the list of all triangles. SPDX-License-Identifier:
  * MIT */
-#ifndef STABILITY_ORACLE_GRID_H
-#define STABILITY_ORACLE_GRID_H
+#pragma once
 
 #include "geometry/mesh.h"
 
@@ -78,5 +77,3 @@ static inline bool oracle_next(struct oracle_search *search, uint32_t *triangle)
     *triangle = search->grid->entry[search->entry++];
     return true;
 }
-
-#endif

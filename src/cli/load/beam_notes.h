@@ -1,6 +1,5 @@
 /* What `check` and `run` note of a beam and the surfaces that it meets. SPDX-License-Identifier: MIT */
-#ifndef CML_BEAM_NOTES_H
-#define CML_BEAM_NOTES_H
+#pragma once
 
 #include "surface/surface.h"
 
@@ -16,5 +15,3 @@ CML_NODISCARD cml_status cml_note_beam(const struct cml_scene *scene, const stru
  * and with an aperture that the medium there has room for. Costs the surfaces where a beam has z=. */
 CML_NODISCARD cml_status cml_check_starts(const struct cml_scene *scene,
                                           const struct cml_surface_options *options, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* What commands begin with: scenes, as the options want them, their surfaces, and the memory that they take.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SCENES_H
-#define CML_SCENES_H
+#pragma once
 
 #include "base/input_files.h"
 #include "cli/options/options.h"
@@ -85,5 +84,3 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                                          struct cml_error *err);
-
-#endif

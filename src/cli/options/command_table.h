@@ -1,7 +1,6 @@
 /* The commands of the program: their names, operands and texts. What they do stands in cli/command_NAME.c.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_COMMAND_TABLE_H
-#define CML_COMMAND_TABLE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -40,5 +39,3 @@ enum cml_command cml_command_find(const char *name);
 /* The name that was probably meant: one that begins with the word and is the only one that does, else the one
  * that is at most two letters away. NULL: none. */
 const char *cml_command_guess(const char *word);
-
-#endif

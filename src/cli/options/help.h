@@ -1,7 +1,6 @@
 /* What `clustermcml help` prints: made from the tables of commands and options, and from texts that are built
  * into the program. SPDX-License-Identifier: MIT */
-#ifndef CML_HELP_H
-#define CML_HELP_H
+#pragma once
 
 #include "base/status.h"
 
@@ -18,5 +17,3 @@ struct cml_help_text {
 
 /* The last one has no name. */
 extern const struct cml_help_text cml_help_texts[];
-
-#endif

@@ -1,6 +1,5 @@
 /* What an option is: one row of the table. SPDX-License-Identifier: MIT */
-#ifndef CML_OPTION_H
-#define CML_OPTION_H
+#pragma once
 
 #include "base/status.h"
 #include "cli/options/command_table.h"
@@ -32,5 +31,3 @@ static inline bool cml_option_belongs(const struct cml_option *option, enum cml_
 {
     return option->commands >> command & 1;
 }
-
-#endif

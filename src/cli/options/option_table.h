@@ -1,7 +1,6 @@
 /* The options of the program: the one place for their names, arguments, commands, help and limits.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_OPTION_TABLE_H
-#define CML_OPTION_TABLE_H
+#pragma once
 
 #include "cli/options/option.h"
 
@@ -19,5 +18,3 @@ void cml_option_commands(const struct cml_option *option, char *text, size_t siz
 
 /* As cml_command_guess. */
 const char *cml_option_guess(const char *name, size_t length);
-
-#endif

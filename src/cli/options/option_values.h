@@ -1,7 +1,6 @@
 /* How the values of options are read. Every message names the option, what was given, and what was expected.
  * Functions with the signature of cml_option.read. SPDX-License-Identifier: MIT */
-#ifndef CML_OPTION_VALUES_H
-#define CML_OPTION_VALUES_H
+#pragma once
 
 #include "cli/options/option.h"
 #include "cli/options/options.h"
@@ -20,5 +19,3 @@ cml_option_reader cml_read_engine, cml_read_sampling, cml_read_roulette, cml_rea
     cml_read_mesh_budget, cml_read_normals, cml_read_rings, cml_read_mesh_search, cml_read_alpha,
     cml_read_cut, cml_read_log, cml_read_linear, cml_read_percentile, cml_read_label, cml_read_set,
     cml_read_seed;
-
-#endif

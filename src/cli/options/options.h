@@ -1,6 +1,5 @@
 /* What the command line said, in one structure for all commands. SPDX-License-Identifier: MIT */
-#ifndef CML_OPTIONS_H
-#define CML_OPTIONS_H
+#pragma once
 
 #include "base/settings.h"
 #include "cli/options/command_table.h"
@@ -51,5 +50,3 @@ struct cml_options {
     bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */
 };
-
-#endif

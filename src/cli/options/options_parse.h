@@ -1,7 +1,6 @@
 /* Reads the command line. option_table.c says which options there are, command_table.c which commands.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_OPTIONS_PARSE_H
-#define CML_OPTIONS_PARSE_H
+#pragma once
 
 #include "cli/options/options.h"
 
@@ -11,5 +10,3 @@
  * to its front. With --help or --version only unknown options and wrong values are refused. */
 CML_NODISCARD cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
                                            struct cml_error *err);
-
-#endif

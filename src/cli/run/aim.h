@@ -1,8 +1,7 @@
 /* clustermcml run --aim: below all shapes, bodies and beams a scene is flat, and what becomes of light there
  * is known (P15 of kernels/README.md); for what else is aimed at packets are split on their way (P19).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_AIM_H
-#define CML_AIM_H
+#pragma once
 
 #include "cli/options/options.h"
 #include "scene/window_table.h"
@@ -62,5 +61,3 @@ CML_NODISCARD cml_status cml_aim_check(const struct cml_options *options, const 
                                        const struct cml_surface_set *shared, struct cml_error *err);
 
 void cml_aim_clear(struct cml_aim *aim);
-
-#endif

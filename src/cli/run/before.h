@@ -1,6 +1,5 @@
 /* What a run finds on the disk before it flies. SPDX-License-Identifier: MIT */
-#ifndef CML_BEFORE_H
-#define CML_BEFORE_H
+#pragma once
 
 #include "cli/options/options.h"
 #include "run/run.h"
@@ -30,5 +29,3 @@ CML_NODISCARD cml_status cml_keep(const char *path, struct cml_error *err);
  * photons, as they cost time. */
 enum { CML_REPLACED = 512 };
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED]);
-
-#endif

@@ -1,7 +1,6 @@
 /* One run, from its surfaces to its files: what a run of a file and a row of a sweep have in common.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ONE_RUN_H
-#define CML_ONE_RUN_H
+#pragma once
 
 #include "cli/options/options.h"
 #include "cli/run/pending.h"
@@ -42,5 +41,3 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options);
 /* The checkpoint of a scene's run, beside its output; *path is the caller's to free. */
 CML_NODISCARD cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene,
                                             char **path, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* The files that a call of `run` or `merge` will write: claimed before the first packet flies, held until the
  * last is written. SPDX-License-Identifier: MIT */
-#ifndef CML_OUTPUTS_H
-#define CML_OUTPUTS_H
+#pragma once
 
 #include "base/file_lock.h"
 #include "base/input_files.h"
@@ -43,5 +42,3 @@ void cml_outputs_release(struct cml_outputs *outputs);
 /* CML_E_INPUT when `output`, that of a command, is one of the files it reads. */
 CML_NODISCARD cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs,
                                              int num_inputs, struct cml_error *err);
-
-#endif

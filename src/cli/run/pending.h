@@ -1,8 +1,7 @@
 /* Rows of a sweep that are finished, and whose checkpoints do not say so yet. A row may take a millisecond,
  * and a file that is safe on the disk ten: so files of rows wait for each other. SPDX-License-Identifier: MIT
  */
-#ifndef CML_PENDING_H
-#define CML_PENDING_H
+#pragma once
 
 #include "run/checkpoint.h"
 
@@ -30,5 +29,3 @@ CML_NODISCARD cml_status cml_pending_flush(struct cml_pending *pending, bool now
 
 /* marks: a last flush. Syncs what is left, and forgets the rows. CML_E_IO as above. */
 CML_NODISCARD cml_status cml_pending_end(struct cml_pending *pending, bool marks, struct cml_error *err);
-
-#endif

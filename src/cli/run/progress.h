@@ -1,7 +1,6 @@
 /* How far a run is, on standard error: a bar that redraws itself on a terminal, a line every tenth elsewhere.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_PROGRESS_H
-#define CML_PROGRESS_H
+#pragma once
 
 #include "run/run.h"
 
@@ -17,5 +16,3 @@ void cml_progress_show(void *context, const struct cml_progress *progress);
 
 /* Clears the bar of a run that stopped on its way: what is said of that follows. */
 void cml_progress_end(struct cml_display *display);
-
-#endif

@@ -1,6 +1,5 @@
 /* clustermcml run --sweep: one run for each row of a table. SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_H
-#define CML_SWEEP_H
+#pragma once
 
 #include "base/input_files.h"
 #include "cli/options/options.h"
@@ -22,5 +21,3 @@ CML_NODISCARD cml_status cml_sweep(const struct cml_options *options, const stru
 CML_NODISCARD cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                                          struct cml_inputs *inputs, struct cml_sweep_size *size,
                                          struct cml_engine_options *largest, struct cml_error *err);
-
-#endif

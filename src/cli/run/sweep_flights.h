@@ -1,7 +1,6 @@
 /* Rows of a sweep that differ in absorption alone, from one flight (--reweight). SPDX-License-Identifier: MIT
  */
-#ifndef CML_SWEEP_FLIGHTS_H
-#define CML_SWEEP_FLIGHTS_H
+#pragma once
 
 #include "cli/run/sweep_scenes.h"
 
@@ -18,5 +17,3 @@ CML_NODISCARD cml_status cml_sweep_check_groups(const struct cml_sweep_run *swee
 
 /* Flies all groups, one after the other on all ranks. Ends as cml_sweep_rows_fly does. Collective. */
 CML_NODISCARD cml_status cml_sweep_fly_groups(struct cml_sweep_run *sweep, struct cml_error *err);
-
-#endif

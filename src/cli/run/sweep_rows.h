@@ -1,6 +1,5 @@
 /* Who flies which row of a sweep, and how what came of it gets to rank 0. SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_ROWS_H
-#define CML_SWEEP_ROWS_H
+#pragma once
 
 #include "run/checkpoint.h"
 
@@ -29,5 +28,3 @@ typedef cml_status cml_sweep_fly_function(void *context, int row, struct cml_rec
 CML_NODISCARD cml_status cml_sweep_rows_fly(struct cml_sweep_rows *rows, bool json,
                                             cml_sweep_fly_function *fly, void *context,
                                             struct cml_error *err);
-
-#endif

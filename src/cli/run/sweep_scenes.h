@@ -1,7 +1,6 @@
 /* A sweep under way, and the scenes of its rows. Private to sweep.c and sweep_flights.c.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_SCENES_H
-#define CML_SWEEP_SCENES_H
+#pragma once
 
 #include "cli/run/outputs.h"
 #include "cli/run/pending.h"
@@ -58,5 +57,3 @@ void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struc
 /* On all ranks: that a result is not safe counts more than that a row's weight does not balance. */
 CML_NODISCARD cml_status cml_sweep_add_safety(cml_status status, cml_status safe, struct cml_error *why,
                                               struct cml_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* The flat twin of a run, for --control flat. SPDX-License-Identifier: MIT */
-#ifndef CML_TWIN_H
-#define CML_TWIN_H
+#pragma once
 
 #include "cli/options/options.h"
 #include "run/run.h"
@@ -27,5 +26,3 @@ void cml_twin_clear(struct cml_twin *twin);
 CML_NODISCARD cml_status cml_twin_fly(const struct cml_twin *twin, const struct cml_run_setup *setup,
                                       const struct cml_result *result, struct cml_run_result *flight,
                                       struct cml_controlled *control, struct cml_error *err);
-
-#endif

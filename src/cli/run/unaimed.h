@@ -1,7 +1,6 @@
 /* What a flight in weight windows (P19 of kernels/README.md) costs that which it is not aimed at.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_UNAIMED_H
-#define CML_UNAIMED_H
+#pragma once
 
 #include "cli/options/options.h"
 #include "run/run.h"
@@ -11,5 +10,3 @@
  * without results by place. Collective. */
 void cml_unaimed_show(const struct cml_options *options, const struct cml_run_setup *setup,
                       const struct cml_run_result *run);
-
-#endif

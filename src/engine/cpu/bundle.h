@@ -23,8 +23,7 @@
  *
  * The arithmetic is that of kernels/walk.h in the same order, so every packet ends with the same bits as
  * there; cross.bundle compares whole tallies. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_H
-#define CML_BUNDLE_H
+#pragma once
 
 #include "lattice.h"
 #include "types.h"
@@ -132,5 +131,3 @@ struct cml_launch_queue {
 /* Column of a member of struct cml_lane_medium. */
 #define CML_OF_MEDIUM(bundle, member)                                                                        \
     ((bundle)->of_medium[offsetof(struct cml_lane_medium, member) / sizeof(real)])
-
-#endif

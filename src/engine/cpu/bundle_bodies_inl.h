@@ -3,8 +3,7 @@
  * around them that is known to be free of surfaces of bodies, and kernels/walk.h takes those of them that may
  * meet one, a lane at a time, to where they interact. SPDX-License-Identifier: MIT
  */
-#ifndef CML_BUNDLE_BODIES_INL_H
-#define CML_BUNDLE_BODIES_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
@@ -114,5 +113,3 @@ static void cml_process_bodies(struct cml_flight *f)
 {
     cml_for_lanes(f, cml_lanes_out_of_regions(f) & ~f->past_bodies, cml_fly_lane_past_bodies);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). Lanes near curved boundaries, step 4: from the gathered hits back into the
  * lanes, into the next medium, or out of the scene. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_CROSS_INL_H
-#define CML_BUNDLE_CURVED_CROSS_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_curved_hits_inl.h"
@@ -157,5 +156,3 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
     }
     h->count = 0;
 }
-
-#endif

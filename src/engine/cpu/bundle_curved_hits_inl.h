@@ -2,8 +2,7 @@
  * level of the processor (engine_cpu_level.c says why). Lanes near curved boundaries, step 3: packets that
  * meet one boundary, gathered. Roots and normals of rings, reflection and refraction, for many packets in
  * vector loops. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_HITS_INL_H
-#define CML_BUNDLE_CURVED_HITS_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
@@ -101,5 +100,3 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
     }
     return overruled;
 }
-
-#endif

@@ -2,8 +2,7 @@
  * (engine_cpu_level.c says why). Lanes near curved boundaries, step 1: the part of its path on which each can
  * meet one before it interacts, if any. Asked for many lanes in vector loops, a medium at a time.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_REACH_INL_H
-#define CML_BUNDLE_CURVED_REACH_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_curved_hits_inl.h"
@@ -250,5 +249,3 @@ static void cml_find_safe_lanes(const struct cml_flight *f)
             cml_bundle_find_safe(f->b, cells, b, world->media[b].span, CML_SAFE_ABOVE);
     }
 }
-
-#endif

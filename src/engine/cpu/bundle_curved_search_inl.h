@@ -2,8 +2,7 @@
  * (engine_cpu_level.c says why). Lanes near curved boundaries, step 2: which ring or facet each lane meets.
  * Lane by lane, because every one walks through other rings, or other nodes of a tree.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_SEARCH_INL_H
-#define CML_BUNDLE_CURVED_SEARCH_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_curved_cross_inl.h"
 #include "engine/cpu/bundle_curved_reach_inl.h"
@@ -280,5 +279,3 @@ static void cml_process_curved(struct cml_flight *f)
         lanes &= ~here;
     }
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* What one thread holds while it flies packets through its bundle. Types only.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_FLIGHT_H
-#define CML_BUNDLE_FLIGHT_H
+#pragma once
 
 #include "engine/cpu/bundle.h"
 #include "engine/cpu/bundle_hooks.h"
@@ -84,5 +83,3 @@ struct cml_flight {
 
 /* Masks have one bit per lane. */
 #define CML_LANE_BIT(i) ((uint64_t)1 << (i))
-
-#endif

@@ -1,8 +1,7 @@
 /* Where a bench may look into the CPU engine. Without a bench the hooks compile to nothing. A bench defines
  * those it needs before it includes engine_cpu_level.c: bench/parts/busy.c counts lanes, bench/parts/curved.c
  * takes times, bench/parts/asked.c counts hits. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_HOOKS_H
-#define CML_BUNDLE_HOOKS_H
+#pragma once
 
 /* Parts of the work at curved boundaries; HITS lies within CURVED, REFLECT within HITS, INTERVALS within
  * CURVED. */
@@ -34,6 +33,4 @@ enum cml_hook_loop { CML_HOOK_LAUNCH, CML_HOOK_PASS, CML_HOOK_PLANES, CML_HOOK_L
 /* A query of a curved boundary, which counts in CML_COUNT_QUERIES, has met it, if `met`. */
 #ifndef CML_HOOK_MET
 #define CML_HOOK_MET(met) ((void)(met))
-#endif
-
 #endif

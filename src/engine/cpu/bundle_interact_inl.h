@@ -1,8 +1,7 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). The vector loops of an interaction: hop, drop and spin.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_INTERACT_INL_H
-#define CML_BUNDLE_INTERACT_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_loops_inl.h"
 
@@ -226,5 +225,3 @@ CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct
         cml_bundle_spin_mixed(cell, b);
     return low;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Code, included by bundle_curved_cross_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). Lanes at boundaries one by one, by kernels/walk.h: the rare cases that
  * vector loops leave to be done. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LANE_EVENTS_INL_H
-#define CML_BUNDLE_LANE_EVENTS_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 
@@ -187,5 +186,3 @@ static void cml_process_lane_at_bodies(struct cml_flight *f, int i, int ahead)
     intervals.bodies = ahead;
     cml_intersect_or_interact(f, i, intervals);
 }
-
-#endif

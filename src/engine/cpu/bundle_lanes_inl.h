@@ -1,8 +1,7 @@
 /* Code, included by the other bundle_*_inl.h and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). The lanes of a bundle one by one: a packet's columns, what it deposits, and
  * its end. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LANES_INL_H
-#define CML_BUNDLE_LANES_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_flight.h"
 
@@ -382,5 +381,3 @@ static uint64_t cml_lanes_below(const struct cml_bundle *b, cml_u32 threshold)
     }
     return (uint64_t)high << 32 | low;
 }
-
-#endif

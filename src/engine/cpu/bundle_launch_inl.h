@@ -1,8 +1,7 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). New packets, into the lanes of those that have ended.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LAUNCH_INL_H
-#define CML_BUNDLE_LAUNCH_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
@@ -363,5 +362,3 @@ static void cml_refill(struct cml_flight *f)
     }
     if (ended & ~f->live) cml_compact_lanes(f);
 }
-
-#endif

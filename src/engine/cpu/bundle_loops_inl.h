@@ -2,8 +2,7 @@
  * the vector loops, for which the levels exist (engine_cpu_level.c). Every loop goes over all lanes of the
  * bundle. Lanes whose task is another compute as well, and keep what they had: a select costs less than a
  * branch. Lanes without a packet may hold anything. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LOOPS_INL_H
-#define CML_BUNDLE_LOOPS_INL_H
+#pragma once
 
 #include "walk.h"
 
@@ -418,5 +417,3 @@ static inline cml_u32 cml_group_leaves(const struct cml_bundle *b, int first, in
     return (ends & cml_group_equal(task, CML_LANE_TRANSMITTED)) |
            (outside & cml_group_equal(task, CML_LANE_REFLECTED));
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
  * (engine_cpu_level.c says why). Fluence (P14): what lanes score where they interact, and marks on their
  * paths; and interactions of which A(r,z) and A(t) of rows (P16) are made. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_MARKS_INL_H
-#define CML_BUNDLE_MARKS_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_interact_inl.h"
 #include "engine/cpu/bundle_lanes_inl.h"
@@ -150,5 +149,3 @@ static void cml_sample_rows(struct cml_flight *f)
         cml_rows_sample(f->world, &rows, b->medium[i], at[i], before, b->w[i]);
     }
 }
-
-#endif

@@ -2,8 +2,7 @@
  * (engine_cpu_level.c says why). Where the photons of the launch queue start, and where to: vector loops over
  * what cml_place (kernels/source.h) does for one packet, for beams whose packets differ in nothing else.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_PLACE_INL_H
-#define CML_BUNDLE_PLACE_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_loops_inl.h"
 
@@ -164,5 +163,3 @@ static void cml_queue_place(const struct cml_world *world, struct cml_launch_que
     cml_queue_place_on_shape(world, queue);
     cml_queue_place_above(world, queue);
 }
-
-#endif

@@ -4,8 +4,7 @@
  * search takes long), and so is what becomes of the packets that go through. None of this is hot, so it is
  * compiled once and not, like the bundle's loops, for each level of the processor. SPDX-License-Identifier:
  * MIT */
-#ifndef CML_BUNDLE_PREPARE_H
-#define CML_BUNDLE_PREPARE_H
+#pragma once
 
 #include "engine/cpu/bundle_flight.h"
 
@@ -25,5 +24,3 @@ void cml_find_known_path(struct cml_flight *f);
 
 /* After cml_find_first_hit: fills ballistic. */
 void cml_find_ballistic(struct cml_flight *f);
-
-#endif

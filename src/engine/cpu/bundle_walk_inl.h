@@ -2,8 +2,7 @@
  * of its own could not be inlined into, and loops over lanes are vectors only where all that they call is
  * inlined. The pass over a bundle: what the lanes of one thread do, in order, until there are no more
  * packets. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_WALK_INL_H
-#define CML_BUNDLE_WALK_INL_H
+#pragma once
 
 #include "engine/cpu/bundle_bodies_inl.h"
 #include "engine/cpu/bundle_launch_inl.h"
@@ -587,5 +586,3 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
     cml_flight_run(&f);
     cml_tally_unsplit(branches, tally);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* The engine `cpu`: float, threads, bundles of packets in vector loops.
  * It is compiled for several levels of the processor, which differ in speed only, and the best one that this
  * machine can run is chosen when the program starts. SPDX-License-Identifier: MIT */
-#ifndef CML_ENGINE_CPU_H
-#define CML_ENGINE_CPU_H
+#pragma once
 
 #include "engine/engine.h"
 
@@ -17,5 +16,3 @@ struct cml_cpu_level {
 
 /* Fills in the levels that this machine can run, the best one first, and returns their number. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
-
-#endif

@@ -1,12 +1,9 @@
 /* The engine `opencl`: float, planes and heightfields on OpenCL devices.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ENGINE_OPENCL_H
-#define CML_ENGINE_OPENCL_H
+#pragma once
 
 #include "engine/engine.h"
 
 /* Without a device, or built without OpenCL, open fails with CML_E_DEVICE; with a mesh boundary, a map,
  * volume or facets with CML_E_INPUT. */
 extern const struct cml_engine cml_engine_opencl;
-
-#endif

@@ -1,8 +1,7 @@
 /* The OpenCL devices of this machine, in the order in which the platforms report them: their numbers are what
  * `--device` means. Known without any OpenCL header; built without OpenCL there is none.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_OPENCL_H
-#define CML_OPENCL_H
+#pragma once
 
 #include "base/status.h"
 
@@ -31,5 +30,3 @@ const char *cml_opencl_build(void);
 /* Which device without `--device`: the one with the number of this process among those on its machine,
  * counted round the GPUs, or round all devices where there is no GPU. list[count], count > 0. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank);
-
-#endif

@@ -1,7 +1,6 @@
 /* What the files of the opencl engine share; the only file that includes OpenCL's header.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_OPENCL_PARTS_H
-#define CML_OPENCL_PARTS_H
+#pragma once
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -152,5 +151,3 @@ CML_NODISCARD cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight
 /* Reads the block of cells (num_cells) and zeroes it on the device. */
 CML_NODISCARD cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells,
                                                    struct cml_error *err);
-
-#endif

@@ -1,5 +1,5 @@
 # Puts the kernel and the headers it includes into one C array: cmake -D KERNELS=DIR -D OUTPUT=FILE -P opencl_text.cmake
-# A header goes where it is included first, as its guard would have it.
+# A header goes where it is included first, and without the pragma that would say so.
 # SPDX-License-Identifier: MIT
 cmake_policy(VERSION 3.22)
 file(READ ${KERNELS}/transport.cl text)
@@ -10,6 +10,7 @@ while(text MATCHES "#include \"([a-z_]+\\.h)\"\n")
     if(NOT CMAKE_MATCH_1 IN_LIST seen)
         list(APPEND seen ${CMAKE_MATCH_1})
         file(READ ${KERNELS}/${CMAKE_MATCH_1} header)
+        string(REPLACE "#pragma once\n" "" header "${header}")
     endif()
     string(FIND "${text}" "${line}" place)
     string(LENGTH "${line}" length)

@@ -1,8 +1,7 @@
 /* ESRI ASCII grid (.asc) files: keywords with one number each (ncols nrows, xllcorner yllcorner or xllcenter
  * yllcenter, cellsize or dx dy, NODATA_value), in any case and order, then ncols * nrows heights, top row
  * first; line ends do not matter between them. SPDX-License-Identifier: MIT */
-#ifndef CML_ESRI_H
-#define CML_ESRI_H
+#pragma once
 
 #include "base/text.h"
 #include "scene/heightmap/heightmap.h"
@@ -13,5 +12,3 @@
  * cml_heightmap_clear. CML_E_INPUT; then the map is cleared. */
 CML_NODISCARD cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
                                        struct cml_heightmap *map, struct cml_error *err);
-
-#endif

@@ -2,8 +2,7 @@
  * multiple of 4, then XRes * YRes heights, 32-bit floating point, least byte first, top row first [Gwyddion
  * user guide, "Simple Field Files"]. Strict: what is not as it says is refused with line or byte.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_GSF_H
-#define CML_GSF_H
+#pragma once
 
 #include "base/text.h"
 #include "scene/heightmap/heightmap.h"
@@ -19,5 +18,3 @@ CML_NODISCARD cml_status cml_gsf_read(const struct cml_text_source *source, cons
  * YReal need XYUnits. */
 CML_NODISCARD cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                              struct cml_heightmap *map, struct cml_error *err);
-
-#endif

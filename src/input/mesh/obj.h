@@ -1,8 +1,7 @@
 /* Reader of Wavefront OBJ files as boundary meshes.
  * tinyobjloader parses; because it turns `nan` and `0,0` into 0 and keeps faces whose indices are out of
  * range, a strict scan of the text refuses these first, with line numbers. SPDX-License-Identifier: MIT */
-#ifndef CML_OBJ_H
-#define CML_OBJ_H
+#pragma once
 
 #include "base/text.h"
 #include "geometry/mesh.h"
@@ -38,5 +37,3 @@ CML_NODISCARD cml_status cml_obj_read(const struct cml_text_source *source, cons
  * `comment` stands above, every line behind a '#'; NULL: none. Atomic (text.h); CML_E_IO on failure. */
 CML_NODISCARD cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                                        struct cml_error *err);
-
-#endif

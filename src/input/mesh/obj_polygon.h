@@ -1,6 +1,5 @@
 /* Polygons of an OBJ file as triangles. SPDX-License-Identifier: MIT */
-#ifndef CML_OBJ_POLYGON_H
-#define CML_OBJ_POLYGON_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -14,5 +13,3 @@
  * within 1e-9 of the polygon's size; another way of splitting differs by so much. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
                           uint32_t (*triangle)[3], double *bend);
-
-#endif

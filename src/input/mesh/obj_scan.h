@@ -1,7 +1,6 @@
 /* The strict scan of an OBJ text: refuses with line numbers what tinyobjloader would let pass, reads the
  * coordinates, and leaves a text of nothing but plain `v` and `f` lines. SPDX-License-Identifier: MIT */
-#ifndef CML_OBJ_SCAN_H
-#define CML_OBJ_SCAN_H
+#pragma once
 
 #include "base/text.h"
 
@@ -25,5 +24,3 @@ CML_NODISCARD cml_status cml_obj_scan_text(struct cml_text *text, struct cml_obj
                                            struct cml_error *err);
 
 void cml_obj_scan_clear(struct cml_obj_scan *scan);
-
-#endif

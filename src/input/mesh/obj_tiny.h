@@ -1,6 +1,5 @@
 /* The C face of tinyobjloader. SPDX-License-Identifier: MIT */
-#ifndef CML_OBJ_TINY_H
-#define CML_OBJ_TINY_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -18,6 +17,4 @@ size_t cml_obj_tiny_corners(const char *text, size_t size, uint32_t *corner, siz
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

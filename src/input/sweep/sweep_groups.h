@@ -1,7 +1,6 @@
 /* Which rows of a sweep may come of one flight: those that differ in nothing but absorption.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_GROUPS_H
-#define CML_SWEEP_GROUPS_H
+#pragma once
 
 #include "input/sweep/sweep_table.h"
 
@@ -13,5 +12,3 @@ bool cml_sweep_is_absorption(const char *name);
  */
 CML_NODISCARD cml_status cml_sweep_group(const struct cml_sweep_table *table, int **group, int *num_groups,
                                          struct cml_error *err);
-
-#endif

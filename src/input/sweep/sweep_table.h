@@ -2,8 +2,7 @@
  * them, blank lines and what stands behind # do not count. Cells may stand in quotation marks, in which "" is
  * one: names that do are labels, which are carried along. What the other names mean, and which values they
  * may have, the reader of scenes knows (mci_settings.h). SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_TABLE_H
-#define CML_SWEEP_TABLE_H
+#pragma once
 
 #include "base/settings.h"
 #include "base/text.h"
@@ -27,5 +26,3 @@ void cml_sweep_table_clear(struct cml_sweep_table *table);
 
 /* A cell as a setting, which borrows from the table. */
 struct cml_setting cml_sweep_cell(const struct cml_sweep_table *table, int row, int column);
-
-#endif

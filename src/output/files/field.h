@@ -1,8 +1,7 @@
 /* A field: an array of numbers with a name, units and axes, and how to get its values. What the writers of
  * HDF5 and VTK files (hdf5_file.h, vtk.h) both read; they know nothing of what the numbers mean.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_FIELD_H
-#define CML_FIELD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -48,5 +47,3 @@ static inline void cml_field_array_values(const void *context, size_t begin, siz
 {
     memcpy(out, (const double *)context + begin, count * sizeof *out);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Reader of the arrays of .h5 files that hdf5_file.c wrote: as fields again, whose values are read piece by
  * piece. SPDX-License-Identifier: MIT */
-#ifndef CML_HDF5_ARRAYS_H
-#define CML_HDF5_ARRAYS_H
+#pragma once
 
 #include "output/files/hdf5_read.h"
 
@@ -41,5 +40,3 @@ struct cml_hdf5_array *cml_hdf5_arrays_find(const struct cml_hdf5_arrays *arrays
 CML_NODISCARD cml_status cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays,
                                              struct cml_hdf5_array *array, size_t begin, size_t count,
                                              double *out, struct cml_error *err);
-
-#endif

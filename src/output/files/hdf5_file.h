@@ -3,8 +3,7 @@
  * (`ancillary_variables`) are attributes as in the CF conventions; data are shuffled and deflated in chunks,
  * but for plain ones. No times are stored: the same fields give the same bytes. hdf5_arrays.h reads them.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_HDF5_FILE_H
-#define CML_HDF5_FILE_H
+#pragma once
 
 #include "output/files/field.h"
 #include "base/status.h"
@@ -33,5 +32,3 @@ CML_NODISCARD cml_status cml_hdf5_write(const char *path, const struct cml_attri
                                         int num_attributes, const struct cml_hdf5_call *call,
                                         const struct cml_field *fields, int num_fields,
                                         struct cml_error *err);
-
-#endif

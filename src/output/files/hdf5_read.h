@@ -4,8 +4,7 @@
  * finds objects is used: their bytes are read and inflated here, because the library trusts their sizes. What
  * it does with crafted metadata is its own. Failures are CML_E_INPUT with file, object, what it is and what
  * was expected. SPDX-License-Identifier: MIT */
-#ifndef CML_HDF5_READ_H
-#define CML_HDF5_READ_H
+#pragma once
 
 #include "output/files/field.h"
 #include "base/status.h"
@@ -73,5 +72,3 @@ CML_NODISCARD cml_status cml_hdf5_uses(const struct cml_hdf5_dataset *scale, str
 
 /* The place of a data set in its file. */
 uint64_t cml_hdf5_address(const struct cml_hdf5_dataset *dataset);
-
-#endif

@@ -2,8 +2,7 @@
  * Raw appended data: the header is text, the numbers follow in binary, values as 32-bit floats, points as
  * 64-bit.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_VTK_H
-#define CML_VTK_H
+#pragma once
 
 #include "output/files/field.h"
 #include "base/status.h"
@@ -37,5 +36,3 @@ bool cml_vtk_has_comment(const char *path, const char *comment);
 
 /* Whether a file ends as these do. */
 bool cml_vtk_is_whole(const char *path);
-
-#endif

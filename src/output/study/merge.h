@@ -1,8 +1,7 @@
 /* Several results of one scene, flown with different seeds, as one: the mean over all their packets.
  * A value is the mean of the values, weighted by packets; its error, as runs with different seeds are
  * independent, the root of the sum of squares of the weighted errors. SPDX-License-Identifier: MIT */
-#ifndef CML_MERGE_H
-#define CML_MERGE_H
+#pragma once
 
 #include "output/files/hdf5_file.h"
 #include "result/outcome.h"
@@ -60,5 +59,3 @@ int cml_merged_totals(const struct cml_outcome *merged);
 /* One object on one line: output, inputs, photons, totals and their errors. */
 CML_NODISCARD cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs,
                                         int count, const struct cml_outcome *merged, struct cml_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* What the merging of results shares. Private to merge*.c. SPDX-License-Identifier: MIT */
-#ifndef CML_MERGE_PARTS_H
-#define CML_MERGE_PARTS_H
+#pragma once
 
 #include "output/files/hdf5_arrays.h"
 #include "output/study/merge.h"
@@ -44,5 +43,3 @@ CML_NODISCARD cml_status cml_merge_arrays_open(const struct cml_merge_input *inp
                                                const struct cml_outcome *merged,
                                                struct cml_merge_arrays *arrays, struct cml_error *err);
 void cml_merge_arrays_close(struct cml_merge_arrays *arrays);
-
-#endif

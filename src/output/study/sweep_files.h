@@ -1,7 +1,6 @@
 /* What comes of a sweep: all totals with their errors, as a table (.csv) and as arrays (.h5).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SWEEP_FILES_H
-#define CML_SWEEP_FILES_H
+#pragma once
 
 #include "output/files/hdf5_file.h"
 #include "result/timing.h"
@@ -45,5 +44,3 @@ CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_
  * out. */
 CML_NODISCARD cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                                             struct cml_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * - a line of names, among them r_mid_cm, z_mid_cm or alpha_mid_rad and the quantity: `Rd_r`, or with its
  * unit `Rd_r_per_cm2`; `Rd_r_se` are standard errors. Other columns are passed over. Places rise from row to
  * row. SPDX-License-Identifier: MIT */
-#ifndef CML_CURVE_H
-#define CML_CURVE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -35,5 +34,3 @@ struct cml_curve_columns {
  * curves are freed. */
 CML_NODISCARD cml_status cml_curve_read(const char *path, const struct cml_curve_columns *wanted, int count,
                                         struct cml_curve *curves, struct cml_error *err);
-
-#endif

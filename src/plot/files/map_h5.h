@@ -1,6 +1,5 @@
 /* Reader of the maps of .h5 files. SPDX-License-Identifier: MIT */
-#ifndef CML_MAP_H5_H
-#define CML_MAP_H5_H
+#pragma once
 
 #include "base/status.h"
 
@@ -36,5 +35,3 @@ CML_NODISCARD cml_status cml_hdf5_read_map(const char *path, const char *name,
                                            const struct cml_voxel_cut *cut, const char *else_known,
                                            struct cml_pixels *map, char unit[CML_HDF5_UNIT],
                                            struct cml_error *err);
-
-#endif

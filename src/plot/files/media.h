@@ -1,7 +1,6 @@
 /* Which medium absorbs in a bin of a result, as far as its file says: layers by their thicknesses, curved
  * boundaries and bodies by the depths and radii that their lines name. SPDX-License-Identifier: MIT */
-#ifndef CML_MEDIA_H
-#define CML_MEDIA_H
+#pragma once
 
 #include "result/outcome.h"
 
@@ -11,5 +10,3 @@
  * where a file has such shapes and does not say where they lie, and when memory runs out. */
 CML_NODISCARD cml_status cml_media_mua(const struct cml_outcome *outcome, const char *path, bool by_radius,
                                        double **mua, struct cml_error *err);
-
-#endif

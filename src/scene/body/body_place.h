@@ -1,7 +1,6 @@
 /* Which body lies in which, and whether any two, or a body and a boundary, cross or touch.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_PLACE_H
-#define CML_BODY_PLACE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -19,5 +18,3 @@ CML_NODISCARD cml_status cml_scene_check_bodies(const struct cml_scene *scene, s
 /* All that a reader leaves to its caller, as it costs time: cml_scene_check_steepness,
  * cml_scene_check_overlap, then cml_scene_check_bodies. Only a scene that has passed may fly. */
 CML_NODISCARD cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* The shapes of bodies: boxes, volumes, and meshes that stand for spheres and cylinders.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_SHAPE_H
-#define CML_BODY_SHAPE_H
+#pragma once
 
 #include "scene/body/convex.h"
 #include "scene/scene.h"
@@ -31,5 +30,3 @@ CML_NODISCARD cml_status cml_body_mesh(const struct cml_scene_body *body, int n,
 
 /* The n with which no point of such a mesh is further off the body than this share of its radius. */
 int cml_body_segments(enum cml_body_form form, double tolerance);
-
-#endif

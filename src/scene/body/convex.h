@@ -1,7 +1,6 @@
 /* Spheres, cylinders and triangles as convex sets: are two of them apart, does one lie inside another?
  * Knows no scene. Lengths in cm. SPDX-License-Identifier: MIT */
-#ifndef CML_CONVEX_H
-#define CML_CONVEX_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -34,5 +33,3 @@ void cml_convex_project(const struct cml_convex *convex, const double p[3], doub
 
 /* From p to the surface: below 0 inside. Not for triangles. */
 double cml_convex_distance(const struct cml_convex *convex, const double p[3]);
-
-#endif

@@ -9,8 +9,7 @@
  * wide as it is high, so that no part is steeper than 45 degrees, leads from the rim to the rim's mean
  * height. Sides of triangles on the rim are at most CML_RIM_CELLS cells long, so that the skirt has no
  * needles either. SPDX-License-Identifier: MIT */
-#ifndef CML_HEIGHTMAP_H
-#define CML_HEIGHTMAP_H
+#pragma once
 
 #include "geometry/mesh.h"
 #include "scene/heightmap/mesh_budget.h"
@@ -74,5 +73,3 @@ CML_NODISCARD cml_status cml_heightmap_mesh(const struct cml_heightmap *map, dou
                                             enum cml_normals normals, const struct cml_mesh_budget *budget,
                                             struct cml_mesh *mesh, struct cml_heightmap_notes *notes,
                                             struct cml_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * middle keeps the largest error of the triangles that it would halve and of all triangles below; a middle
  * beyond the tolerance is split. Both triangles at a side have the same middle, so that they are split
  * together. SPDX-License-Identifier: MIT */
-#ifndef CML_HEIGHTMAP_SPLIT_H
-#define CML_HEIGHTMAP_SPLIT_H
+#pragma once
 
 #include "scene/heightmap/heightmap.h"
 
@@ -27,5 +26,3 @@ typedef void cml_split_visit(void *context, const size_t corner[3]);
  * heights at all samples. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context);
-
-#endif

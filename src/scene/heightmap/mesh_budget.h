@@ -1,7 +1,6 @@
 /* How many triangles one boundary may have. The one place where that is decided, before their memory is
  * taken: for tessellated heightfields, heightmaps and mesh files. SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_BUDGET_H
-#define CML_MESH_BUDGET_H
+#pragma once
 
 #include "base/status.h"
 
@@ -28,5 +27,3 @@ double cml_mesh_budget_default(void);
  * B needs N triangles, M GiB (expected at most K, or REMEDY)". Else tells of a large one. */
 CML_NODISCARD cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double triangles,
                                                const char *remedy, struct cml_error *err);
-
-#endif

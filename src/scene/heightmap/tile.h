@@ -2,8 +2,7 @@
  * One period is kept, as a struct cml_heightmap whose sample behind the last one along an axis is the first
  * again: nx x ny samples, and as many cells. Between samples the surface is that of heightmap.h, but nothing
  * is merged, so that all copies are alike. SPDX-License-Identifier: MIT */
-#ifndef CML_TILE_H
-#define CML_TILE_H
+#pragma once
 
 #include "scene/heightmap/heightmap.h"
 
@@ -68,5 +67,3 @@ struct cml_tile_cells cml_tile_patch_cells(const struct cml_heightmap *tile);
  * nothing else, when they have not. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3]);
-
-#endif

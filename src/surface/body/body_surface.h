@@ -1,8 +1,7 @@
 /* The surfaces of a scene's bodies as queries want them, the trees over the bodies of each medium, and the
  * grids by which most steps need no query. Places in the frame of the body's layer (kernels/types.h), but x
  * and y of the scene; cm. SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_SURFACE_H
-#define CML_BODY_SURFACE_H
+#pragma once
 
 #include "base/status.h"
 #include "boundary.h"
@@ -45,5 +44,3 @@ void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 /* Area of a facet of the body as it is represented, cm^2. */
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet);
-
-#endif

@@ -1,7 +1,6 @@
 /* Trees of boxes over the bodies that lie in one medium: a ray visits only the bodies near it, whatever their
  * number. SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_TREE_H
-#define CML_BODY_TREE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -24,5 +23,3 @@ CML_NODISCARD cml_status cml_body_tree_create(const double (*boxes)[2][3], const
                                               int num_media, struct cml_body_tree *tree,
                                               struct cml_error *err);
 void cml_body_tree_clear(struct cml_body_tree *tree);
-
-#endif

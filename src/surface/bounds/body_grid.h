@@ -1,8 +1,7 @@
 /* What surfaces of bodies there are around the places of a layer: cubes that know balls without any, or where
  * in a ball they are, by which most steps need no query (kernels/body.h, cml_may_hit_body).
  * SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_GRID_H
-#define CML_BODY_GRID_H
+#pragma once
 
 #include "base/status.h"
 #include "scene/scene.h"
@@ -31,5 +30,3 @@ struct cml_body_grids {
 CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double *depths,
                                                struct cml_body_grids *grids, struct cml_error *err);
 void cml_body_grids_clear(struct cml_body_grids *grids);
-
-#endif

@@ -1,8 +1,7 @@
 /* What the surfaces of bodies look like around the middles of a grid's cells: in each cell that they pass,
  * two planes between which they lie there; and from those of its neighbours two for a ball that is larger
  * than a cell. SPDX-License-Identifier: MIT */
-#ifndef CML_BODY_PATCH_H
-#define CML_BODY_PATCH_H
+#pragma once
 
 #include "scene/body/convex.h"
 
@@ -44,5 +43,3 @@ void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const fl
  * n[0] n[1] n[2] cells of the grid, x fastest. next: as from cml_patch_rows. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3]);
-
-#endif

@@ -1,8 +1,7 @@
 /* The horizon of every cell over a mesh, as a slope: how steeply a packet there must rise, or fall, to meet
  * the mesh never again. Exists because one steep facet anywhere would else decide for all packets.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CELL_HORIZON_H
-#define CML_CELL_HORIZON_H
+#pragma once
 
 #include "base/status.h"
 
@@ -26,5 +25,3 @@ struct cml_depth_pyramid {
  * above the cell, infinite where one is upright or faces down. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest,
                                            float *below, float *above, struct cml_error *err);
-
-#endif

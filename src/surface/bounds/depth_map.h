@@ -1,8 +1,7 @@
 /* Builds the min/max pyramids of kernels/bounds.h from rings or triangles.
  * Conservative: every cell's bounds hold for the whole surface above it, and are widened by more than the
  * rounding that single precision adds to positions and cell numbers. SPDX-License-Identifier: MIT */
-#ifndef CML_DEPTH_MAP_H
-#define CML_DEPTH_MAP_H
+#pragma once
 
 #include "boundary.h"
 #include "geometry/mesh.h"
@@ -36,5 +35,3 @@ CML_NODISCARD cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile,
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level);
 
 void cml_depth_map_clear(struct cml_depth_map *map);
-
-#endif

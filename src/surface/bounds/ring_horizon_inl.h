@@ -3,8 +3,7 @@
  * term is that of terrain rendering [Max, Horizon mapping: shadows for bump-mapped surfaces, The Visual
  * Computer 4 (2), 1988]. Exists because light that has gone through a surface would else be followed past all
  * its rings, and a single wall in it would make that so for all of them. SPDX-License-Identifier: MIT */
-#ifndef CML_RING_HORIZON_INL_H
-#define CML_RING_HORIZON_INL_H
+#pragma once
 
 #include "bounds.h"
 #include "types.h"
@@ -55,5 +54,3 @@ static inline void cml_ring_horizons(const real *r, const real *z, int n, real s
         horizon[i] = (real)(1.001 * ends + CML_HORIZON_RAISED);
     }
 }
-
-#endif

@@ -2,8 +2,7 @@
  * knows how far from its middle no part of the surface is (kernels/bounds.h, cml_path_is_safe), and each
  * block of 2 x 2 x 2 cells which leaves of the tree of facets a path near it can meet: so most paths need no
  * query, and most queries no traversal. SPDX-License-Identifier: MIT */
-#ifndef CML_SAFE_MAP_H
-#define CML_SAFE_MAP_H
+#pragma once
 
 #include "surface/tree/centred_mesh.h"
 #include "surface/tree/facet_tree.h"
@@ -68,5 +67,3 @@ static inline int cml_safe_map_leaves(const struct cml_safe_map *map, const stru
     }
     return 0;
 }
-
-#endif

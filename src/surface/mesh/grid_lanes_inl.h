@@ -16,8 +16,7 @@
  * Answers are those of the walk (grid_walk.h) to the last bit: the same arithmetic finds the crossing of the
  * ray with the facet's plane. What is not sure by more than rounding, or not steep enough, is left to it.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_GRID_LANES_INL_H
-#define CML_GRID_LANES_INL_H
+#pragma once
 
 #include "surface_hit.h"
 #include "surface/mesh/grid_mesh.h"
@@ -369,5 +368,3 @@ static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid
         cml_grid_lanes_check(view, first, l);
     }
 }
-
-#endif

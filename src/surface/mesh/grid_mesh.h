@@ -9,8 +9,7 @@
  * rounded outwards to 16 bits: those of a mesh of 1e6 facets fit into a processor's second cache. A mesh that
  * is no regular grid may get cells and a pyramid as well, but lists of facets in its cells: sheet_mesh.h.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_GRID_MESH_H
-#define CML_GRID_MESH_H
+#pragma once
 
 #include "surface/mesh/mesh_query.h"
 
@@ -107,5 +106,3 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
 /* Bytes of all that *grid owns; 0 without cells. */
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid);
-
-#endif

@@ -13,8 +13,7 @@
  * change it: at edges, near the corners where four nodes meet, in a facet's own plane. The first undecided
  * test ends the traversal, and the caller asks the exact query (mesh_query.h). So facets are hit only well
  * inside, and what is said to be missed is missed by more than rounding. SPDX-License-Identifier: MIT */
-#ifndef CML_GRID_WALK_H
-#define CML_GRID_WALK_H
+#pragma once
 
 #include "surface/mesh/grid_mesh.h"
 
@@ -27,5 +26,3 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q);
 /* True: up to its best crossing, or its end, the ray stays well over a grid without gaps, so that it does not
  * meet the outer plane. */
 bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q);
-
-#endif

@@ -1,8 +1,7 @@
 /* The geometry of one facet of a mesh: where a line crosses it, and how far from it a point lies.
  * Points are in the centred frame (centred_mesh.h), directions of unit length, distances in cm.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_FACET_H
-#define CML_MESH_FACET_H
+#pragma once
 
 #include "surface/tree/centred_mesh.h"
 #include "surface/tree/rounding.h"
@@ -20,5 +19,3 @@ double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive,
 /* Distance along a ray to where it is closest to the edge from a to b; 0 where it leaves the edge behind. */
 double cml_facet_edge_approach(const double from[3], const double direction[3], const double a[3],
                                const double b[3]);
-
-#endif

@@ -17,8 +17,7 @@
  * Where that is not the packet's side, it stands beyond a facet by rounding. Either it comes back through
  * that facet, which is no crossing, or it heads out: through the first facet that its line passes at no more
  * than rounding. SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_LINE_H
-#define CML_MESH_LINE_H
+#pragma once
 
 #include "surface/mesh/mesh_query.h"
 
@@ -72,5 +71,3 @@ bool cml_line_goes_on(struct cml_mesh_line *line);
 /* What the packet crosses before its path ends: makes it q's best, or leaves q's if that is the same place.
  */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q);
-
-#endif

@@ -12,8 +12,7 @@
  * A packet knows on which side of the boundary it is. Only crossings that leave that side ("exiting", as in
  * DAGMC) are looked for; one that comes back to it ("entering") can only follow an exiting one.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_QUERY_H
-#define CML_MESH_QUERY_H
+#pragma once
 
 #include "surface/tree/centred_mesh.h"
 #include "mesh_crossing.h"
@@ -98,5 +97,3 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 /* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing);
-
-#endif

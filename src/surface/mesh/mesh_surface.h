@@ -11,8 +11,7 @@
  * outer plane with the footprint as its hole belongs to the surface. A closed mesh has none: below it is
  * inside. The only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_MESH_SURFACE_H
-#define CML_MESH_SURFACE_H
+#pragma once
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
@@ -91,5 +90,3 @@ const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *s
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);
-
-#endif

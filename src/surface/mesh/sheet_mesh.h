@@ -3,8 +3,7 @@
  * and greatest depth there; above the cells stands the pyramid of a regular grid (grid_mesh.h). A grid of
  * lists is the oldest way to find what a ray meets [Fujimoto, Tanaka and Iwata, ARTS: accelerated ray-tracing
  * system, IEEE Computer Graphics and Applications 6 (4), 1986]. SPDX-License-Identifier: MIT */
-#ifndef CML_SHEET_MESH_H
-#define CML_SHEET_MESH_H
+#pragma once
 
 #include "surface/mesh/grid_mesh.h"
 
@@ -12,5 +11,3 @@
  * that lists would be long. CML_E_INPUT for memory. */
 CML_NODISCARD cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred,
                                              struct cml_grid_mesh *grid, struct cml_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Segments overlap by half a cell, many times what rounding can move: a crossing near the end of one is
  * found well inside of the next. SPDX-License-Identifier: MIT */
-#ifndef CML_TILE_PATH_H
-#define CML_TILE_PATH_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -57,5 +56,3 @@ int cml_tile_primitive(const struct cml_mesh_period *period, int triangle);
 
 /* The triangle of the mesh that is a primitive itself. */
 int cml_tile_triangle(const struct cml_mesh_period *period, int primitive);
-
-#endif

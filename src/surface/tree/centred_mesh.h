@@ -1,7 +1,6 @@
 /* A mesh as its queries want it: centred on the origin, with the planes of its facets, and what rounding can
  * do to it. SPDX-License-Identifier: MIT */
-#ifndef CML_CENTRED_MESH_H
-#define CML_CENTRED_MESH_H
+#pragma once
 
 #include "geometry/footprint.h"
 #include "geometry/mesh.h"
@@ -34,5 +33,3 @@ static inline const double *cml_centred_corner(const struct cml_centred_mesh *ce
 {
     return centred->mesh.vertex[centred->mesh.triangle[triangle][k]];
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Code, included by who fills cells with distances from places to facets, and by the loops that find many
  * (facet_tree_level.c). SPDX-License-Identifier: MIT */
-#ifndef CML_FACET_DISTANCE_INL_H
-#define CML_FACET_DISTANCE_INL_H
+#pragma once
 
 #include "geometry/vec3.h"
 
@@ -76,5 +75,3 @@ static inline double cml_flat_square(const struct cml_flat_facet *f, double px, 
     const bool inside = (y >= 0) & (f->height * x >= f->foot * y) & (f->height * rest >= back * y);
     return z * z + (inside ? 0 : cml_smaller(off * off + y * y, sides));
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Divides facets into two groups that rays meet seldom together, by the surface area heuristic in bins [Wald,
  * On fast construction of SAH-based bounding volume hierarchies, IEEE Symposium on Interactive Ray Tracing
  * 2007]. Knows boxes only. SPDX-License-Identifier: MIT */
-#ifndef CML_FACET_SPLIT_H
-#define CML_FACET_SPLIT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -25,5 +24,3 @@ float cml_facet_box_area(const struct cml_facet_box *box);
 /* Orders boxes [count] so that the first ones, whose number it returns (at least 1, less than count), are one
  * group. Those of a group fill leaves of `leaf` facets. count >= 2. */
 size_t cml_facet_split(struct cml_facet_box *box, size_t count, size_t leaf);
-
-#endif

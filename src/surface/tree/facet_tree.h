@@ -13,8 +13,7 @@
  * Numbers are floats, cm, in the mesh's centred frame (centred_mesh.h). Knows no outer plane and no period.
  * The loops are compiled once for each level of the processor (facet_tree_level.c); answers are the same to
  * the last bit on all. SPDX-License-Identifier: MIT */
-#ifndef CML_FACET_TREE_H
-#define CML_FACET_TREE_H
+#pragma once
 
 #include "geometry/mesh.h"
 #include "vector/group_masks.h"
@@ -100,5 +99,3 @@ struct cml_tree_level {
 
 /* Fills in the levels that this machine can run, the best one first, and returns their number. */
 int cml_tree_levels(const struct cml_tree_level *levels[CML_TREE_LEVELS]);
-
-#endif

@@ -82,8 +82,7 @@
  *   err_cover_factor: On err_position + err_entry, for the distance of a ray from the end of a grid: 64,
  *     twice the former. Fails: none.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_ROUNDING_H
-#define CML_ROUNDING_H
+#pragma once
 
 #include <float.h>
 
@@ -95,5 +94,3 @@ static const double err_weight = 1e-12, err_weight_sheet = 1e-4;
 static const double err_sine_grid = 1e-4, err_sine_edge = 1e-6;
 static const double err_cell_least = 1e-6, err_start = 1e-10;
 static const double err_line_factor = 4, err_grazing_factor = 32, err_cover_factor = 64;
-
-#endif

@@ -1,7 +1,6 @@
 /* What the tests of tallies and results share: small grids, and packets scored into them.
  * SPDX-License-Identifier: MIT */
-#ifndef TALLY_CASES_H
-#define TALLY_CASES_H
+#pragma once
 
 #include "lib/dice.h"
 #include "tally/result.h"
@@ -68,5 +67,3 @@ static inline void add_to_batch(struct cml_result *result, int batch, struct cml
     cml_result_add_brought(result, batch, tally);
     cml_result_add(result, tally);
 }
-
-#endif

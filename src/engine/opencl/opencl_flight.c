@@ -57,7 +57,7 @@ static struct cml_local_part lay_out(uint64_t *first, uint64_t cells, uint64_t r
 static struct cml_local_parts lay_out_parts(const struct cml_opencl_scene *scene,
                                             struct cml_opencl_flight *flight)
 {
-    const struct cml_setup *setup = &scene->setup;
+    const struct cml_setup *setup = &scene->world->world.setup;
     const uint64_t most = (flight->group == 1 ? LOCAL_BYTES_ALONE : LOCAL_BYTES_SHARED);
     const uint64_t local = flight->device.info.local_memory / 2;
     const uint64_t room = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
@@ -107,8 +107,8 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
              "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s %s",
              flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
              info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
-             scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
-             scene->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra);
+             scene->world->world.setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
+             scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra);
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
     free(options);
@@ -208,36 +208,34 @@ static cml_status zero_cells(struct cml_opencl_flight *flight, struct cml_error 
 static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                  struct cml_error *err)
 {
-    const size_t bodies = (size_t)scene->setup.num_bodies,
-                 surfaces = (size_t)scene->setup.num_layers + 1 + bodies;
+    const struct cml_owned_world *w = scene->world;
+    const size_t bodies = (size_t)w->world.setup.num_bodies,
+                 surfaces = (size_t)w->world.setup.num_layers + 1 + bodies,
+                 sources = (size_t)w->world.setup.num_sources;
+    const struct {
+        int which;
+        const void *content;
+        size_t bytes;
+    } arrays[] = {{CML_BUFFER_MEDIA, w->media, (surfaces + 1) * sizeof *w->media},
+                  {CML_BUFFER_SURFACES, w->surfaces, surfaces * sizeof *w->surfaces},
+                  {CML_BUFFER_RING_STARTS, w->ring_starts, w->num_rings * sizeof *w->ring_starts},
+                  {CML_BUFFER_BODIES, w->bodies, bodies * sizeof *w->bodies},
+                  {CML_BUFFER_BODY_NODES, w->body_nodes, w->num_body_nodes * sizeof *w->body_nodes},
+                  {CML_BUFFER_BODY_GRIDS, w->body_grids, w->num_body_grids * sizeof *w->body_grids},
+                  {CML_BUFFER_BODY_CELLS, w->body_cells, w->num_body_cells * sizeof *w->body_cells},
+                  {CML_BUFFER_PHASE_CELLS, w->phase_cells, w->num_phase_cells * sizeof *w->phase_cells},
+                  {CML_BUFFER_SOURCES, w->sources, sources * sizeof *w->sources},
+                  {CML_BUFFER_LIGHT_CELLS, w->light_cells, w->num_light_cells * sizeof *w->light_cells},
+                  {CML_BUFFER_IMAGE_WORDS, w->image_words, w->num_image_words * sizeof *w->image_words}};
     CML_TRY(create_buffer(flight, CML_BUFFER_COUNTERS, sizeof flight->counters, &flight->counters, err));
-    CML_TRY(
-        create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
-    CML_TRY(
-        create_buffer(flight, CML_BUFFER_SURFACES, surfaces * sizeof *scene->surfaces, scene->surfaces, err));
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        CML_TRY(create_buffer(flight, arrays[i].which, arrays[i].bytes, arrays[i].content, err));
     for (int row = 0; row < CML_RING_ROWS; row++)
-        CML_TRY(create_buffer(flight, CML_BUFFER_RINGS + row, scene->num_rings * sizeof(float),
-                              scene->rings + (size_t)row * scene->num_rings, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
-                          err));
+        CML_TRY(create_buffer(flight, CML_BUFFER_RINGS + row, w->num_rings * sizeof *w->rings,
+                              w->rings + (size_t)row * w->num_rings, err));
     for (int side = 0; side < 2; side++)
-        CML_TRY(create_buffer(flight, CML_BUFFER_DEPTHS + side, scene->depth_cells * sizeof(float),
-                              scene->depths + (size_t)side * scene->depth_cells, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_BODIES, bodies * sizeof *scene->bodies, scene->bodies, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_NODES, scene->num_body_nodes * sizeof *scene->body_nodes,
-                          scene->body_nodes, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_GRIDS, scene->num_body_grids * sizeof *scene->body_grids,
-                          scene->body_grids, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_CELLS, scene->num_body_cells * sizeof *scene->body_cells,
-                          scene->body_cells, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_PHASE_CELLS, scene->num_phase_cells * sizeof *scene->phase_cells,
-                          scene->phase_cells, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_SOURCES,
-                          (size_t)scene->setup.num_sources * sizeof *scene->sources, scene->sources, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_LIGHT_CELLS, scene->num_light_cells * sizeof *scene->light_cells,
-                          scene->light_cells, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_IMAGE_WORDS, scene->num_image_words * sizeof *scene->image_words,
-                          scene->image_words, err));
+        CML_TRY(create_buffer(flight, CML_BUFFER_DEPTHS + side, w->depth_cells * sizeof *w->depths,
+                              w->depths + (size_t)side * w->depth_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
     CML_TRY(zero_cells(flight, err));
     return end_packets(flight, err);
@@ -250,7 +248,7 @@ static cml_status set_arguments(const struct cml_opencl_scene *scene, const stru
     cl_int code = CL_SUCCESS;
     flight->kernel = clCreateKernel(flight->program, "cml_transport", &code);
     CML_CL(&flight->device, "the kernel cml_transport", code, err);
-    code = clSetKernelArg(flight->kernel, 0, sizeof scene->setup, &scene->setup);
+    code = clSetKernelArg(flight->kernel, 0, sizeof scene->world->world.setup, &scene->world->world.setup);
     if (code == CL_SUCCESS) code = clSetKernelArg(flight->kernel, 1, sizeof *parts, parts);
     for (cl_uint i = 0; code == CL_SUCCESS && i < CML_NUM_BUFFERS; i++)
         code = clSetKernelArg(flight->kernel, 3 + i, sizeof(cl_mem), &flight->buffer[i]);

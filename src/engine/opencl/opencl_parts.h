@@ -7,6 +7,7 @@
 
 #include "device_layout.h"
 #include "engine/opencl/opencl.h"
+#include "engine/world.h"
 
 #include <stddef.h>
 
@@ -59,23 +60,7 @@ void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t
 
 /* What all devices are given of a scene; arrays are borrowed. */
 struct cml_opencl_scene {
-    struct cml_setup setup;
-    const struct cml_medium *media;
-    const struct cml_surface *surfaces;
-    const float *rings, *depths; /* [CML_RING_ROWS][num_rings], [2][depth_cells] */
-    const int *ring_starts;      /* [num_rings] */
-    size_t num_rings, depth_cells;
-    const struct cml_body *bodies; /* [setup.num_bodies] */
-    const struct cml_body_node *body_nodes;
-    const struct cml_body_grid *body_grids;
-    const struct cml_body_cell *body_cells;
-    size_t num_body_nodes, num_body_grids, num_body_cells;
-    const struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
-    size_t num_phase_cells;
-    const struct cml_source *sources; /* [setup.num_sources] */
-    const struct cml_light_cell *light_cells;
-    const cml_u32 *image_words;
-    size_t num_light_cells, num_image_words;
+    const struct cml_owned_world *world;
     bool only_planes;          /* no curved boundaries and no bodies */
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */

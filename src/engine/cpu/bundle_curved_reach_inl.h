@@ -223,29 +223,20 @@ static struct cml_interval cml_interval_of(const struct cml_intervals *of, int k
     return s;
 }
 
-/* Of these lanes those that are in a medium. */
-static uint64_t cml_lanes_in_medium(const struct cml_bundle *b, uint64_t lanes, int medium)
-{
-    uint64_t mask = 0;
-    for (int first = 0; first < CML_LANES; first += CML_GROUP)
-        mask |= (uint64_t)cml_group_equal(b->medium + first, medium) << first;
-    return lanes & mask;
-}
-
 /* For which boundaries the paths of lanes are safe: in the layers on either side of every boundary that has
  * safe distances, where lanes may hit one. */
 static void cml_find_safe_lanes(const struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
     const int layers = world->setup.num_layers;
-    const uint64_t lanes = cml_lanes_with(f->b, CML_LANE_MAY_HIT);
+    const uint64_t lanes = cml_lanes_equal(f->b->task, CML_LANE_MAY_HIT);
     memset(f->b->safe, 0, sizeof f->b->safe);
     for (int b = 0; b <= layers; b++) {
         const struct cml_safe_cells *cells = &world->safe_cells[b];
         if (cells->nx == 0) continue;
-        if (b < layers && cml_lanes_in_medium(f->b, lanes, b + 1))
+        if (b < layers && (lanes & cml_lanes_equal(f->b->medium, b + 1)))
             cml_bundle_find_safe(f->b, cells, b + 1, 0, CML_SAFE_BELOW);
-        if (b > 0 && cml_lanes_in_medium(f->b, lanes, b))
+        if (b > 0 && (lanes & cml_lanes_equal(f->b->medium, b)))
             cml_bundle_find_safe(f->b, cells, b, world->media[b].span, CML_SAFE_ABOVE);
     }
 }

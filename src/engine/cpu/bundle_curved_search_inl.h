@@ -264,14 +264,14 @@ static void cml_check_horizon(struct cml_flight *f, int i)
 static void cml_process_curved(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 32 : 1;
-    cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_MAY_RETURN), cml_check_horizon);
-    uint64_t lanes = cml_lanes_with(f->b, CML_LANE_MAY_HIT_CURVED);
+    cml_for_lanes(f, cml_lanes_equal(f->b->task, CML_LANE_MAY_RETURN), cml_check_horizon);
+    uint64_t lanes = cml_lanes_equal(f->b->task, CML_LANE_MAY_HIT_CURVED);
     f->wait_at_curved += __builtin_popcountll(lanes);
     if (f->wait_at_curved < limit) return;
     f->wait_at_curved = 0;
     while (lanes) {
         const int medium = f->b->medium[__builtin_ctzll(lanes)];
-        const uint64_t here = cml_lanes_in_medium(f->b, lanes, medium);
+        const uint64_t here = lanes & cml_lanes_equal(f->b->medium, medium);
         if (f->first_hit_known && medium == 0)
             cml_for_lanes(f, here, cml_process_lane);
         else

@@ -74,25 +74,9 @@ CML_LOOP void cml_bundle_find_later(const struct cml_setup *setup, const struct 
                    (cml_gate(gates, since[i] + b->path[i]) != cml_gate(gates, since[i]));
 }
 
-/* Turns the lanes that interact (P4), where no medium has a phase function's table. */
-__attribute__((always_inline)) static inline void cml_bundle_spin(struct cml_bundle *b)
-{
-    const int lanes = b->lanes;
-    const real *restrict const g = CML_OF_MEDIUM(b, g);
-#pragma omp simd
-    for (int i = 0; i < lanes; i++) {
-        const int active = b->task[i] == CML_LANE_INTERACT;
-        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-        const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
-        b->ux[i] = cml_pick(active, v.x, u.x);
-        b->uy[i] = cml_pick(active, v.y, u.y);
-        b->uz[i] = cml_pick(active, v.z, u.z);
-    }
-}
-
-/* Where some have: the cells of all lanes. They are fetched one by one, for instructions that gather take
- * longer, and before the hop, whose vectors do not wait for them. Both members of a cell that has parts are
- * negative. */
+/* Where media have tables of phase functions: the cells of all lanes. They are fetched one by one, for
+ * instructions that gather take longer, and before the hop, whose vectors do not wait for them. Both members
+ * of a cell that has parts are negative. */
 CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const struct cml_bundle *b,
                                      struct cml_phase_cell *cell)
 {
@@ -110,9 +94,10 @@ CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const s
     }
 }
 
-/* Spin by them, as cml_scatter_in. only_tables: constant, as cml_world says. */
-__attribute__((always_inline)) static inline void
-cml_bundle_spin_by(const struct cml_phase_cell *cell, struct cml_bundle *b, const int only_tables)
+/* Turns the lanes that interact (P4): by the cells, as cml_scatter_in, or where no medium has a table, and
+ * cell is NULL. only_tables: as cml_world says. Both are constant. */
+__attribute__((always_inline)) static inline void cml_bundle_spin(const struct cml_phase_cell *cell,
+                                                                  struct cml_bundle *b, const int only_tables)
 {
     const int lanes = b->lanes;
     const real *restrict const g = CML_OF_MEDIUM(b, g);
@@ -120,9 +105,10 @@ cml_bundle_spin_by(const struct cml_phase_cell *cell, struct cml_bundle *b, cons
     for (int i = 0; i < lanes; i++) {
         const int active = b->task[i] == CML_LANE_INTERACT;
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-        const real drawn = cml_phase_one_minus(cell[i], b->draw1[i]);
-        const struct cml_vec v = only_tables ? cml_scatter_drawn(u, g[i], drawn, b->draw2[i])
-                                             : cml_scatter_either(u, g[i], drawn, b->draw1[i], b->draw2[i]);
+        const real drawn = cell ? cml_phase_one_minus(cell[i], b->draw1[i]) : (real)0;
+        const struct cml_vec v = !cell         ? cml_scatter(u, g[i], b->draw1[i], b->draw2[i])
+                                 : only_tables ? cml_scatter_drawn(u, g[i], drawn, b->draw2[i])
+                                               : cml_scatter_either(u, g[i], drawn, b->draw1[i], b->draw2[i]);
         b->ux[i] = cml_pick(active, v.x, u.x);
         b->uy[i] = cml_pick(active, v.y, u.y);
         b->uz[i] = cml_pick(active, v.z, u.z);
@@ -131,12 +117,12 @@ cml_bundle_spin_by(const struct cml_phase_cell *cell, struct cml_bundle *b, cons
 
 CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b)
 {
-    cml_bundle_spin_by(cell, b, 1);
+    cml_bundle_spin(cell, b, 1);
 }
 
 CML_LOOP void cml_bundle_spin_mixed(const struct cml_phase_cell *cell, struct cml_bundle *b)
 {
-    cml_bundle_spin_by(cell, b, 0);
+    cml_bundle_spin(cell, b, 0);
 }
 
 /* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
@@ -181,7 +167,7 @@ CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struc
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 0);
-    cml_bundle_spin(b);
+    cml_bundle_spin(NULL, b, 0);
     return low;
 }
 
@@ -190,7 +176,7 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin(b);
+    cml_bundle_spin(NULL, b, 0);
     return low;
 }
 
@@ -198,14 +184,14 @@ CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 1);
-    cml_bundle_spin(b);
+    cml_bundle_spin(NULL, b, 0);
     return low;
 }
 
 CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 0, 1);
-    cml_bundle_spin(b);
+    cml_bundle_spin(NULL, b, 0);
     return low;
 }
 

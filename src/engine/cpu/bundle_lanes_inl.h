@@ -360,12 +360,12 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
     cml_push_termination(f, i, end);
 }
 
-/* Mask of the lanes with a task. */
-static uint64_t cml_lanes_with(const struct cml_bundle *b, int task)
+/* Mask of the lanes that have this value in a column, of tasks or media. */
+static uint64_t cml_lanes_equal(const int *column, int value)
 {
     uint64_t mask = 0;
     for (int first = 0; first < CML_LANES; first += CML_GROUP)
-        mask |= (uint64_t)cml_group_equal(b->task + first, task) << first;
+        mask |= (uint64_t)cml_group_equal(column + first, value) << first;
     return mask;
 }
 

@@ -85,7 +85,8 @@ static int cml_reach_planes_with_marks(struct cml_flight *f)
     memcpy(y, b->y, sizeof y);
     memcpy(z, b->z, sizeof z);
     const int any = cml_bundle_measure_to_planes(b);
-    const uint64_t hit = cml_lanes_with(b, CML_LANE_AT_PLANE) | cml_lanes_with(b, CML_LANE_TRANSMITTED);
+    const uint64_t hit =
+        cml_lanes_equal(b->task, CML_LANE_AT_PLANE) | cml_lanes_equal(b->task, CML_LANE_TRANSMITTED);
     for (uint64_t rest = hit; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);
         if (cml_is_dense(f->world->setup.marks, f->media[b->medium[i]].mfp)) continue;

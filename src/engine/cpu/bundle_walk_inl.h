@@ -339,7 +339,7 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 static int cml_process_planes(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 45 : 1;
-    f->wait_at_planes += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_MAY_HIT));
+    f->wait_at_planes += __builtin_popcountll(cml_lanes_equal(f->b->task, CML_LANE_MAY_HIT));
     if (f->wait_at_planes < limit) return 0;
     f->wait_at_planes = 0;
     cml_cross_planes(f);
@@ -479,7 +479,7 @@ static void cml_flight_interact(struct cml_flight *f)
  * depth may come to lie in the tail, too: it is parked again, with a finite one. */
 static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 {
-    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_MAY_HIT));
+    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_equal(f->b->task, CML_LANE_MAY_HIT));
     cml_for_lanes(f, tails & ~f->live, cml_park_lane);
     return tails & f->live;
 }

@@ -227,20 +227,11 @@ void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
     *surfaces = (struct cml_body_surfaces){0};
 }
 
-static double triangle_area(const struct cml_mesh_surface *surface, size_t facet)
-{
-    double middle[3], normal[3];
-    const struct cml_mesh *mesh = cml_mesh_surface_mesh(surface, middle);
-    const uint32_t *corner = mesh->triangle[cml_mesh_surface_triangle(surface, facet)];
-    cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], normal);
-    return 0.5 * cml_vec3_length(normal);
-}
-
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet)
 {
     const double r = body->radius;
-    if (surface->kind == CML_SURFACE_MESH) return triangle_area(surface->mesh, facet);
+    if (surface->kind == CML_SURFACE_MESH) return cml_mesh_surface_area(surface->mesh, facet);
     if (body->form == CML_BODY_SPHERE) return 4 * CML_PI * r * r;
     return facet == 0 ? 2 * CML_PI * r * cml_body_convex(body).length : CML_PI * r * r;
 }

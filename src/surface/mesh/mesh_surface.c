@@ -558,6 +558,15 @@ size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t 
     return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
 }
 
+double cml_mesh_surface_area(const struct cml_mesh_surface *surface, size_t primitive)
+{
+    const struct cml_mesh *mesh = &surface->centred.mesh;
+    const uint32_t *corner = mesh->triangle[cml_mesh_surface_triangle(surface, primitive)];
+    double normal[3];
+    cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], normal);
+    return 0.5 * cml_vec3_length(normal);
+}
+
 const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surface *surface)
 {
     return &surface->period;

@@ -56,6 +56,9 @@ uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface);
 /* The triangle of the mesh that is a primitive. */
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive);
 
+/* The area of the triangle that is a primitive, cm2. */
+double cml_mesh_surface_area(const struct cml_mesh_surface *surface, size_t primitive);
+
 /* What is repeated; n is 0 where nothing is. */
 const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surface *surface);
 

@@ -1,8 +1,9 @@
-/* Arrays that grow one by one, and their order by value. SPDX-License-Identifier: MIT */
+/* Arrays that grow one by one, copies of arrays, and their order by value. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +21,27 @@ CML_NODISCARD static inline cml_status cml_array_grow(void *array, size_t count,
     if (!larger) return cml_fail_memory(err, (double)bytes, what);
     memcpy(array, &larger, sizeof larger);
     return CML_OK;
+}
+
+/* A copy of `count` elements; NULL stays NULL and is no failure. *failed becomes true where memory does not
+ * suffice, else it stays as it is. */
+static inline void *cml_array_copy(const void *from, size_t count, size_t size, bool *failed)
+{
+    void *to = from ? malloc(count ? count * size : 1) : NULL;
+    if (to) memcpy(to, from, count * size);
+    *failed |= from && !to;
+    return to;
+}
+
+/* The last of values[n], which rise, that is not above x; the first where all are. By bisection. */
+static inline size_t cml_last_not_above(const double *values, size_t n, double x)
+{
+    size_t low = 0, high = n;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        *(values[middle] <= x ? &low : &high) = middle;
+    }
+    return low;
 }
 
 /* For qsort and bsearch: doubles that are numbers, rising. */

@@ -1,6 +1,8 @@
 /* Meshes as data, and the messages about them. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 
+#include "base/array.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,30 +20,35 @@ void cml_mesh_clear(struct cml_mesh *mesh)
     *mesh = (struct cml_mesh){0};
 }
 
-/* A copy of size bytes; NULL stays NULL and is no failure. */
-static void *duplicate(const void *data, size_t size, bool *good)
+cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles, const char *what,
+                             struct cml_error *err)
 {
-    if (!data) return NULL;
-    void *copy = malloc(size ? size : 1);
-    if (copy)
-        memcpy(copy, data, size);
-    else
-        *good = false;
-    return copy;
+    mesh->vertex = malloc(vertices * sizeof *mesh->vertex);
+    mesh->triangle = malloc(triangles * sizeof *mesh->triangle);
+    if (mesh->vertex && mesh->triangle) return CML_OK;
+    cml_mesh_clear(mesh);
+    return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, what);
+}
+
+void cml_mesh_add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
+{
+    const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
+    memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
 }
 
 cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struct cml_error *err)
 {
-    bool good = true;
+    bool failed = false;
     *to = *from;
-    to->vertex = duplicate(from->vertex, from->num_vertices * sizeof *from->vertex, &good);
-    to->triangle = duplicate(from->triangle, from->num_triangles * sizeof *from->triangle, &good);
-    to->border = duplicate(from->border, from->num_border * sizeof *from->border, &good);
-    to->vertex_normal = duplicate(from->vertex_normal, from->num_vertices * sizeof *from->vertex, &good);
-    to->slope = duplicate(from->slope, from->num_triangles * sizeof *from->slope, &good);
-    to->part = duplicate(from->part, from->num_triangles * sizeof *from->part, &good);
-    to->part_start = duplicate(from->part_start, from->num_parts * sizeof *from->part_start, &good);
-    if (good) return CML_OK;
+    to->vertex = cml_array_copy(from->vertex, from->num_vertices, sizeof *from->vertex, &failed);
+    to->triangle = cml_array_copy(from->triangle, from->num_triangles, sizeof *from->triangle, &failed);
+    to->border = cml_array_copy(from->border, from->num_border, sizeof *from->border, &failed);
+    to->vertex_normal =
+        cml_array_copy(from->vertex_normal, from->num_vertices, sizeof *from->vertex, &failed);
+    to->slope = cml_array_copy(from->slope, from->num_triangles, sizeof *from->slope, &failed);
+    to->part = cml_array_copy(from->part, from->num_triangles, sizeof *from->part, &failed);
+    to->part_start = cml_array_copy(from->part_start, from->num_parts, sizeof *from->part_start, &failed);
+    if (!failed) return CML_OK;
     cml_mesh_clear(to);
     return cml_fail_memory(err, 48.0 * (double)from->num_vertices + 16.0 * (double)from->num_triangles,
                            "a copy of a mesh");

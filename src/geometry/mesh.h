@@ -44,6 +44,13 @@ struct cml_mesh {
 
 void cml_mesh_clear(struct cml_mesh *mesh);
 
+/* Room for vertices and triangles, of which there are none yet. The mesh is cleared when memory runs out. */
+CML_NODISCARD cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles,
+                                           const char *what, struct cml_error *err);
+
+/* One more triangle, for which there is room. */
+void cml_mesh_add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c);
+
 /* Copies into a new mesh; used where a boundary hands its mesh on. */
 CML_NODISCARD cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to,
                                        struct cml_error *err);

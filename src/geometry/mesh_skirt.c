@@ -1,5 +1,6 @@
 /* A skirt around a mesh whose border is not level: triangles that lead from the border outwards to its mean
  * height. The border is taken as it is seen from above. SPDX-License-Identifier: MIT */
+#include "base/array.h"
 #include "geometry/mesh_parts.h"
 #include "geometry/vec3.h"
 
@@ -47,11 +48,7 @@ static void point_at(const struct rim *rim, double length, double point[2])
 {
     const double whole = rim->along[rim->count];
     length = fmax(0, length < 0 ? length + whole : length >= whole ? length - whole : length);
-    size_t low = 0, high = rim->count;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        *(rim->along[middle] <= length ? &low : &high) = middle;
-    }
+    const size_t low = cml_last_not_above(rim->along, rim->count, length);
     const double *p = vertex_of(rim, low), *q = vertex_of(rim, low + 1);
     const double edge = rim->along[low + 1] - rim->along[low];
     const double t = edge > 0 ? (length - rim->along[low]) / edge : 0;
@@ -84,12 +81,6 @@ static void step_out(const struct rim *rim, size_t i, double step[2])
     for (int k = 0; k < 2; k++) step[k] *= rim->mesh->skirt / fmax(least, 0.5);
 }
 
-static void add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
-{
-    const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
-    memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
-}
-
 /* The outer vertices follow those of the mesh, in the order of the border; two triangles stand on every edge,
  * which they pass against the triangle inside. */
 static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
@@ -104,8 +95,8 @@ static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
     }
     for (size_t i = 0; i < n; i++) {
         const size_t next = (i + 1) % n;
-        add_triangle(mesh, mesh->border[next], mesh->border[i], first + i);
-        add_triangle(mesh, mesh->border[next], first + i, first + next);
+        cml_mesh_add_triangle(mesh, mesh->border[next], mesh->border[i], first + i);
+        cml_mesh_add_triangle(mesh, mesh->border[next], first + i, first + next);
     }
     mesh->num_vertices += n;
     for (size_t i = 0; i < n; i++) mesh->border[i] = (uint32_t)(first + i);

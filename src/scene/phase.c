@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/phase.h"
 
+#include "base/array.h"
 #include "base/shared.h"
 
 #include <math.h>
@@ -46,15 +47,7 @@ bool cml_phase_scale_table(struct cml_phase *phase)
 /* The last row but one at most that is deflected by no more. */
 static int row_of(const struct cml_phase *phase, double deflection)
 {
-    int low = 0, high = phase->rows - 1;
-    while (high - low > 1) {
-        const int middle = low + (high - low) / 2;
-        if (phase->deflection[middle] <= deflection)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    return (int)cml_last_not_above(phase->deflection, (size_t)phase->rows - 1, deflection);
 }
 
 static double table_density(const struct cml_phase *phase, double deflection)

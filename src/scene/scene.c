@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
+#include "base/array.h"
 #include "base/constants.h"
 #include "base/shared.h"
 
@@ -88,18 +89,9 @@ void cml_scene_clear(struct cml_scene *scene)
 
 /* ---- copies ---- */
 
-/* NULL from NULL; *failed where the memory does not suffice. */
-static void *copied(const void *from, size_t count, size_t size, bool *failed)
-{
-    void *to = from ? malloc(count * size) : NULL;
-    if (to) memcpy(to, from, count * size);
-    *failed |= from && !to;
-    return to;
-}
-
 static char *copied_text(const char *from, bool *failed)
 {
-    return copied(from, from ? strlen(from) + 1 : 0, 1, failed);
+    return cml_array_copy(from, from ? strlen(from) + 1 : 0, 1, failed);
 }
 
 /* The list with the same numbers in it, and the media's functions of it in place of those of *from. */
@@ -108,7 +100,7 @@ static void copy_phases(const struct cml_scene *from, struct cml_scene *to, bool
     const size_t media = (size_t)from->num_layers + 2 + (size_t)from->num_bodies;
     struct cml_phase *copy[CML_MOST_PHASES], **end = &to->phases;
     for (const struct cml_phase *phase = from->phases; phase && !*failed; phase = phase->next) {
-        *end = copied(phase, 1, sizeof *phase, failed);
+        *end = cml_array_copy(phase, 1, sizeof *phase, failed);
         if (*failed) return;
         copy[phase->index] = *end;
         cml_share((*end)->users);
@@ -140,11 +132,12 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     *to = *from;
     to->phases = NULL;
     cml_share(to->body_users);
-    to->media = copied(from->media, media, sizeof *to->media, &failed);
-    to->boundaries = copied(from->boundaries, layers + 1, sizeof *to->boundaries, &failed);
-    to->beams = copied(from->beams, beams, sizeof *to->beams, &failed);
-    to->shares = copied(from->shares, beams, sizeof *to->shares, &failed);
-    to->detectors = copied(from->detectors, (size_t)from->num_detectors, sizeof *to->detectors, &failed);
+    to->media = cml_array_copy(from->media, media, sizeof *to->media, &failed);
+    to->boundaries = cml_array_copy(from->boundaries, layers + 1, sizeof *to->boundaries, &failed);
+    to->beams = cml_array_copy(from->beams, beams, sizeof *to->beams, &failed);
+    to->shares = cml_array_copy(from->shares, beams, sizeof *to->shares, &failed);
+    to->detectors =
+        cml_array_copy(from->detectors, (size_t)from->num_detectors, sizeof *to->detectors, &failed);
     for (size_t b = 0; to->boundaries && b <= layers; b++) cml_share(to->boundaries[b].users);
     for (size_t k = 0; to->beams && k < beams; k++) cml_share(to->beams[k].users);
     copy_texts(from, to, &failed);
@@ -219,19 +212,12 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Finds the segment by bisection, and is linear in it. */
+/* Linear in each segment. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;
     if (r >= radial->r[last]) return radial->h[last];
-    int low = 0, high = last; /* r[low] <= r < r[high] */
-    while (high - low > 1) {
-        const int middle = low + (high - low) / 2;
-        if (r < radial->r[middle])
-            high = middle;
-        else
-            low = middle;
-    }
-    const double t = (r - radial->r[low]) / (radial->r[high] - radial->r[low]);
-    return radial->h[low] + t * (radial->h[high] - radial->h[low]);
+    const size_t i = cml_last_not_above(radial->r, (size_t)last, r);
+    const double t = (r - radial->r[i]) / (radial->r[i + 1] - radial->r[i]);
+    return radial->h[i] + t * (radial->h[i + 1] - radial->h[i]);
 }

@@ -68,22 +68,6 @@ double cml_body_volume(const struct cml_scene_body *body)
     return volume;
 }
 
-static cml_status allocate(size_t vertices, size_t triangles, struct cml_mesh *mesh, struct cml_error *err)
-{
-    *mesh = (struct cml_mesh){.closed = true};
-    mesh->vertex = malloc(vertices * sizeof *mesh->vertex);
-    mesh->triangle = malloc(triangles * sizeof *mesh->triangle);
-    if (mesh->vertex && mesh->triangle) return CML_OK;
-    cml_mesh_clear(mesh);
-    return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, "the mesh of a body");
-}
-
-static void add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
-{
-    const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
-    memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
-}
-
 /* The corners of an icosahedron on the unit sphere, and its faces. */
 static void icosahedron(double corner[12][3], uint32_t face[20][3])
 {
@@ -129,14 +113,14 @@ static cml_status make_sphere(const struct cml_scene_body *body, int n, struct c
     uint32_t face[20][3];
     const size_t per_face = ((size_t)n + 1) * ((size_t)n + 2) / 2;
     icosahedron(corner, face);
-    CML_TRY(allocate(20 * per_face, 20 * (size_t)n * (size_t)n, mesh, err));
+    CML_TRY(cml_mesh_allocate(mesh, 20 * per_face, 20 * (size_t)n * (size_t)n, "the mesh of a body", err));
     for (int f = 0; f < 20; f++)
         for (int i = 0; i <= n; i++)
             for (int j = 0; j <= i; j++) {
                 const size_t here = mesh->num_vertices++, above = here - (size_t)i;
                 place_on_face((const double(*)[3])corner, face[f], n, i, j, body, mesh->vertex[here]);
-                if (j > 0) add_triangle(mesh, here, here - 1, above - 1);
-                if (j > 0 && j < i) add_triangle(mesh, here, above - 1, above);
+                if (j > 0) cml_mesh_add_triangle(mesh, here, here - 1, above - 1);
+                if (j > 0 && j < i) cml_mesh_add_triangle(mesh, here, above - 1, above);
             }
     return CML_OK;
 }
@@ -159,7 +143,7 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     const size_t count = (size_t)n;
     double e1[3], e2[3];
     find_frame(convex.axis, e1, e2);
-    CML_TRY(allocate(2 * count + 2, 4 * count, mesh, err));
+    CML_TRY(cml_mesh_allocate(mesh, 2 * count + 2, 4 * count, "the mesh of a body", err));
     for (size_t i = 0; i < 2 * count; i++) {
         const double t = 2 * CML_PI * (double)(i % count) / n;
         double *v = mesh->vertex[i];
@@ -171,13 +155,13 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     mesh->num_vertices = 2 * count + 2;
     for (size_t i = 0; i < count; i++) {
         const size_t next = (i + 1) % count;
-        add_triangle(mesh, i, next, count + i);
-        add_triangle(mesh, next, count + next, count + i);
+        cml_mesh_add_triangle(mesh, i, next, count + i);
+        cml_mesh_add_triangle(mesh, next, count + next, count + i);
     }
     for (size_t i = 0; i < count; i++) {
         const size_t next = (i + 1) % count;
-        add_triangle(mesh, i, 2 * count, next);
-        add_triangle(mesh, count + i, count + next, 2 * count + 1);
+        cml_mesh_add_triangle(mesh, i, 2 * count, next);
+        cml_mesh_add_triangle(mesh, count + i, count + next, 2 * count + 1);
     }
     return CML_OK;
 }
@@ -209,6 +193,7 @@ cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, 
 {
     const double angle = 2 * CML_PI / n, r = body->radius;
     if (body->form == CML_BODY_MESH) return cml_mesh_copy(&body->mesh, mesh, err);
+    *mesh = (struct cml_mesh){.closed = true};
     if (body->form == CML_BODY_SPHERE) {
         CML_TRY(make_sphere(body, n, mesh, err));
     } else {

@@ -91,12 +91,6 @@ static void position_of(const struct cml_heightmap *map, size_t sample, double o
     out[2] = -map->h[sample];
 }
 
-static void add_face(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
-{
-    const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
-    memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
-}
-
 static size_t add_vertex(struct cml_mesh *mesh, double x, double y, double z)
 {
     double *v = mesh->vertex[mesh->num_vertices];
@@ -128,20 +122,20 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
         if (i > 0) {
             const size_t before = b->vertex[b->rim[i - 1]] - 1, old = outer;
             outer = add_outside(notes, mesh, here, sx[side], sy[side]);
-            add_face(mesh, before, old, outer);
-            add_face(mesh, before, outer, here);
+            cml_mesh_add_triangle(mesh, before, old, outer);
+            cml_mesh_add_triangle(mesh, before, outer, here);
         }
         if (i == b->num_rim || sample != corners[(side + 1) % 4]) continue;
         const int next = (side + 1) % 4;
         const size_t diagonal = add_outside(notes, mesh, here, sx[side] + sx[next], sy[side] + sy[next]);
         const size_t onward = add_outside(notes, mesh, here, sx[next], sy[next]);
-        if (i > 0) add_face(mesh, here, outer, diagonal);
+        if (i > 0) cml_mesh_add_triangle(mesh, here, outer, diagonal);
         if (i == 0) first_outer = diagonal;
-        add_face(mesh, here, diagonal, onward);
+        cml_mesh_add_triangle(mesh, here, diagonal, onward);
         outer = onward;
         side = next;
     }
-    add_face(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
+    cml_mesh_add_triangle(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
 }
 
 /* Vertices are numbered in the order of the samples, so that a map where nothing was merged stays a regular
@@ -153,18 +147,15 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
     size_t vertices = b->num_rim + 8;
     for (size_t i = 0; i < samples; i++) vertices += b->vertex[i];
     const size_t triangles = b->count + 2 * b->num_rim + 8;
-    mesh->vertex = malloc(vertices * sizeof *mesh->vertex);
-    mesh->triangle = malloc(triangles * sizeof *mesh->triangle);
-    if (!mesh->vertex || !mesh->triangle)
-        return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, "a mesh");
+    CML_TRY(cml_mesh_allocate(mesh, vertices, triangles, "a mesh", err));
     for (size_t i = 0; i < samples; i++) {
         if (!b->vertex[i]) continue;
         position_of(b->map, i, mesh->vertex[mesh->num_vertices++]);
         b->vertex[i] = (uint32_t)mesh->num_vertices;
     }
     for (size_t t = 0; t < b->count; t++)
-        add_face(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
-                 b->vertex[b->corner[t][2]] - 1);
+        cml_mesh_add_triangle(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
+                              b->vertex[b->corner[t][2]] - 1);
     add_skirt(b, notes, mesh);
     return CML_OK;
 }

@@ -140,12 +140,7 @@ cml_status cml_tile_sheet(const struct cml_heightmap *tile, const struct cml_til
 {
     const size_t nx = (size_t)cells->count[0], ny = (size_t)cells->count[1];
     *mesh = (struct cml_mesh){.normals = normals};
-    mesh->vertex = malloc((nx + 1) * (ny + 1) * sizeof *mesh->vertex);
-    mesh->triangle = malloc(2 * nx * ny * sizeof *mesh->triangle);
-    if (!mesh->vertex || !mesh->triangle) {
-        cml_mesh_clear(mesh);
-        return cml_fail_memory(err, 48.0 * (double)nx * (double)ny, "a mesh");
-    }
+    CML_TRY(cml_mesh_allocate(mesh, (nx + 1) * (ny + 1), 2 * nx * ny, "a mesh", err));
     place_vertices(tile, cells, mesh);
     place_triangles(tile, cells, mesh);
     return CML_OK;

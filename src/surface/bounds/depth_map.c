@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/bounds/depth_map.h"
 
+#include "base/array.h"
 #include "geometry/vec3.h"
 #include "surface/bounds/cell_horizon.h"
 
@@ -339,14 +340,7 @@ static double profile_depth(const double *r, const double *z, int n, int i, doub
 static void cover_radii(struct cml_depth_map *map, const double *r, const double *z, int n, double from,
                         double to, int cell)
 {
-    int i = 0;
-    for (int high = n; high - i > 1;) {
-        const int middle = (i + high) / 2;
-        if (r[middle] <= from)
-            i = middle;
-        else
-            high = middle;
-    }
+    int i = (int)cml_last_not_above(r, (size_t)n, from);
     const double first = profile_depth(r, z, n, i, from);
     widen_cell(map, cell, 0, first, first);
     for (; i + 1 < n && r[i + 1] < to; i++) widen_cell(map, cell, 0, z[i + 1], z[i + 1]);

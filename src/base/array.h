@@ -4,6 +4,7 @@
 #include "base/status.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,47 @@ CML_NODISCARD static inline cml_status cml_array_grow(void *array, size_t count,
     if (!larger) return cml_fail_memory(err, (double)bytes, what);
     memcpy(array, &larger, sizeof larger);
     return CML_OK;
+}
+
+/* Arrays of zeros that end together. None before the first is made: {0}. */
+struct cml_arrays {
+    struct cml_arrays_block *last;
+    double bytes; /* that were asked for */
+    bool failed;
+};
+
+/* In front of an array: what keeps it aligned. */
+struct cml_arrays_block {
+    _Alignas(16) struct cml_arrays_block *before;
+};
+
+/* An array of zeros, also of none; NULL where memory does not suffice, which cml_arrays_check tells of all.
+ */
+static inline void *cml_arrays_add(struct cml_arrays *arrays, size_t count, size_t size)
+{
+    struct cml_arrays_block *block = NULL;
+    if (count < PTRDIFF_MAX / 2 / size) block = calloc(1, sizeof *block + count * size);
+    arrays->bytes += (double)count * (double)size;
+    arrays->failed |= !block;
+    if (!block) return NULL;
+    block->before = arrays->last;
+    arrays->last = block;
+    return block + 1;
+}
+
+CML_NODISCARD static inline cml_status cml_arrays_check(const struct cml_arrays *arrays, const char *what,
+                                                        struct cml_error *err)
+{
+    return arrays->failed ? cml_fail_memory(err, arrays->bytes, what) : CML_OK;
+}
+
+static inline void cml_arrays_free(struct cml_arrays *arrays)
+{
+    while (arrays->last) {
+        struct cml_arrays_block *block = arrays->last;
+        arrays->last = block->before;
+        free(block);
+    }
 }
 
 /* A copy of `count` elements; NULL stays NULL and is no failure. *failed becomes true where memory does not

@@ -37,54 +37,25 @@ static size_t count_horizon_cells(const struct cml_surface_set *surfaces)
 
 void cml_owned_world_free(struct cml_owned_world *to)
 {
-    free(to->media);
-    free(to->surfaces);
-    free(to->rings);
-    free(to->ring_starts);
-    free(to->depths);
-    free(to->horizons);
-    free(to->meshes);
-    free(to->safe_cells);
-    free(to->bodies);
-    free(to->body_nodes);
-    free(to->body_grids);
-    free(to->body_cells);
-    free(to->tail_intervals);
-    free(to->lowest);
-    free(to->phase_cells);
-    free(to->sources);
-    free(to->light_cells);
-    free(to->image_words);
-    free(to->detectors);
-    free(to->detector_levels);
+    cml_arrays_free(&to->arrays);
     free(to->detector_start);
     free(to->detector_list);
-    free(to->row_more);
-    free(to->row_part);
-    free(to->row_most);
-    free(to->row_hits);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
-/* All arrays, with zeros. Those that may have no elements get one, so that NULL always means failure. */
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
-    const size_t boundaries = (size_t)surfaces->count + (size_t)surfaces->bodies.count, rings = to->num_rings,
-                 cells = to->depth_cells + to->horizon_cells;
-    to->media = calloc(boundaries + 1, sizeof *to->media);
-    to->surfaces = calloc(boundaries, sizeof *to->surfaces);
-    to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
-    to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
-    to->meshes = calloc(boundaries, sizeof *to->meshes);
-    to->safe_cells = calloc(boundaries, sizeof *to->safe_cells);
-    to->depths = calloc(2 * to->depth_cells + 1, sizeof *to->depths);
-    to->horizons = calloc(2 * to->horizon_cells + 1, sizeof *to->horizons);
-    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->safe_cells &&
-        to->depths && to->horizons)
-        return CML_OK;
-    return cml_fail_memory(
-        err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
+    const size_t boundaries = (size_t)surfaces->count + (size_t)surfaces->bodies.count, rings = to->num_rings;
+    to->media = cml_arrays_add(&to->arrays, boundaries + 1, sizeof *to->media);
+    to->surfaces = cml_arrays_add(&to->arrays, boundaries, sizeof *to->surfaces);
+    to->rings = cml_arrays_add(&to->arrays, CML_RING_ROWS * rings, sizeof *to->rings);
+    to->ring_starts = cml_arrays_add(&to->arrays, rings, sizeof *to->ring_starts);
+    to->meshes = cml_arrays_add(&to->arrays, boundaries, sizeof *to->meshes);
+    to->safe_cells = cml_arrays_add(&to->arrays, boundaries, sizeof *to->safe_cells);
+    to->depths = cml_arrays_add(&to->arrays, 2 * to->depth_cells, sizeof *to->depths);
+    to->horizons = cml_arrays_add(&to->arrays, 2 * to->horizon_cells, sizeof *to->horizons);
+    return cml_arrays_check(&to->arrays, "the scene", err);
 }
 
 /* Cells are made in double precision. How many of them have parts is known only then: all of a table of the
@@ -296,7 +267,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     struct cml_phase_tables tables;
     if (!scene->phases) return CML_OK;
     CML_TRY(cml_phase_tables_create(scene->file, scene->phases, &tables, err));
-    to->phase_cells = malloc(tables.count * sizeof *to->phase_cells);
+    to->phase_cells = cml_arrays_add(&to->arrays, tables.count, sizeof *to->phase_cells);
     to->num_phase_cells = tables.count;
     for (size_t i = 0; to->phase_cells && i < tables.count; i++) {
         const bool whole = i < (size_t)(scene->phases->index + 1) * CML_PHASE_CELLS;
@@ -308,8 +279,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     to->world.only_tables = 1;
     for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
         if (scene->media[m].mus > 0 && !scene->media[m].phase) to->world.only_tables = 0;
-    if (to->phase_cells) return CML_OK;
-    return cml_fail_memory(err, (double)(tables.count * sizeof *to->phase_cells), "phase functions");
+    return cml_arrays_check(&to->arrays, "phase functions", err);
 }
 
 /* The grid of maps and volume; nx stays 0 where the scene asks for none. */
@@ -359,9 +329,8 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
 {
     if (!from) return CML_OK;
     const double n = scene->media[from->layer].n;
-    to->tail_intervals = calloc((size_t)from->intervals, sizeof *to->tail_intervals);
-    if (!to->tail_intervals)
-        return cml_fail_memory(err, from->intervals * (double)sizeof *to->tail_intervals, "layers");
+    to->tail_intervals = cml_arrays_add(&to->arrays, (size_t)from->intervals, sizeof *to->tail_intervals);
+    CML_TRY(cml_arrays_check(&to->arrays, "layers", err));
     for (int k = 0; k < from->intervals; k++) {
         const double share = n / from->index[k], rest = (1 - share) * (1 + share);
         to->tail_intervals[k] = (struct cml_tail_interval){
@@ -378,8 +347,8 @@ static cml_status set_windows(const struct cml_scene *scene, const struct cml_wi
 {
     if (!from) return CML_OK;
     const size_t count = (size_t)from->cells * (size_t)from->rings;
-    to->lowest = calloc(count, sizeof *to->lowest);
-    if (!to->lowest) return cml_fail_memory(err, (double)(count * sizeof *to->lowest), "weight windows");
+    to->lowest = cml_arrays_add(&to->arrays, count, sizeof *to->lowest);
+    CML_TRY(cml_arrays_check(&to->arrays, "weight windows", err));
     for (size_t i = 0; i < count; i++) to->lowest[i] = from->target[i] / 3;
     to->world.windows = (struct cml_weight_windows){.cells = from->cells,
                                                     .rings = from->rings,
@@ -453,11 +422,10 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tall
 {
     const size_t media = cml_tally_media(grid), own = (size_t)rows->count, all = cml_row_stride(grid);
     if (own == 0) return CML_OK;
-    to->row_more = calloc(media * all, sizeof *to->row_more);
-    to->row_part = calloc(media * all, sizeof *to->row_part);
-    to->row_most = calloc(media, sizeof *to->row_most);
-    if (!to->row_more || !to->row_part || !to->row_most)
-        return cml_fail_memory(err, 2 * (double)(media * all * sizeof(real)), "the rows");
+    to->row_more = cml_arrays_add(&to->arrays, media * all, sizeof *to->row_more);
+    to->row_part = cml_arrays_add(&to->arrays, media * all, sizeof *to->row_part);
+    to->row_most = cml_arrays_add(&to->arrays, media, sizeof *to->row_most);
+    CML_TRY(cml_arrays_check(&to->arrays, "the rows", err));
     for (size_t m = 0; m < media; m++)
         for (size_t i = 0; i < own; i++) {
             const double more = rows->more[m * own + i];
@@ -477,10 +445,9 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
                               struct cml_owned_world *to, struct cml_error *err)
 {
     const size_t media = cml_tally_media(grid), all = cml_row_stride(grid);
-    to->row_more = calloc(media * all, sizeof *to->row_more);
-    to->row_hits = calloc(media * all, sizeof *to->row_hits);
-    if (!to->row_more || !to->row_hits)
-        return cml_fail_memory(err, 2 * (double)(media * all * sizeof(real)), "the scores");
+    to->row_more = cml_arrays_add(&to->arrays, media * all, sizeof *to->row_more);
+    to->row_hits = cml_arrays_add(&to->arrays, media * all, sizeof *to->row_hits);
+    CML_TRY(cml_arrays_check(&to->arrays, "the scores", err));
     for (int k = 0; k < scene->num_layers + scene->num_bodies; k++) {
         const int medium = cml_medium_inside(scene->num_layers, k);
         const size_t by_mua = (size_t)medium * all + 2 * (size_t)k, by_mus = by_mua + 1;

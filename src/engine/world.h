@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "base/array.h"
 #include "engine/engine.h"
 #include "engine/phase_table.h"
 #include "types.h"
@@ -24,6 +25,7 @@
 /* A world and the arrays it points into. The meshes belong to the surfaces it was made from. */
 struct cml_owned_world {
     struct cml_world world;
+    struct cml_arrays arrays;     /* all but detector_start and detector_list */
     struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */
     struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     real *rings;      /* [CML_RING_ROWS][num_rings]: ring_r, ring_z, ring_slope and both horizons */

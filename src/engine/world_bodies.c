@@ -11,24 +11,17 @@
  * or a box. */
 static const double err_box_share = 16 * (double)CML_EPSILON;
 
-/* One more of each than there are: none must not look like memory that ran out. */
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                   struct cml_error *err)
 {
-    const size_t bodies = (size_t)surfaces->count;
     to->num_body_nodes = (size_t)surfaces->tree.count;
     to->num_body_grids = (size_t)surfaces->grids.count;
     to->num_body_cells = surfaces->grids.num_cells;
-    to->bodies = calloc(bodies + 1, sizeof *to->bodies);
-    to->body_nodes = calloc(to->num_body_nodes + 1, sizeof *to->body_nodes);
-    to->body_grids = calloc(to->num_body_grids + 1, sizeof *to->body_grids);
-    to->body_cells = calloc(to->num_body_cells + 1, sizeof *to->body_cells);
-    if (to->bodies && to->body_nodes && to->body_grids && to->body_cells) return CML_OK;
-    return cml_fail_memory(err,
-                           (double)(bodies * sizeof *to->bodies +
-                                    to->num_body_nodes * sizeof *to->body_nodes +
-                                    to->num_body_cells * sizeof *to->body_cells),
-                           "the bodies");
+    to->bodies = cml_arrays_add(&to->arrays, (size_t)surfaces->count, sizeof *to->bodies);
+    to->body_nodes = cml_arrays_add(&to->arrays, to->num_body_nodes, sizeof *to->body_nodes);
+    to->body_grids = cml_arrays_add(&to->arrays, to->num_body_grids, sizeof *to->body_grids);
+    to->body_cells = cml_arrays_add(&to->arrays, to->num_body_cells, sizeof *to->body_cells);
+    return cml_arrays_check(&to->arrays, "the bodies", err);
 }
 
 /* A body's medium has the frame of its layer: depths and bins do not change at its surface. */

@@ -265,9 +265,9 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     int num_levels = 0;
     if (n == 0) return CML_OK;
     struct place *place = malloc(n * sizeof *place);
-    to->detectors = calloc(n, sizeof *to->detectors);
-    to->detector_levels = calloc(n, sizeof *to->detector_levels);
-    if (!place || !to->detectors || !to->detector_levels) {
+    to->detectors = cml_arrays_add(&to->arrays, n, sizeof *to->detectors);
+    to->detector_levels = cml_arrays_add(&to->arrays, n, sizeof *to->detector_levels);
+    if (!place || to->arrays.failed) {
         free(place);
         return cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors");
     }

@@ -304,12 +304,10 @@ static cml_status allocate_sources(const struct cml_scene *scene, struct cml_own
         to->num_light_cells += light_cells(&scene->beams[k].light);
         to->num_image_words += image_words(&scene->beams[k]);
     }
-    to->sources = calloc((size_t)scene->num_beams, sizeof *to->sources);
-    to->light_cells = calloc(to->num_light_cells + 1, sizeof *to->light_cells);
-    to->image_words = calloc(to->num_image_words + 1, sizeof *to->image_words);
-    if (to->sources && to->light_cells && to->image_words) return CML_OK;
-    return cml_fail_memory(
-        err, (double)(to->num_light_cells * sizeof *to->light_cells + to->num_image_words * 4), "the beams");
+    to->sources = cml_arrays_add(&to->arrays, (size_t)scene->num_beams, sizeof *to->sources);
+    to->light_cells = cml_arrays_add(&to->arrays, to->num_light_cells, sizeof *to->light_cells);
+    to->image_words = cml_arrays_add(&to->arrays, to->num_image_words, sizeof *to->image_words);
+    return cml_arrays_check(&to->arrays, "the beams", err);
 }
 
 /* Tables and images of all beams, one behind the other. */

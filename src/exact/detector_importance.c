@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/detector_importance.h"
 
+#include "base/array.h"
+
 #include <math.h>
-#include <stdlib.h>
 
 enum { PIECES = 64 };
 
@@ -151,9 +152,9 @@ static void interpolate(const struct volumes *volumes, double depth, int cells, 
     }
 }
 
-static void *doubles(size_t count)
+static void *doubles(struct cml_arrays *arrays, size_t count)
 {
-    return calloc(count, sizeof(double));
+    return cml_arrays_add(arrays, count, sizeof(double));
 }
 
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
@@ -161,30 +162,23 @@ cml_status cml_importance_of_place(const struct cml_medium_def *media, int layer
                                    struct cml_error *err)
 {
     const size_t most = PIECES + 2 * (size_t)layers, unknowns = (size_t)rings * most;
+    struct cml_arrays arrays = {0};
     struct volumes volumes = {.rings = rings,
-                              .border = doubles((size_t)rings + 1),
-                              .h = doubles(most),
-                              .middle = doubles(most),
-                              .D = doubles(most),
-                              .mua = doubles(most),
-                              .band = doubles(unknowns * (most + 1)),
-                              .value = doubles(unknowns)};
-    cml_status status = CML_OK;
-    if (volumes.border && volumes.h && volumes.middle && volumes.D && volumes.mua && volumes.band &&
-        volumes.value) {
+                              .border = doubles(&arrays, (size_t)rings + 1),
+                              .h = doubles(&arrays, most),
+                              .middle = doubles(&arrays, most),
+                              .D = doubles(&arrays, most),
+                              .mua = doubles(&arrays, most),
+                              .band = doubles(&arrays, unknowns * (most + 1)),
+                              .value = doubles(&arrays, unknowns)};
+    const cml_status status = cml_arrays_check(&arrays, "rings of layers", err);
+    if (status == CML_OK) {
         cut(media, layers, reach, depth, &volumes);
         for (int ring = 0; ring < rings; ring++)
             for (int piece = 0; piece < volumes.pieces; piece++) set_row(&volumes, ring, piece, seen);
         solve(&volumes);
         interpolate(&volumes, depth, cells, value);
-    } else
-        status = cml_fail_memory(err, (double)(unknowns * most) * sizeof(double), "rings of layers");
-    free(volumes.border);
-    free(volumes.h);
-    free(volumes.middle);
-    free(volumes.D);
-    free(volumes.mua);
-    free(volumes.band);
-    free(volumes.value);
+    }
+    cml_arrays_free(&arrays);
     return status;
 }

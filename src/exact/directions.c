@@ -192,27 +192,22 @@ static void add_diffuse(struct cml_directions *to, double share, double n0)
 
 void cml_directions_clear(struct cml_directions *directions)
 {
-    free(directions->index);
-    free(directions->cosine);
-    free(directions->etendue);
-    free(directions->light);
-    free(directions->live);
-    free(directions->weighted);
+    cml_arrays_free(&directions->arrays);
     *directions = (struct cml_directions){0};
 }
 
 static cml_status allocate(int num_media, int most, struct cml_directions *to, struct cml_error *err)
 {
     *to = (struct cml_directions){.num_media = num_media};
-    to->index = calloc((size_t)most, sizeof *to->index);
-    to->cosine = calloc((size_t)most, sizeof *to->cosine);
-    to->etendue = calloc((size_t)most, sizeof *to->etendue);
-    to->light = calloc((size_t)most, sizeof *to->light);
-    to->live = calloc((size_t)num_media, sizeof *to->live);
-    to->weighted = calloc((size_t)most, sizeof *to->weighted);
-    if (to->index && to->cosine && to->etendue && to->light && to->live && to->weighted) return CML_OK;
-    cml_directions_clear(to);
-    return cml_fail_memory(err, 4.0 * most * sizeof(double), "directions");
+    to->index = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->index);
+    to->cosine = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->cosine);
+    to->etendue = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->etendue);
+    to->light = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->light);
+    to->live = cml_arrays_add(&to->arrays, (size_t)num_media, sizeof *to->live);
+    to->weighted = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->weighted);
+    const cml_status status = cml_arrays_check(&to->arrays, "directions", err);
+    if (status != CML_OK) cml_directions_clear(to);
+    return status;
 }
 
 cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, bool diffuse_backing,
@@ -220,14 +215,13 @@ cml_status cml_directions_create(const struct cml_medium_def *media, int num_lay
                                  struct cml_error *err)
 {
     const int num_media = num_layers + 2;
-    double *index = malloc((size_t)num_media * sizeof *index),
-           *x = malloc(((size_t)light->num_samples + 1) * sizeof *x);
-    struct cml_exact_ray *gathered = malloc(((size_t)light->num_samples + 1) * sizeof *gathered);
-    if (!index || !x || !gathered) {
-        free(index);
-        free(x);
-        free(gathered);
-        return cml_fail_memory(err, num_media * (double)sizeof *index, "directions");
+    struct cml_arrays arrays = {0};
+    double *index = cml_arrays_add(&arrays, (size_t)num_media, sizeof *index),
+           *x = cml_arrays_add(&arrays, (size_t)light->num_samples, sizeof *x);
+    struct cml_exact_ray *gathered = cml_arrays_add(&arrays, (size_t)light->num_samples, sizeof *gathered);
+    if (arrays.failed) {
+        cml_arrays_free(&arrays);
+        return cml_fail_memory(err, arrays.bytes, "directions");
     }
     const int distinct = sort_indices(media, num_media, index);
     int most = light->num_beams;
@@ -239,8 +233,6 @@ cml_status cml_directions_create(const struct cml_medium_def *media, int num_lay
         find_live(media, diffuse_backing, to);
         if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
     }
-    free(index);
-    free(x);
-    free(gathered);
+    cml_arrays_free(&arrays);
     return status;
 }

@@ -7,6 +7,7 @@
  * index. SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "base/array.h"
 #include "exact/dense.h"
 #include "exact/light.h"
 
@@ -15,6 +16,7 @@
  * first live[m] of them: those with s < n_m that light can reach.
  */
 struct cml_directions {
+    struct cml_arrays arrays;
     int count, num_media;
     double *index;   /* [count] n of a medium in which the direction has the cosine */
     double *cosine;  /* [count] */

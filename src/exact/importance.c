@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/importance.h"
 
+#include "base/array.h"
 #include "exact/stack.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { ORDER = 16, TERMS = 2 * ORDER, PIECES = 96, MOST_DIRECTIONS = 320 };
 
@@ -86,18 +86,16 @@ cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layer
     size_t count = 0;
     for (int l = 1; l <= layers; l++) depth += media[l].d;
     for (int l = 1; l <= layers; l++) count += (size_t)pieces_of(media[l].d, depth);
-    struct pieces pieces = {.media = calloc(count + 2, sizeof *pieces.media),
-                            .middle = calloc(count, sizeof *pieces.middle),
-                            .absorbed = calloc(count, sizeof *pieces.absorbed)};
-    cml_status status = CML_OK;
-    if (pieces.media && pieces.middle && pieces.absorbed) {
+    struct cml_arrays arrays = {0};
+    struct pieces pieces = {.media = cml_arrays_add(&arrays, count + 2, sizeof *pieces.media),
+                            .middle = cml_arrays_add(&arrays, count, sizeof *pieces.middle),
+                            .absorbed = cml_arrays_add(&arrays, count, sizeof *pieces.absorbed)};
+    cml_status status = cml_arrays_check(&arrays, "pieces of layers", err);
+    if (status == CML_OK) {
         cut(media, layers, depth, &pieces);
         status = solve(&pieces, err);
-    } else
-        status = cml_fail_memory(err, (double)count * sizeof *pieces.media, "pieces of layers");
+    }
     if (status == CML_OK) interpolate(&pieces, depth, cells, value);
-    free(pieces.media);
-    free(pieces.middle);
-    free(pieces.absorbed);
+    cml_arrays_free(&arrays);
     return status;
 }

@@ -34,30 +34,15 @@ struct work {
     double *moment;          /* [terms + 1] Legendre moments of the phase function */
 };
 
-static void clear_work(struct work *w)
-{
-    free(w->cosine);
-    free(w->weight);
-    free(w->out);
-    free(w->scratch);
-    free(w->moment);
-    for (int i = 0; i < BUFFERS; i++) free(w->buffer[i]);
-}
-
-static bool allocate_work(struct work *w)
+static void allocate_work(struct cml_arrays *arrays, struct work *w)
 {
     const size_t n = (size_t)w->n;
-    bool sound = true;
-    w->cosine = calloc(n, sizeof(double));
-    w->weight = calloc(n, sizeof(double));
-    w->out = calloc(n, sizeof(double));
-    w->scratch = calloc(n, sizeof(double));
-    w->moment = calloc((size_t)w->terms + 1, sizeof(double));
-    for (int i = 0; i < BUFFERS; i++) {
-        w->buffer[i] = calloc(n * (n + 1), sizeof(double));
-        sound = sound && w->buffer[i];
-    }
-    return sound && w->cosine && w->weight && w->out && w->scratch && w->moment;
+    w->cosine = cml_arrays_add(arrays, n, sizeof(double));
+    w->weight = cml_arrays_add(arrays, n, sizeof(double));
+    w->out = cml_arrays_add(arrays, n, sizeof(double));
+    w->scratch = cml_arrays_add(arrays, n, sizeof(double));
+    w->moment = cml_arrays_add(arrays, (size_t)w->terms + 1, sizeof(double));
+    for (int i = 0; i < BUFFERS; i++) w->buffer[i] = cml_arrays_add(arrays, n * (n + 1), sizeof(double));
 }
 
 /* The phase function's Legendre series is cut off behind `terms` moments: the share |moment[terms]| is taken
@@ -244,9 +229,7 @@ static void fill_absorbing(struct work *w, struct cml_layer_response *to)
 
 void cml_layer_response_clear(struct cml_layer_response *response)
 {
-    free(response->R);
-    free(response->U);
-    free(response->a);
+    cml_arrays_free(&response->arrays);
     *response = (struct cml_layer_response){0};
 }
 
@@ -265,14 +248,16 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
 {
     struct work w = {
         .n = count, .terms = terms, .medium = medium, .kind = cml_directions_kind(directions, count)};
+    struct cml_arrays arrays = {0};
     const size_t n = (size_t)count;
     *to = (struct cml_layer_response){.count = count, .through = medium->mus > 0};
-    to->R = calloc(n * (n + 1), sizeof(double));
-    to->U = calloc(n * (n + 1), sizeof(double));
-    to->a = calloc(n, sizeof(double));
-    const bool sound = allocate_work(&w) && to->R && to->U && to->a;
-    const cml_status status = sound ? cml_phase_moments(medium, terms + 1, w.moment, err)
-                                    : cml_fail_memory(err, 8.0 * (BUFFERS + 2) * count * count, "a layer");
+    to->R = cml_arrays_add(&to->arrays, n * (n + 1), sizeof(double));
+    to->U = cml_arrays_add(&to->arrays, n * (n + 1), sizeof(double));
+    to->a = cml_arrays_add(&to->arrays, n, sizeof(double));
+    allocate_work(&arrays, &w);
+    cml_status status = cml_arrays_check(&to->arrays, "a layer", err);
+    if (status == CML_OK) status = cml_arrays_check(&arrays, "a layer", err);
+    if (status == CML_OK) status = cml_phase_moments(medium, terms + 1, w.moment, err);
     if (status == CML_OK) {
         set_cosines(directions, &w);
         if (medium->mus > 0)
@@ -282,6 +267,6 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
     } else {
         cml_layer_response_clear(to);
     }
-    clear_work(&w);
+    cml_arrays_free(&arrays);
     return status;
 }

@@ -14,6 +14,7 @@
  * ones none of what little goes through.
  */
 struct cml_layer_response {
+    struct cml_arrays arrays;
     int count;
     double *R, *U; /* [count][count] */
     double *a;     /* [count] */

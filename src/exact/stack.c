@@ -14,6 +14,7 @@
 /* Everything below a level, seen from above it. `below`: [n + rows][n]: n rows of what comes back, then
  * shares. */
 struct stack {
+    struct cml_arrays arrays;
     int n, rows, most; /* directions here; shares; the most directions of any medium */
     double *below;
     double *other, *matrix; /* [most + rows][most] scratch */
@@ -27,23 +28,14 @@ double cml_stack_fresnel(double n1, double c1, double n2, double c2)
     return (s * s + p * p) / 2;
 }
 
-static void clear(struct stack *stack)
-{
-    free(stack->below);
-    free(stack->other);
-    free(stack->matrix);
-    free(stack->mirror);
-}
-
 static cml_status allocate(struct stack *stack, struct cml_error *err)
 {
     const size_t most = (size_t)stack->most, size = most * (most + (size_t)stack->rows);
-    stack->below = calloc(size, sizeof(double));
-    stack->other = calloc(size, sizeof(double));
-    stack->matrix = calloc(size, sizeof(double));
-    stack->mirror = calloc(most, sizeof(double));
-    if (stack->below && stack->other && stack->matrix && stack->mirror) return CML_OK;
-    return cml_fail_memory(err, 3.0 * (double)size * sizeof(double), "layers");
+    stack->below = cml_arrays_add(&stack->arrays, size, sizeof(double));
+    stack->other = cml_arrays_add(&stack->arrays, size, sizeof(double));
+    stack->matrix = cml_arrays_add(&stack->arrays, size, sizeof(double));
+    stack->mirror = cml_arrays_add(&stack->arrays, most, sizeof(double));
+    return cml_arrays_check(&stack->arrays, "layers", err);
 }
 
 /* A boundary on top, below a medium with n directions. Directions that only one side has are reflected
@@ -163,7 +155,7 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
         *transmitted = share(&stack, stack.n, directions->light);
         for (int l = 1; l < stack.rows; l++) absorbed[l - 1] = share(&stack, stack.n + l, directions->light);
     }
-    clear(&stack);
+    cml_arrays_free(&stack.arrays);
     return status;
 }
 
@@ -178,6 +170,6 @@ cml_status cml_stack_responses(const struct cml_medium_def *media, const struct 
             response[row * count + at] = stack.below[(stack.n + row) * stack.n + j];
             at += row == stack.rows - 1;
         }
-    clear(&stack);
+    cml_arrays_free(&stack.arrays);
     return status;
 }

@@ -156,13 +156,13 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
 {
     const size_t numbers = (size_t)tail->intervals * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores,
                  most = 64 * (size_t)tail->intervals;
-    struct cml_exact_light light = {.beam = calloc(most, sizeof *light.beam)};
-    double *table = calloc(numbers, sizeof *table),
-           *response = calloc(most * ((size_t)num_layers + 1), sizeof *response);
+    struct cml_arrays arrays = {0};
+    struct cml_exact_light light = {.beam = cml_arrays_add(&arrays, most, sizeof *light.beam)};
+    double *table = cml_arrays_add(&arrays, numbers, sizeof *table),
+           *response = cml_arrays_add(&arrays, most * ((size_t)num_layers + 1), sizeof *response);
     tail->response = calloc(numbers, sizeof *tail->response);
-    cml_status status = light.beam && table && response && tail->response
-                            ? CML_OK
-                            : cml_fail_memory(err, (double)numbers * 12, "the layers below a level");
+    arrays.failed |= !tail->response;
+    cml_status status = cml_arrays_check(&arrays, "the layers below a level", err);
     if (status == CML_OK) {
         light.num_beams = set_rays(tail, light.beam);
         status = converge(stack, num_layers, tail, &light, response, err);
@@ -171,9 +171,7 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
         fill_interval(tail, k, response, first, light.num_beams,
                       table + (size_t)k * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores);
     if (status == CML_OK) scale(tail, table);
-    free(light.beam);
-    free(table);
-    free(response);
+    cml_arrays_free(&arrays);
     return status;
 }
 

@@ -138,18 +138,17 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
 {
     *tally = (struct cml_tally){.grid = *grid};
     const size_t bins = cml_tally_profile_bins(grid);
-    tally->A_l = calloc(cml_tally_cells(grid), sizeof *tally->A_l);
+    tally->A_l = cml_arrays_add(&tally->arrays, cml_tally_cells(grid), sizeof *tally->A_l);
     if (tally->A_l && grid->rows) prefer_large_pages(tally->A_l, cml_tally_cells(grid) * sizeof *tally->A_l);
-    tally->grouped = calloc(grouped_bins(grid), sizeof *tally->grouped);
-    tally->summed = calloc(bins, sizeof *tally->summed);
-    tally->brought = calloc(bins, sizeof *tally->brought);
-    tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
+    tally->grouped = cml_arrays_add(&tally->arrays, grouped_bins(grid), sizeof *tally->grouped);
+    tally->summed = cml_arrays_add(&tally->arrays, bins, sizeof *tally->summed);
+    tally->brought = cml_arrays_add(&tally->arrays, bins, sizeof *tally->brought);
+    tally->late.rows = cml_arrays_add(&tally->arrays, CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
     if (trail_cells(grid)) {
-        tally->trail_length = calloc(trail_cells(grid), sizeof *tally->trail_length);
-        tally->trail_count = calloc(trail_cells(grid), sizeof *tally->trail_count);
+        tally->trail_length = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->trail_length);
+        tally->trail_count = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->trail_count);
     }
-    if (!tally->A_l || !tally->grouped || !tally->summed || !tally->brought || !tally->late.rows ||
-        (trail_cells(grid) && (!tally->trail_length || !tally->trail_count))) {
+    if (tally->arrays.failed) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
@@ -207,13 +206,7 @@ void cml_tally_zero(struct cml_tally *tally)
 
 void cml_tally_free(struct cml_tally *tally)
 {
-    free(tally->A_l);
-    free(tally->grouped);
-    free(tally->summed);
-    free(tally->brought);
-    free(tally->late.rows);
-    free(tally->trail_length);
-    free(tally->trail_count);
+    cml_arrays_free(&tally->arrays);
     free(tally->saved);
     *tally = (struct cml_tally){0};
 }

@@ -7,7 +7,7 @@
 
 #include "balance.h"
 #include "boundary.h"
-#include "base/status.h"
+#include "base/array.h"
 #include "tally/saved.h"
 
 #include <stdbool.h>
@@ -105,6 +105,7 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
  * for what lies too deep. */
 struct cml_tally {
     struct cml_tally_grid grid;
+    struct cml_arrays arrays;    /* all that it owns but saved */
     uint64_t *A_rz;              /* [cml_cell_groups][nr + 1][nz + 2] or NULL */
     uint64_t *rows;              /* row_cells.h; or NULL */
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/bounds/safe_map.h"
 
+#include "base/array.h"
 #include "geometry/box_tree.h"
 #include "geometry/footprint.h"
 #include "geometry/vec3.h"
@@ -16,6 +17,7 @@
 #define COARSE 2         /* cells along the edge of a mean facet, from which blocks collect facets */
 
 struct filling {
+    struct cml_arrays arrays;
     const struct cml_centred_mesh *centred;
     struct cml_flat_facet *flat; /* [num_triangles] */
     uint32_t *leaf;              /* [num_triangles] which has the facet */
@@ -343,13 +345,12 @@ static cml_status make_filling(struct filling *f, const struct cml_facet_tree *t
     const size_t count = mesh->num_triangles;
     CML_TRY(cml_boxtree_create((const double(*)[3])mesh->vertex, (const uint32_t(*)[3])mesh->triangle, count,
                                &f->tree, err));
-    f->flat = malloc(count * sizeof *f->flat);
-    f->square = malloc(2 * count * sizeof *f->square);
-    f->leaf = malloc(count * sizeof *f->leaf);
-    f->found = malloc(count * sizeof *f->found);
-    f->closest = malloc(count * sizeof *f->closest);
-    if (!f->flat || !f->square || !f->leaf || !f->found || !f->closest)
-        return cml_fail_memory(err, (double)count * sizeof *f->flat, "facets");
+    f->flat = cml_arrays_add(&f->arrays, count, sizeof *f->flat);
+    f->square = cml_arrays_add(&f->arrays, 2 * count, sizeof *f->square);
+    f->leaf = cml_arrays_add(&f->arrays, count, sizeof *f->leaf);
+    f->found = cml_arrays_add(&f->arrays, count, sizeof *f->found);
+    f->closest = cml_arrays_add(&f->arrays, count, sizeof *f->closest);
+    CML_TRY(cml_arrays_check(&f->arrays, "facets", err));
     find_facets(f, tree);
     const struct cml_tree_level *levels[CML_TREE_LEVELS];
     cml_tree_levels(levels);
@@ -359,11 +360,7 @@ static cml_status make_filling(struct filling *f, const struct cml_facet_tree *t
 
 static void clear_filling(struct filling *f)
 {
-    free(f->flat);
-    free(f->square);
-    free(f->leaf);
-    free(f->found);
-    free(f->closest);
+    cml_arrays_free(&f->arrays);
     if (f->tree) cml_boxtree_free(f->tree);
 }
 

@@ -45,17 +45,6 @@ static struct node right_of(struct node node)
     return (struct node){node.at + 2 * half, node.first + half, node.count - half};
 }
 
-/* Not fmin and fmax: those are calls, because of NaN, which never gets here. */
-static double lesser(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double greater(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* What only building needs. */
 struct builder {
     struct cml_boxtree *tree;
@@ -78,8 +67,8 @@ static struct box box_of_triangle(const struct builder *builder, uint32_t i)
     const double *c = builder->vertex[builder->triangle[i][2]];
     struct box box;
     for (int k = 0; k < 3; k++) {
-        box.lower[k] = lesser(lesser(a[k], b[k]), c[k]);
-        box.upper[k] = greater(greater(a[k], b[k]), c[k]);
+        box.lower[k] = cml_smaller(cml_smaller(a[k], b[k]), c[k]);
+        box.upper[k] = cml_larger(cml_larger(a[k], b[k]), c[k]);
     }
     return box;
 }
@@ -88,8 +77,8 @@ static struct box box_of_both(const struct box *a, const struct box *b)
 {
     struct box box;
     for (int k = 0; k < 3; k++) {
-        box.lower[k] = lesser(a->lower[k], b->lower[k]);
-        box.upper[k] = greater(a->upper[k], b->upper[k]);
+        box.lower[k] = cml_smaller(a->lower[k], b->lower[k]);
+        box.upper[k] = cml_larger(a->upper[k], b->upper[k]);
     }
     return box;
 }
@@ -104,11 +93,11 @@ static int widest_key(const struct builder *builder, struct node node)
         double lower = INFINITY, upper = -INFINITY;
         for (size_t i = node.first; i < node.first + node.count; i++) {
             const double value = key_of(builder, builder->tree->index[i], k);
-            lower = lesser(lower, value);
-            upper = greater(upper, value);
+            lower = cml_smaller(lower, value);
+            upper = cml_larger(upper, value);
         }
         if (upper - lower > widest) key = k;
-        widest = greater(widest, upper - lower);
+        widest = cml_larger(widest, upper - lower);
     }
     return key;
 }
@@ -269,33 +258,39 @@ bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pai
     return search_own(&search, root_of(tree));
 }
 
-/* One search for a column. */
-struct column {
+/* One search for what touches a box. */
+struct touching {
     const struct cml_boxtree *tree;
-    double at[2];
+    struct box box;
     cml_boxtree_visit *visit;
     void *context;
 };
 
-/* A column has no upper or lower end: z does not count. */
-static void search_column(const struct column *column, struct node node)
+static void search_touching(const struct touching *touching, struct node node)
 {
-    const struct box *box = &column->tree->box[node.at];
-    for (int k = 0; k < 2; k++)
-        if (column->at[k] < box->lower[k] || column->at[k] > box->upper[k]) return;
+    if (!boxes_touch(&touching->tree->box[node.at], &touching->box)) return;
     if (node.count == 1) {
-        column->visit(column->context, column->tree->index[node.first]);
+        touching->visit(touching->context, touching->tree->index[node.first]);
         return;
     }
-    search_column(column, left_of(node));
-    search_column(column, right_of(node));
+    search_touching(touching, left_of(node));
+    search_touching(touching, right_of(node));
 }
 
+void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
+                          cml_boxtree_visit *visit, void *context)
+{
+    const struct touching touching = {
+        tree, {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, visit, context};
+    search_touching(&touching, root_of(tree));
+}
+
+/* A column has no upper or lower end: z does not count. */
 void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_boxtree_visit *visit,
                         void *context)
 {
-    const struct column column = {tree, {x, y}, visit, context};
-    search_column(&column, root_of(tree));
+    const double lower[3] = {x, y, -INFINITY}, upper[3] = {x, y, INFINITY};
+    cml_boxtree_touching(tree, lower, upper, visit, context);
 }
 
 struct through {
@@ -357,33 +352,6 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
     return through.column;
 }
 
-/* One search for what touches a box. */
-struct touching {
-    const struct cml_boxtree *tree;
-    struct box box;
-    cml_boxtree_visit *visit;
-    void *context;
-};
-
-static void search_touching(const struct touching *touching, struct node node)
-{
-    if (!boxes_touch(&touching->tree->box[node.at], &touching->box)) return;
-    if (node.count == 1) {
-        touching->visit(touching->context, touching->tree->index[node.first]);
-        return;
-    }
-    search_touching(touching, left_of(node));
-    search_touching(touching, right_of(node));
-}
-
-void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
-                          cml_boxtree_visit *visit, void *context)
-{
-    const struct touching touching = {
-        tree, {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, visit, context};
-    search_touching(&touching, root_of(tree));
-}
-
 /* One search for the closest triangle. */
 struct closest {
     const struct cml_boxtree *tree;
@@ -399,7 +367,7 @@ static double box_square(const struct box *box, const double p[3])
 {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double beyond = greater(greater(box->lower[k] - p[k], p[k] - box->upper[k]), 0);
+        const double beyond = cml_larger(cml_larger(box->lower[k] - p[k], p[k] - box->upper[k]), 0);
         sum += beyond * beyond;
     }
     return sum;
@@ -412,15 +380,15 @@ static void search_closest(struct closest *closest, struct node node)
         const uint32_t i = closest->tree->index[node.first];
         const double square = closest->square(closest->context, i, closest->p);
         if (square < closest->least) closest->best = i;
-        closest->least = lesser(closest->least, square);
+        closest->least = cml_smaller(closest->least, square);
         return;
     }
     const struct node left = left_of(node), right = right_of(node);
     const double a = box_square(&closest->tree->box[left.at], closest->p),
                  b = box_square(&closest->tree->box[right.at], closest->p);
     const bool left_first = a < b;
-    if (lesser(a, b) < closest->least) search_closest(closest, left_first ? left : right);
-    if (greater(a, b) < closest->least) search_closest(closest, left_first ? right : left);
+    if (cml_smaller(a, b) < closest->least) search_closest(closest, left_first ? left : right);
+    if (cml_larger(a, b) < closest->least) search_closest(closest, left_first ? right : left);
 }
 
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,

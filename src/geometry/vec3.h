@@ -4,6 +4,17 @@
 
 #include <math.h>
 
+/* The smaller and the larger of two numbers, the second where one is NaN, without a call of the library. */
+static inline double cml_smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double cml_larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* out = a - b; out may be a or b. */
 static inline void cml_vec3_subtract(const double a[3], const double b[3], double out[3])
 {

@@ -32,16 +32,21 @@ static void make_plane(struct shape *shape, double z)
     shape->top = shape->bottom = z;
 }
 
-/* Makes a shape of a radial field: heights count up, depths down. */
+/* Heights count up, depths down. */
+static void set_range(struct shape *shape, const double *height, size_t count, double z)
+{
+    shape->top = INFINITY;
+    shape->bottom = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        shape->top = fmin(shape->top, z - height[i]);
+        shape->bottom = fmax(shape->bottom, z - height[i]);
+    }
+}
+
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
     shape->field = (struct cml_radial_surface){radial, z};
-    shape->top = INFINITY;
-    shape->bottom = -INFINITY;
-    for (int i = 0; i < radial->n; i++) {
-        shape->top = fmin(shape->top, z - radial->h[i]);
-        shape->bottom = fmax(shape->bottom, z - radial->h[i]);
-    }
+    set_range(shape, radial->h, (size_t)radial->n, z);
 }
 
 static void make_tile(struct shape *shape, const struct cml_heightmap *tile, double z)
@@ -51,12 +56,7 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
         return;
     }
     shape->is_tile = true;
-    shape->top = INFINITY;
-    shape->bottom = -INFINITY;
-    for (size_t i = 0; i < (size_t)tile->nx * (size_t)tile->ny; i++) {
-        shape->top = fmin(shape->top, z - tile->h[i]);
-        shape->bottom = fmax(shape->bottom, z - tile->h[i]);
-    }
+    set_range(shape, tile->h, (size_t)tile->nx * (size_t)tile->ny, z);
 }
 
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,

@@ -60,35 +60,25 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
  */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
-    if (scene->time.gates)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: a time line and --engine opencl, which keeps no time (expected --engine cpu)",
-                        scene->file, scene->time.line);
-    if (scene->directions.nt)
-        return cml_fail(
-            err, CML_E_INPUT,
-            "%s:%d: a directions line and --engine opencl, which scores none (expected --engine cpu)",
-            scene->file, scene->directions.line);
-    if (scene->num_detectors > 0)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: a detector line and --engine opencl, which has none (expected --engine cpu)",
-                        scene->file, scene->detectors[0].line);
-    if (scene->fluence.line)
-        return cml_fail(
-            err, CML_E_INPUT,
-            "%s:%d: a fluence line and --engine opencl, which scores none (expected --engine cpu)",
-            scene->file, scene->fluence.line);
-    if (scene->saved.limit)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: a photons line and --engine opencl, which saves none (expected --engine cpu)",
-                        scene->file, scene->saved.line);
-    const bool map = scene->map.nx > 0;
-    if (!map && !scene->facets) return CML_OK;
-    return cml_fail(
-        err, CML_E_INPUT,
-        "%s:%d: a %s line and --engine opencl, which records no maps, volumes or facets (expected "
-        "--engine cpu)",
-        scene->file, map ? scene->map.line : scene->line, map ? "map" : "facets");
+    static const char no_maps[] = "records no maps, volumes or facets";
+    const struct {
+        bool there;
+        int line;
+        const char *name, *why;
+    } lines[] = {{scene->time.gates > 0, scene->time.line, "time", "keeps no time"},
+                 {scene->directions.nt > 0, scene->directions.line, "directions", "scores none"},
+                 {scene->num_detectors > 0, scene->num_detectors > 0 ? scene->detectors[0].line : 0,
+                  "detector", "has none"},
+                 {scene->fluence.line > 0, scene->fluence.line, "fluence", "scores none"},
+                 {scene->saved.limit > 0, scene->saved.line, "photons", "saves none"},
+                 {scene->map.nx > 0, scene->map.line, "map", no_maps},
+                 {scene->facets, scene->line, "facets", no_maps}};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (lines[i].there)
+            return cml_fail(err, CML_E_INPUT,
+                            "%s:%d: a %s line and --engine opencl, which %s (expected --engine cpu)",
+                            scene->file, lines[i].line, lines[i].name, lines[i].why);
+    return CML_OK;
 }
 
 /* What every device gets a copy of. only_planes: then its compiler leaves out all that curved boundaries

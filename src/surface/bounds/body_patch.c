@@ -89,22 +89,10 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
     cml_vec3_add_scaled(patch->normal, fmin(area, 1) / area, normal, patch->normal);
 }
 
-/* The smaller and the larger of two numbers, without a call of the library where most of a grid's time goes.
- */
-static inline double smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* The other leg of a right triangle; 0 where rounding leaves none. */
 static inline double leg(double hypotenuse, double other)
 {
-    return sqrt(larger(0, hypotenuse * hypotenuse - other * other));
+    return sqrt(cml_larger(0, hypotenuse * hypotenuse - other * other));
 }
 
 /* Heights over a plane of what of another lies within a distance of the origin: that other's normal makes
@@ -113,8 +101,8 @@ static inline void tilt(double cosine, double distance, double lower, double upp
 {
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
     const double aside = leg(1, cosine) * leg(distance, nearest);
-    range[0] = smaller(cosine * lower, cosine * upper) - aside;
-    range[1] = larger(cosine * lower, cosine * upper) + aside;
+    range[0] = cml_smaller(cosine * lower, cosine * upper) - aside;
+    range[1] = cml_larger(cosine * lower, cosine * upper) + aside;
 }
 
 /* Adds the heights of the whole facet, or, if that is less, of what its plane has within reach. */
@@ -206,10 +194,10 @@ static void see_heights(const struct neighbour *neighbour, double radius, struct
     if (lower > radius || upper < -radius) return;
     tilt(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
     tilt(cosine, radius, lower, upper, within);
-    view->lower = smaller(view->lower, larger(own[0] + there, within[0]));
-    view->upper = larger(view->upper, smaller(own[1] + there, within[1]));
+    view->lower = cml_smaller(view->lower, cml_larger(own[0] + there, within[0]));
+    view->upper = cml_larger(view->upper, cml_smaller(own[1] + there, within[1]));
     const double both = cosine * patch->cosine - leg(1, cosine) * leg(1, patch->cosine);
-    view->cosine = smaller(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
+    view->cosine = cml_smaller(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
 }
 
 /* What the ball is worth, in cells: less with every patch that the planes make room for. */

@@ -19,6 +19,7 @@
 #pragma once
 
 #include "surface_hit.h"
+#include "geometry/vec3.h"
 #include "surface/mesh/grid_mesh.h"
 #include "surface/tree/rounding.h"
 
@@ -69,11 +70,6 @@ typedef uint32_t __attribute__((may_alias)) cml_grid_depths_word;
 static inline int cml_grid_lane_index(int i, int j, int tiles)
 {
     return 16 * ((j >> 2) * tiles + (i >> 2)) + 4 * (j & 3) + (i & 3);
-}
-
-static inline double cml_grid_lane_least(double a, double b)
-{
-    return a < b ? a : b;
 }
 
 static inline int cml_grid_lane_cell(double position, double last)
@@ -183,7 +179,7 @@ static inline int cml_grid_lane_answer(double sign, double along, double t, doub
 /* The least distance, in cells, of a place (u, v) of the unit cell from its sides; negative outside. */
 static inline double cml_grid_lane_inside(double u, double v)
 {
-    return cml_grid_lane_least(cml_grid_lane_least(u, 1 - u), cml_grid_lane_least(v, 1 - v));
+    return cml_smaller(cml_smaller(u, 1 - u), cml_smaller(v, 1 - v));
 }
 
 /* A ray and the facet on one side of its cell's diagonal: where it crosses the facet's plane, and how far
@@ -200,12 +196,11 @@ static inline struct cml_grid_lane_facet cml_grid_lane_facet(struct cml_grid_sca
     const double x = l->origin[0][k], y = l->origin[1][k], z = l->origin[2][k];
     const double ux = l->direction[0][k], uy = l->direction[1][k], uz = l->direction[2][k];
     const double a = planes[at], b = planes[at + 1], c = planes[at + 2], along = ux * a + uy * b + uz * c;
-    const double t = (planes[at + 3] - (x * a + y * b + z * c)) / along,
-                 to = cml_grid_lane_least(t, l->end[k]);
+    const double t = (planes[at + 3] - (x * a + y * b + z * c)) / along, to = cml_smaller(t, l->end[k]);
     const double u = (x + to * ux - scale.x_corner) * scale.x_scale - l->cell[0][k],
                  v = (y + to * uy - scale.y_corner) * scale.y_scale - l->cell[1][k];
     const double above = falling ? u + v - 1 : v - u, behind = south ? -above : above;
-    const double inside = cml_grid_lane_least(cml_grid_lane_inside(u, v), whole ? 1 : behind);
+    const double inside = cml_smaller(cml_grid_lane_inside(u, v), whole ? 1 : behind);
     const struct cml_grid_lane_facet facet = {a, b, c, along, t, inside};
     return facet;
 }
@@ -235,7 +230,7 @@ CML_GRID_LOOP int cml_grid_lanes_intersect(const struct cml_grid_view *view, int
         const int is_s = s.inside > err_cell, is_inside = is_s | (n.inside > err_cell);
         const int nearer = is_s | (s.inside > n.inside); /* the one that is inside, or else the nearer one */
         const double along = nearer ? s.along : n.along, t = nearer ? s.t : n.t,
-                     last = cml_grid_lane_least(t, l->end[k]);
+                     last = cml_smaller(t, l->end[k]);
         const int found = cml_grid_lane_answer(sign, along, t, l->end[k], l->err[k]);
         const int answer = (is_inside & full) ? found : CML_GRID_UNDECIDED;
         const int facet = (int)((nearer ? south : north) & ~CML_GRID_MESH_FALLING);
@@ -269,7 +264,7 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
 {
     const double a = x - f->corner[0], b = y - f->corner[1];
     const double v = f->weight[0][0] * a + f->weight[0][1] * b, w = f->weight[1][0] * a + f->weight[1][1] * b;
-    return cml_grid_lane_least(cml_grid_lane_least(v, w), 1 - v - w);
+    return cml_smaller(cml_smaller(v, w), 1 - v - w);
 }
 
 /* Intersects a ray with a facet of its cell of a sheet; 1 where the ray crosses the facet's plane, or ends,
@@ -282,7 +277,7 @@ static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view
     const double ux = l->direction[0][k], uy = l->direction[1][k], uz = l->direction[2][k], end = l->end[k];
     const double along = ux * f->plane[0] + uy * f->plane[1] + uz * f->plane[2];
     const double t = (f->plane[3] - (x * f->plane[0] + y * f->plane[1] + z * f->plane[2])) / along;
-    const double to = cml_grid_lane_least(t, end);
+    const double to = cml_smaller(t, end);
     if (!(cml_grid_lane_weight(f, x + to * ux, y + to * uy) > err_weight_sheet)) return 0;
     l->answer[k] = cml_grid_lane_answer(view->side, along, t, end, l->err[k]);
     l->primitive[k] = (int)number;

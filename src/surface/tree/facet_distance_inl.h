@@ -14,16 +14,6 @@ struct cml_flat_facet {
     double base, foot, height, per_left, per_right; /* the last two: 1 / the squares of the other sides */
 };
 
-static inline double cml_smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double cml_larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Needles get their second axis in two steps, for rounding may turn the first one; those thinner than 1e-12
  * of their length any. */
 static inline void cml_flat_facet_of(const double *corner[3], struct cml_flat_facet *flat)

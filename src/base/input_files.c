@@ -80,9 +80,7 @@ cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t
         fwrite(&input->size, sizeof input->size, 1, out);
         fwrite(input->data, 1, input->size, out);
     }
-    const int failed = ferror(out);
-    if (fclose(out) == 0 && !failed) return CML_OK;
-    return cml_fail_memory(err, (double)*size, "the input files");
+    return cml_text_end(out, size, CML_OK, "the input files", err);
 }
 
 cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs, struct cml_error *err)

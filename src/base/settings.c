@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
+#include "base/text.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -60,8 +62,7 @@ cml_status cml_settings_text(const struct cml_settings *settings, char **text, s
     if (!out) return cml_fail_memory(err, 1, "the settings");
     for (int i = 0; i < settings->count; i++)
         fprintf(out, "%s%s = %s", i > 0 ? "\n" : "", settings->item[i].name, settings->item[i].value);
-    const int failed = ferror(out);
-    return fclose(out) == 0 && !failed ? CML_OK : cml_fail_memory(err, (double)size, "the settings");
+    return cml_text_end(out, &size, CML_OK, "the settings", err);
 }
 
 const char *cml_setting_unit(const char *name)

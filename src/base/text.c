@@ -189,6 +189,15 @@ cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
     return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
 }
 
+cml_status cml_text_end(FILE *out, const size_t *size, cml_status status, const char *what,
+                        struct cml_error *err)
+{
+    const bool failed = !out || ferror(out);
+    const bool closed = out && fclose(out) == 0;
+    if (status != CML_OK || (closed && !failed)) return status;
+    return cml_fail_memory(err, (double)*size, what);
+}
+
 void cml_text_print(FILE *out, const char *prefix, const char *text)
 {
     while (text && *text) {

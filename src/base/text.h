@@ -69,6 +69,11 @@ bool cml_parse_int(const char *word, int *value);
 /* strdup that reports through err. */
 CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
 
+/* Ends a text that was written into memory (open_memstream); out NULL: there was none even to begin with.
+ * Returns `status`, that of who wrote it, if that is a failure. */
+CML_NODISCARD cml_status cml_text_end(FILE *out, const size_t *size, cml_status status, const char *what,
+                                      struct cml_error *err);
+
 /* The lines of a text, each behind the prefix and ended by a line feed. text NULL: none. */
 void cml_text_print(FILE *out, const char *prefix, const char *text);
 

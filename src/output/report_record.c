@@ -2,16 +2,10 @@
  * it. SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
+#include "base/text.h"
+
 #include <math.h>
 #include <stdlib.h>
-
-/* A stream in memory fails only where memory runs out. */
-static cml_status close_json(FILE *out, size_t size, cml_status status, struct cml_error *err)
-{
-    const int failed = out ? ferror(out) : 1;
-    if (out && fclose(out) == 0 && !failed) return status;
-    return cml_fail_memory(err, (double)size, "the JSON record");
-}
 
 /* Records expected values of all layers: another row of a sweep may expect more of them. */
 static void record_expected(const struct cml_result *result, struct cml_record *record)
@@ -71,7 +65,8 @@ cml_status cml_report_record(const struct cml_report *report, struct cml_record 
     record_detected(result, record);
     CML_TRY(record_fluxes(report, record, err));
     FILE *out = open_memstream(&record->json, &size);
-    return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
+    const cml_status status = out ? cml_report_json(out, report, err) : CML_OK;
+    return cml_text_end(out, &size, status, "the JSON record", err);
 }
 
 cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
@@ -82,6 +77,6 @@ cml_status cml_report_record_again(const struct cml_scene *scene, const char *pa
     *record = *before;
     record->json = NULL;
     FILE *out = open_memstream(&record->json, &size);
-    return close_json(out, size, out ? cml_report_json_again(out, before->json, scene, path, err) : CML_OK,
-                      err);
+    const cml_status status = out ? cml_report_json_again(out, before->json, scene, path, err) : CML_OK;
+    return cml_text_end(out, &size, status, "the JSON record", err);
 }

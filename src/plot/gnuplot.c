@@ -239,11 +239,7 @@ static cml_status make_script(cml_status (*write)(FILE *, const void *, struct c
 {
     FILE *out = open_memstream(&script->text, &script->size);
     if (!out) return cml_fail_memory(err, 1, "the plot");
-    cml_status status = write(out, what, err);
-    const int failed = ferror(out);
-    if ((fclose(out) != 0 || failed) && status == CML_OK)
-        status = cml_fail_memory(err, (double)script->size, "the plot");
-    return status;
+    return cml_text_end(out, &script->size, write(out, what, err), "the plot", err);
 }
 
 /* Gives a picture that gnuplot has drawn its name. */

@@ -28,14 +28,6 @@ static void write_input(FILE *out, const struct cml_input *input)
     fprintf(out, "input %s of %zu bytes, crc32 %08lx\n", slash ? slash + 1 : path, input->size, sum);
 }
 
-/* A stream in memory fails only where memory runs out. */
-static cml_status close_text(FILE *out, const size_t *size, struct cml_error *err)
-{
-    const int failed = ferror(out);
-    if (fclose(out) == 0 && !failed) return CML_OK;
-    return cml_fail_memory(err, (double)*size, "the run's identity");
-}
-
 /* The identity of all files that were read, in the order in which they were: a mesh that was changed makes
  * another run. */
 cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
@@ -44,7 +36,7 @@ cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, str
     FILE *out = open_memstream(text, &size);
     if (!out) return cml_fail_memory(err, 1, "the run's identity");
     for (size_t i = 0; i < inputs->count; i++) write_input(out, &inputs->item[i]);
-    return close_text(out, &size, err);
+    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
 }
 
 /* The lines for options come first, because the first line that differs is shown, and an option says more
@@ -59,7 +51,7 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     cml_provenance_identify(out, provenance);
     cml_text_print(out, "set ", settings);
     fputs(inputs, out);
-    return close_text(out, &size, err);
+    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
 }
 
 void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM])

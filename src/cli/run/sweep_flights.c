@@ -134,8 +134,7 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
         cml_text_print(out, prefix, group->scene[i]->settings);
     }
     fputs(sweep->identity, out);
-    const int failed = ferror(out);
-    return fclose(out) == 0 && !failed ? CML_OK : cml_fail_memory(err, (double)size, "the run's identity");
+    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
 }
 
 static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, struct group *group,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/directions.h"
 
-#include "base/array.h"
 #include "base/constants.h"
 
 #include <math.h>

@@ -1,8 +1,6 @@
 /* ESRI ASCII grids: keywords in any order, then rows of numbers. SPDX-License-Identifier: MIT */
 #include "input/mesh/esri.h"
 
-#include "base/text.h"
-
 #include <ctype.h>
 #include <math.h>
 #include <string.h>

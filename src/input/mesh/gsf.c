@@ -1,8 +1,6 @@
 /* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
 #include "input/mesh/gsf.h"
 
-#include "base/text.h"
-
 #include <float.h>
 #include <math.h>
 #include <string.h>

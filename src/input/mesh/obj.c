@@ -6,7 +6,6 @@
 #include "input/mesh/obj_polygon.h"
 #include "input/mesh/obj_scan.h"
 #include "input/mesh/obj_tiny.h"
-#include "base/text.h"
 
 #include <math.h>
 #include <stdio.h>

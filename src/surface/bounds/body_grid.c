@@ -3,7 +3,6 @@
 
 #include "geometry/vec3.h"
 #include "scene/body/body_shape.h"
-#include "surface/bounds/body_patch.h"
 #include "types.h"
 
 #include <float.h>

@@ -7,7 +7,6 @@
 #include "geometry/vec3.h"
 #include "surface/tree/facet_distance_inl.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #define CELLS_PER_EDGE 6 /* of a mean facet */

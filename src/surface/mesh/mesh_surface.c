@@ -6,8 +6,6 @@
 #include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
 #include "surface/tree/rounding.h"
-#include "surface/bounds/safe_map.h"
-#include "surface/mesh/sheet_mesh.h"
 #include "surface/tree/facet_tree.h"
 
 #include <math.h>

@@ -106,7 +106,7 @@ static void run_stage(int stage)
         cml_scatter_deposits(&bundle, &tally, 0);
         break;
     case REACH:
-        sink = (cml_u32)cml_bundle_reach_planes(&bundle);
+        sink = (cml_u32)cml_bundle_reach_planes(&bundle, 0);
         break;
     case REFLECT:
         cml_bundle_reflect_or_refract(&world.setup, &bundle);

@@ -162,28 +162,17 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     }
 }
 
-/* Below cones: bounds by radius. */
-CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml_surface *surface,
-                                 const struct cml_gathered *c, real depth, real side,
-                                 struct cml_intervals *ahead)
+/* By radius below cones, below a mesh by cells of the x-y plane, or of its period where it is repeated. */
+CML_LOOP void cml_gathered_by_form(const struct cml_world *world, const struct cml_surface *surface,
+                                   const struct cml_gathered *c, real depth, real side,
+                                   struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_RADII);
-}
-
-/* Below a mesh: bounds by cells of the x-y plane. */
-CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_surface *surface,
-                                const struct cml_gathered *c, real depth, real side,
-                                struct cml_intervals *ahead)
-{
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_SQUARE);
-}
-
-/* Below a mesh that is repeated: by cells of its period. */
-CML_LOOP void cml_gathered_tile(const struct cml_world *world, const struct cml_surface *surface,
-                                const struct cml_gathered *c, real depth, real side,
-                                struct cml_intervals *ahead)
-{
-    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_PERIOD);
+    if (surface->kind == CML_SURFACE_CONE)
+        cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_RADII);
+    else if (surface->depths.form == CML_BOUNDS_PERIOD)
+        cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_PERIOD);
+    else
+        cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_SQUARE);
 }
 
 /* Intervals of gathered lanes with one boundary of their medium, seen from `side`. The outer media have only
@@ -199,12 +188,8 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
     const struct cml_surface *surface = &world->surfaces[boundary];
     if (surface->kind == CML_SURFACE_PLANE)
         cml_gathered_plane(f->gathered, depth, side, ahead);
-    else if (surface->kind == CML_SURFACE_CONE)
-        cml_gathered_rings(world, surface, f->gathered, depth, side, ahead);
-    else if (surface->depths.form == CML_BOUNDS_PERIOD)
-        cml_gathered_tile(world, surface, f->gathered, depth, side, ahead);
     else
-        cml_gathered_mesh(world, surface, f->gathered, depth, side, ahead);
+        cml_gathered_by_form(world, surface, f->gathered, depth, side, ahead);
 }
 
 /* cml_find_intervals for lanes of one medium: with its boundary above, then with the one below. */

@@ -289,7 +289,7 @@ enum { CML_ANY_AT_PLANE = 1, CML_ANY_AT_LIMIT = 2 };
  * CML_ANY_AT_PLANE when any lane is AT_PLANE, and CML_ANY_AT_LIMIT with it when one has NO_EVENT or may have
  * bounced too often (cml_lane_is_at_limit). n1, n2: indices on the near and the far side; t: distance to the
  * plane, cm, below 0 where rounding has put the packet beyond it. measured: whether paths are counted (P11),
- * and s becomes the distance to the plane; constant, so that each caller below has a loop of its own. */
+ * and s becomes the distance to the plane; constant, so that each way has a loop of its own. */
 __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struct cml_bundle *b,
                                                                            const int measured)
 {
@@ -352,14 +352,9 @@ CML_LOOP void cml_bundle_count_reflected_depths(struct cml_bundle *b)
     }
 }
 
-CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
+CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b, int measured)
 {
-    return cml_bundle_move_to_planes(b, 0);
-}
-
-CML_LOOP int cml_bundle_measure_to_planes(struct cml_bundle *b)
-{
-    return cml_bundle_move_to_planes(b, 1);
+    return measured ? cml_bundle_move_to_planes(b, 1) : cml_bundle_move_to_planes(b, 0);
 }
 
 /* Lanes AT_PLANE become REFLECTED or TRANSMITTED, with their new direction (P5), which is computed for both

@@ -76,7 +76,7 @@ static void cml_mark_interactions(struct cml_flight *f)
                       cml_mark_lane_flight);
 }
 
-/* cml_bundle_measure_to_planes with the marks up to them. */
+/* cml_bundle_reach_planes with the marks up to them. */
 static int cml_reach_planes_with_marks(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -84,7 +84,7 @@ static int cml_reach_planes_with_marks(struct cml_flight *f)
     memcpy(x, b->x, sizeof x);
     memcpy(y, b->y, sizeof y);
     memcpy(z, b->z, sizeof z);
-    const int any = cml_bundle_measure_to_planes(b);
+    const int any = cml_bundle_reach_planes(b, 1);
     const uint64_t hit =
         cml_lanes_equal(b->task, CML_LANE_AT_PLANE) | cml_lanes_equal(b->task, CML_LANE_TRANSMITTED);
     for (uint64_t rest = hit; rest; rest &= rest - 1) {

@@ -301,9 +301,8 @@ static void cml_cross_planes(struct cml_flight *f)
     CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
     const uint64_t above =
         f->to.expected ? cml_lanes_into_tail(f, CML_LANE_MAY_HIT, CML_OF_MEDIUM(b, stop_below)) : 0;
-    const int any = f->to.phi            ? cml_reach_planes_with_marks(f)
-                    : setup->keeps_paths ? cml_bundle_measure_to_planes(b)
-                                         : cml_bundle_reach_planes(b);
+    const int any =
+        f->to.phi ? cml_reach_planes_with_marks(f) : cml_bundle_reach_planes(b, setup->keeps_paths);
     if (above) cml_score_tail_at_planes(f, above);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (b->trail_length) cml_bundle_count_reflected_depths(b);

@@ -14,25 +14,15 @@
 #include <stdlib.h>
 
 /* Rings, and cells of pyramids of depths, of all boundaries: they share one array each. */
-static size_t count_rings(const struct cml_surface_set *surfaces)
+static struct cml_owned_world counted(const struct cml_surface_set *surfaces)
 {
-    size_t rings = 0;
-    for (int b = 0; b < surfaces->count; b++) rings += (size_t)surfaces->item[b].num_rings;
-    return rings;
-}
-
-static size_t count_depth_cells(const struct cml_surface_set *surfaces)
-{
-    size_t cells = 0;
-    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].depths.cells;
-    return cells;
-}
-
-static size_t count_horizon_cells(const struct cml_surface_set *surfaces)
-{
-    size_t cells = 0;
-    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].depths.horizon_cells;
-    return cells;
+    struct cml_owned_world all = {0};
+    for (int b = 0; b < surfaces->count; b++) {
+        all.num_rings += (size_t)surfaces->item[b].num_rings;
+        all.depth_cells += surfaces->item[b].depths.cells;
+        all.horizon_cells += surfaces->item[b].depths.horizon_cells;
+    }
+    return all;
 }
 
 void cml_owned_world_free(struct cml_owned_world *to)
@@ -72,12 +62,13 @@ static double phase_bytes(const struct cml_scene *scene)
 
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
+    const struct cml_owned_world all = counted(surfaces);
     const double bodies = surfaces->bodies.count, boundaries = surfaces->count + bodies,
-                 cells = (double)count_depth_cells(surfaces) + (double)count_horizon_cells(surfaces);
+                 cells = (double)all.depth_cells + (double)all.horizon_cells;
     return (boundaries + 1) * (sizeof(struct cml_medium) + sizeof(struct cml_surface) +
                                sizeof(struct cml_safe_cells) + sizeof(struct cml_mesh_surface *)) +
-           (double)count_rings(surfaces) * (CML_RING_ROWS * sizeof(real) + sizeof(int)) +
-           2 * cells * sizeof(real) + bodies * sizeof(struct cml_body) +
+           (double)all.num_rings * (CML_RING_ROWS * sizeof(real) + sizeof(int)) + 2 * cells * sizeof(real) +
+           bodies * sizeof(struct cml_body) +
            surfaces->bodies.tree.count * (double)sizeof(struct cml_body_node) +
            surfaces->bodies.grids.count * (double)sizeof(struct cml_body_grid) +
            (double)surfaces->bodies.grids.num_cells * sizeof(struct cml_body_cell) + phase_bytes(scene) +
@@ -463,9 +454,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)
 {
-    *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
-                                   .depth_cells = count_depth_cells(surfaces),
-                                   .horizon_cells = count_horizon_cells(surfaces)};
+    *to = counted(surfaces);
     cml_status status = allocate(surfaces, to, err);
     if (status == CML_OK) {
         copy_media(scene, surfaces, to->media);

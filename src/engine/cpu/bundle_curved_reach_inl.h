@@ -59,16 +59,10 @@ __attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_
     return any;
 }
 
-/* cml_bundle_classify where no boundary has safe distances. */
-CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest)
+/* safe: whether a boundary has safe distances, which `safe` of the bundle has for each lane's path. */
+CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest, bool safe)
 {
-    return cml_bundle_classify(b, steepest, 0);
-}
-
-/* cml_bundle_classify where a boundary has safe distances, which `safe` has for each lane's path. */
-CML_LOOP int cml_bundle_classify_unsafe_lanes(struct cml_bundle *b, real steepest)
-{
-    return cml_bundle_classify(b, steepest, 1);
+    return safe ? cml_bundle_classify(b, steepest, 1) : cml_bundle_classify(b, steepest, 0);
 }
 
 /* Where gathered lanes can meet one boundary: on the part [from, to] of their paths, cm from where they are,

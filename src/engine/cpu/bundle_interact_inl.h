@@ -115,14 +115,13 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
     }
 }
 
-CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b)
+CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
+                                        int only_tables)
 {
-    cml_bundle_spin(cell, b, 1);
-}
-
-CML_LOOP void cml_bundle_spin_mixed(const struct cml_phase_cell *cell, struct cml_bundle *b)
-{
-    cml_bundle_spin(cell, b, 0);
+    if (only_tables)
+        cml_bundle_spin(cell, b, 1);
+    else
+        cml_bundle_spin(cell, b, 0);
 }
 
 /* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
@@ -205,9 +204,6 @@ CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct
     const int low = tally ? trails ? cml_bundle_hop_drop(setup, b, 1, 1) : cml_bundle_hop_drop(setup, b, 1, 0)
                     : trails ? cml_bundle_hop_drop(setup, b, 0, 1)
                              : cml_bundle_hop_drop(setup, b, 0, 0);
-    if (world->only_tables)
-        cml_bundle_spin_by_tables(cell, b);
-    else
-        cml_bundle_spin_mixed(cell, b);
+    cml_bundle_spin_by_tables(cell, b, world->only_tables);
     return low;
 }

@@ -351,8 +351,7 @@ static void cml_process_curved_boundaries(struct cml_flight *f)
 {
     CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
     if (f->safe_cells) cml_find_safe_lanes(f);
-    const int any = f->safe_cells ? cml_bundle_classify_unsafe_lanes(f->b, f->steepest)
-                                  : cml_bundle_classify_lanes(f->b, f->steepest);
+    const int any = cml_bundle_classify_lanes(f->b, f->steepest, f->safe_cells);
     CML_HOOK_END(CML_HOOK_CLASSIFY);
     if (!any) return;
     CML_HOOK_BEGIN(CML_HOOK_CURVED);

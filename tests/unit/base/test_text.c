@@ -235,6 +235,27 @@ static void messages_are_one_line(void **state)
     assert_string_equal(err.text, "out of memory: 3 MiB for bins");
 }
 
+/* /dev/full takes what is written to it, and has no room for it. */
+static void a_text_in_memory_ends_whole_or_as_an_error(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    fputs("a text", out);
+    assert_int_equal(cml_text_end(out, &size, CML_OK, "a text", &err), CML_OK);
+    assert_string_equal(text, "a text");
+    assert_int_equal(size, 6);
+    assert_int_equal(cml_text_end(NULL, &size, CML_OK, "a text", &err), CML_E_INPUT);
+    assert_string_equal(err.text, "out of memory: 0 MiB for a text");
+    FILE *full = fopen("/dev/full", "w");
+    fputs("a text", full);
+    assert_int_equal(cml_text_end(full, &size, CML_OK, "a text", &err), CML_E_INPUT);
+    assert_int_equal(cml_text_end(NULL, &size, CML_E_NUMERIC, "a text", &err), CML_E_NUMERIC);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -249,6 +270,7 @@ int main(void)
         cmocka_unit_test(ints_stay_in_their_range),
         cmocka_unit_test(names_are_found_beside),
         cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(a_text_in_memory_ends_whole_or_as_an_error),
     };
     return cmocka_run_group_tests_name("text", tests, case_setup, case_teardown);
 }

@@ -92,3 +92,13 @@ static inline int cml_compare_doubles(const void *left, const void *right)
     const double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
+
+/* The different ones of n numbers, rising, to their beginning. Returns how many. */
+static inline size_t cml_sort_distinct(double *values, size_t n)
+{
+    size_t distinct = 0;
+    qsort(values, n, sizeof *values, cml_compare_doubles);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || values[i] > values[distinct - 1]) values[distinct++] = values[i];
+    return distinct;
+}

@@ -32,12 +32,8 @@ double cml_gauss_node(int n, int i, double *weight)
 /* The indices of the stack, rising, each once. Returns how many. */
 static int sort_indices(const struct cml_medium_def *media, int count, double *index)
 {
-    int distinct = 0;
     for (int m = 0; m < count; m++) index[m] = media[m].n;
-    qsort(index, (size_t)count, sizeof *index, cml_compare_doubles);
-    for (int m = 0; m < count; m++)
-        if (m == 0 || index[m] > index[distinct - 1]) index[distinct++] = index[m];
-    return distinct;
+    return (int)cml_sort_distinct(index, (size_t)count);
 }
 
 /* Cosine, in a medium of index n, of the direction that has the cosine c in one of index n1; 0: none. Written

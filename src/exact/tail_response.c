@@ -28,13 +28,9 @@ static int nodes_of(const struct cml_flat_tail *tail, int interval)
 /* The indices of the media from the level's on that are no larger than its own, each once. */
 static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
 {
-    int distinct = 0;
     for (int m = 0; m < count; m++)
         if (media[m].n <= media[0].n) tail->index[tail->intervals++] = media[m].n;
-    qsort(tail->index, (size_t)tail->intervals, sizeof *tail->index, cml_compare_doubles);
-    for (int k = 0; k < tail->intervals; k++)
-        if (k == 0 || tail->index[k] > tail->index[distinct - 1]) tail->index[distinct++] = tail->index[k];
-    tail->intervals = distinct;
+    tail->intervals = (int)cml_sort_distinct(tail->index, (size_t)tail->intervals);
 }
 
 /* Rays at all nodes, falling cosines in the level's medium. Returns how many. */

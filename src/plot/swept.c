@@ -252,12 +252,8 @@ void cml_swept_clear(struct cml_swept *swept)
 static size_t find_values(const struct columns *c, int column, double *values)
 {
     const size_t rows = (size_t)c->table->num_rows;
-    size_t n = 0;
     for (size_t i = 0; i < rows; i++) values[i] = number_of(c, (int)i, column);
-    qsort(values, rows, sizeof *values, cml_compare_doubles);
-    for (size_t i = 0; i < rows; i++)
-        if (n == 0 || values[i] != values[n - 1]) values[n++] = values[i];
-    return n;
+    return cml_sort_distinct(values, rows);
 }
 
 /* Writes as many ticks as have room. */

@@ -184,12 +184,8 @@ struct grid {
 static size_t find_values(const struct grid *grid, int column, double *values)
 {
     const size_t rows = (size_t)grid->results->num_rows, columns = (size_t)grid->results->num_columns;
-    size_t n = 0;
     for (size_t i = 0; i < rows; i++) values[i] = grid->value[i * columns + (size_t)column];
-    qsort(values, rows, sizeof *values, cml_compare_doubles);
-    for (size_t i = 0; i < rows; i++)
-        if (n == 0 || values[i] != values[n - 1]) values[n++] = values[i];
-    return n;
+    return cml_sort_distinct(values, rows);
 }
 
 /* Columns with more than one value. false: too many. */

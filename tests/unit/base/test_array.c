@@ -68,6 +68,17 @@ static void the_search_finds_what_a_look_at_all_finds(void **state)
         }
 }
 
+static void numbers_are_sorted_and_each_is_there_once(void **state)
+{
+    (void)state;
+    double values[] = {3, -1, 3, 0, -1, 3, 7}, one[] = {2};
+    const double distinct[] = {-1, 0, 3, 7};
+    assert_int_equal(cml_sort_distinct(values, 7), 4);
+    assert_memory_equal(values, distinct, sizeof distinct);
+    assert_int_equal(cml_sort_distinct(one, 1), 1);
+    assert_int_equal(cml_sort_distinct(one, 0), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -75,6 +86,7 @@ int main(void)
         cmocka_unit_test(an_array_that_does_not_fit_is_an_error),
         cmocka_unit_test(copies_are_equal_and_none_stays_none),
         cmocka_unit_test(the_search_finds_what_a_look_at_all_finds),
+        cmocka_unit_test(numbers_are_sorted_and_each_is_there_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

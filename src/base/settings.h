@@ -5,8 +5,6 @@
 
 #include "base/status.h"
 
-#include <stddef.h>
-
 enum { CML_MOST_SETTINGS = 256, CML_SETTING_NAME = 64 };
 
 struct cml_setting {

@@ -9,9 +9,7 @@
 #include "run/cluster.h"
 #include "run/crosscheck.h"
 #include "engine/engines.h"
-#include "base/text.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 

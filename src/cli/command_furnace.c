@@ -10,7 +10,6 @@
 #include "run/cluster.h"
 #include "scene/body/body_shape.h"
 #include "surface/mean_depth.h"
-#include "tally/piece.h"
 
 #include <jansson.h>
 #include <math.h>

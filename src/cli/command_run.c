@@ -12,7 +12,6 @@
 #include "cli/run/sweep_flights.h"
 #include "run/cluster.h"
 #include "run/identity.h"
-#include "run/launcher.h"
 #include "run/stop.h"
 
 #include <inttypes.h>

@@ -7,7 +7,6 @@
 #include "cli/command.h"
 #include "cli/options/help.h"
 #include "cli/options/options_parse.h"
-#include "output/report.h"
 #include "run/stop.h"
 
 #include <errno.h>

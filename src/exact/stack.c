@@ -7,7 +7,6 @@
 #include "exact/dense.h"
 #include "exact/layer_response.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,6 @@
 #include "base/constants.h"
 #include "input/mci_options.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

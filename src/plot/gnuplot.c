@@ -5,7 +5,6 @@
 #include "plot/gnuplot.h"
 
 #include "base/atomic_file.h"
-#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>

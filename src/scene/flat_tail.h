@@ -3,8 +3,6 @@
  */
 #pragma once
 
-#include "base/status.h"
-
 #include <stdbool.h>
 
 /* Everything in it is owned. Zeroed: none. */

@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "scene/overlap_sheet.h"
 
-#include "geometry/vec3.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

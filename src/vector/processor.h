@@ -3,8 +3,6 @@
  * instructions differ; results are the same to the last bit. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include <stdbool.h>
-
 /* What this machine runs: 0 baseline, 3 or 4; 0 where the program has no other level. */
 int cml_processor_level(void);
 

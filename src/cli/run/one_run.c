@@ -13,7 +13,6 @@
 #include "output/report.h"
 #include "run/cluster.h"
 #include "run/identity.h"
-#include "run/launcher.h"
 #include "run/stop.h"
 #include "tally/row_result.h"
 

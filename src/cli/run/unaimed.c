@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/unaimed.h"
 
-#include "cli/run/aim.h"
 #include "result/quantity.h"
 #include "run/cluster.h"
 

@@ -3,8 +3,6 @@
 
 #include "vector/processor.h"
 
-#include <stddef.h>
-
 extern const struct cml_engine cml_engine_cpu_base;
 #ifdef CML_X86_LEVELS
 extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;

@@ -4,7 +4,6 @@
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/atomic_file.h"
-#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>

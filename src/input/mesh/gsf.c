@@ -1,8 +1,6 @@
 /* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
 #include "input/mesh/gsf.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 static const char magic[] = "Gwyddion Simple Field 1.0\n";

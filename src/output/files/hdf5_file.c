@@ -2,7 +2,6 @@
 #include "output/files/hdf5_file.h"
 
 #include "base/atomic_file.h"
-#include "base/text.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "output/files/vtk.h"
 
 #include "base/atomic_file.h"
-#include "base/text.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -5,7 +5,6 @@
 #include "scene/body/body_shape.h"
 #include "scene/overlap_sheet.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* A body as the comparison sees it. */

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "surface/tree/centred_mesh.h"
-#include "surface/tree/rounding.h"
 
 /* Distance along a line, from a point of it, to where it crosses the facet; of a line that passes beside the
  * facet, to a place near it. The more a line lies in the facet's plane, the more do the facet's edges say

@@ -6,7 +6,6 @@
 #include "surface/tree/rounding.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* d . ((a - p) x (b - p)) of the edge from vertex i to j: its sign tells on which side of the edge the ray
  * passes, its size is twice the area of triangle (a, b, ray) seen along d. Computed from the lower index to

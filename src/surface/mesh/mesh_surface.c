@@ -3,7 +3,6 @@
 
 #include "geometry/vec3.h"
 #include "surface/mesh/grid_walk.h"
-#include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
 #include "surface/tree/rounding.h"
 #include "surface/tree/facet_tree.h"

@@ -5,7 +5,6 @@
 #include "surface/tree/facet_split.h"
 #include "vector/processor.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -124,7 +124,7 @@ bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patie
 CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
-    const char *name, *description;
+    const char *name;
     bool reweights; /* flies rows (struct cml_engine_rows), and scores */
     /* The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

@@ -90,7 +90,6 @@ static int reference_threads(const void *self)
 
 const struct cml_engine cml_engine_reference = {
     .name = "reference",
-    .description = "double precision, one packet at a time, one thread: the oracle",
     .reweights = true,
     .open = reference_open,
     .run = reference_run,

@@ -9,7 +9,8 @@
 
 /* ---- where values come from ---- */
 
-double cml_field_per_photon(const struct cml_field_source *source)
+/* From units of weight to a share of one packet. */
+static double per_photon(const struct cml_field_source *source)
 {
     return CML_WEIGHT_UNIT / (double)source->report->sums->photons;
 }
@@ -33,7 +34,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = cml_field_per_photon(source) * source->scale;
+    const double k = per_photon(source) * source->scale;
     for (size_t i = 0; i < count; i++)
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
@@ -41,7 +42,7 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
 double cml_field_sum(const struct cml_field_source *source, size_t cell)
 {
     const int groups = (int)cml_groups_of(source->step);
-    return cml_result_cell_sum(source->cells + cell, groups, source->step) * cml_field_per_photon(source);
+    return cml_result_cell_sum(source->cells + cell, groups, source->step) * per_photon(source);
 }
 
 double cml_field_error(const struct cml_field_source *source, size_t cell)
@@ -52,7 +53,7 @@ double cml_field_error(const struct cml_field_source *source, size_t cell)
 static void voxel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = cml_field_per_photon(source) * source->scale;
+    const double k = per_photon(source) * source->scale;
     const int groups = (int)cml_groups_of(source->step);
     for (size_t i = 0; i < count; i++)
         out[i] = cml_result_cell_sum(source->cells + (begin + i) * source->na, groups, source->step) * k;
@@ -87,7 +88,7 @@ static double projected_solid_angle(const struct cml_field_source *source, size_
 static void angle_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = cml_field_per_photon(source) * source->scale;
+    const double k = per_photon(source) * source->scale;
     for (size_t i = begin; i < begin + count; i++)
         *out++ = (double)source->cells[i] * k / projected_solid_angle(source, i);
 }
@@ -159,7 +160,7 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
     const size_t boundaries = (size_t)report->surfaces->count,
                  detectors = (size_t)report->scene->num_detectors,
                  capacity = CML_NUM_QUANTITIES + 18 * boundaries + 2 * detectors;
-    *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
+    *c = (struct cml_field_list){.report = report};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);

@@ -51,9 +51,9 @@ struct cml_field_source {
 /* A list of fields, their sources and their axes. Nothing in it moves. */
 struct cml_field_list {
     const struct cml_report *report;
-    int num_fields, capacity;
-    struct cml_field *fields;         /* [capacity] */
-    struct cml_field_source *sources; /* [capacity], of the field of the same number */
+    int num_fields;
+    struct cml_field *fields;
+    struct cml_field_source *sources; /* of the field of the same number */
     struct cml_axis axis[CML_NUM_AXES];
     struct cml_axis *facet;  /* [L + 1] of every boundary */
     char (*facet_names)[32]; /* [L + 1] */
@@ -78,9 +78,6 @@ void cml_add_number_field(struct cml_field_list *list, enum cml_quantity quantit
 
 /* The standard errors of the field added last, NAME_se. */
 void cml_add_error_field(struct cml_field_list *list, cml_field_values *values);
-
-/* From units of weight to a share of one packet. */
-double cml_field_per_photon(const struct cml_field_source *source);
 
 /* What all groups have in a cell, as a share of one packet; and its standard error, where they are apart. */
 double cml_field_sum(const struct cml_field_source *source, size_t cell);

@@ -44,8 +44,7 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct floor floor = find_floor(scene, surfaces);
-    if (scene->backing.kind != CML_BACKING_NONE)
-        return (struct cml_aim_level){.why = "a backing lies below all layers"};
+    if (scene->backing.kind != CML_BACKING_NONE) return (struct cml_aim_level){0};
     for (int l = floor.layer; l <= scene->num_layers; l++) {
         const double top = surfaces->item[l - 1].depth, from = fmax(top, floor.depth),
                      rest = surfaces->item[l].depth - from, mut = cml_medium_mut(&scene->media[l]);
@@ -53,7 +52,7 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
         const double z = from - top + fmin(rest, mut > 0 ? 1 / mut : rest) / 16;
         return (struct cml_aim_level){.layer = l, .z = z, .depth = top + z};
     }
-    return (struct cml_aim_level){.why = "shapes, bodies or beams reach down to the last boundary"};
+    return (struct cml_aim_level){0};
 }
 
 /* A packet's counted Tt has the relative variance V; an expected one, 1 / share or less where that share of

@@ -10,11 +10,10 @@
 #include "tally/result.h"
 
 /* A level below which all is flat: in this layer, z cm below its top; `depth` in the scene. layer 0: there is
- * none, and `why` says what is in the way. */
+ * none. */
 struct cml_aim_level {
     int layer;
     double z, depth;
-    const char *why;
 };
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces);
 

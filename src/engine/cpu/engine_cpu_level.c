@@ -277,7 +277,6 @@ static double cpu_bytes(const struct cml_scene *scene, const struct cml_surface_
 extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
 const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .name = "cpu",
-    .description = "single precision, bundles of packets in vector loops, threads",
     .reweights = true,
     .open = cpu_open,
     .run = cpu_run,

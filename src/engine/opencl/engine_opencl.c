@@ -393,7 +393,6 @@ static double opencl_bytes(const struct cml_scene *scene, const struct cml_surfa
 
 const struct cml_engine cml_engine_opencl = {
     .name = "opencl",
-    .description = "single precision, planes and heightfields on OpenCL devices",
     .open = opencl_open,
     .run = opencl_run,
     .trace = opencl_trace,

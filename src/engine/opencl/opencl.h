@@ -18,7 +18,6 @@ struct cml_opencl_info {
     unsigned largest_group;
     bool atomics64;      /* cl_khr_int64_base_atomics */
     bool exact_division; /* division and square root are correctly rounded, as on the CPU */
-    bool little_endian;
 };
 
 /* All devices; *list is the caller's to free. No platform at all is an empty list, not an error. */

@@ -74,7 +74,6 @@ static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl
     cl_uint units;
     cl_ulong memory, largest, local;
     size_t group;
-    cl_bool little;
     cl_device_fp_config floats;
     ask(id, CL_DEVICE_NAME, sizeof info->name, info->name);
     ask(id, CL_DEVICE_VENDOR, sizeof info->vendor, info->vendor);
@@ -89,7 +88,6 @@ static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl
     ask(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof largest, &largest);
     ask(id, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local, &local);
     ask(id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof group, &group);
-    ask(id, CL_DEVICE_ENDIAN_LITTLE, sizeof little, &little);
     ask(id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats);
     info->type = type & CL_DEVICE_TYPE_GPU ? "GPU" : (type & CL_DEVICE_TYPE_CPU ? "CPU" : "other");
     info->units = units ? units : 1;
@@ -99,7 +97,6 @@ static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl
     info->largest_group = (unsigned)group;
     info->atomics64 = has_extension(id, "cl_khr_int64_base_atomics");
     info->exact_division = (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-    info->little_endian = little != CL_FALSE;
 }
 
 /* Appends the devices of one platform. A platform without devices, or whose driver fails, counts as empty:
@@ -126,9 +123,10 @@ static cml_status append_platform(cl_platform_id platform, struct cml_opencl_dev
     return CML_OK;
 }
 
-/* Devices are numbered across platforms, in the order in which drivers name them: those are the numbers of
+/* All devices with their handles; *list is the caller's to free. They are numbered across platforms, in the
+ * order in which drivers name them: those are the numbers of
  * --device. Without a driver the loader reports an error, and that is an empty list. */
-cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct cml_error *err)
+static cml_status find_devices(struct cml_opencl_device **list, int *count, struct cml_error *err)
 {
     cl_platform_id platforms[MOST_PLATFORMS];
     cl_uint found = 0;
@@ -145,12 +143,12 @@ cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct c
     return CML_OK;
 }
 
-/* As cml_opencl_find, without the handles, for those who know no OpenCL header. */
+/* As find_devices, without the handles, for those who know no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;
     *list = NULL;
-    CML_TRY(cml_opencl_find(&devices, count, err));
+    CML_TRY(find_devices(&devices, count, err));
     *list = calloc((size_t)*count + 1, sizeof **list);
     for (int i = 0; *list && i < *count; i++) (*list)[i] = devices[i].info;
     free(devices);
@@ -224,7 +222,7 @@ cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_open
     struct cml_opencl_device *all;
     int numbers[most], devices;
     *list = NULL;
-    CML_TRY(cml_opencl_find(&all, &devices, err));
+    CML_TRY(find_devices(&all, &devices, err));
     if (devices < 1)
         return cml_fail(err, CML_E_DEVICE, "there is no OpenCL device (see clustermcml devices)");
     cml_status status = CML_OK;

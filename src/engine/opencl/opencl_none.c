@@ -34,7 +34,6 @@ static void none_close(void *self)
 
 const struct cml_engine cml_engine_opencl = {
     .name = "opencl",
-    .description = "not in this program",
     .open = none_open,
     .threads = none_threads,
     .bytes = none_bytes,

@@ -18,9 +18,6 @@ struct cml_opencl_device {
     struct cml_opencl_info info;
 };
 
-/* All devices with their handles; *list is the caller's to free. */
-CML_NODISCARD cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct cml_error *err);
-
 /* The devices that `--device` names: "i", "i,j" or "all"; NULL: cml_opencl_default for the local rank. A
  * device may be named twice and then serves twice. CML_E_INPUT for what is no number, CML_E_DEVICE for a
  * device that is not there. */

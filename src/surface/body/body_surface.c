@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/body/body_surface.h"
 
-#include "base/clock.h"
 #include "base/constants.h"
 #include "base/shared.h"
 #include "geometry/vec3.h"
@@ -143,18 +142,10 @@ static cml_status make_grids(const struct cml_scene *scene, const double *depths
 static cml_status create(const struct cml_scene *scene, const double *depths, enum cml_mesh_search search,
                          struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
-    const double begin = cml_now();
-    for (int k = 0; k < surfaces->count; k++) {
-        struct cml_body_surface *surface = &surfaces->item[k];
-        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], search, surface, err));
-        if (surface->mesh) surfaces->bytes += cml_mesh_surface_bytes(surface->mesh);
-    }
+    for (int k = 0; k < surfaces->count; k++)
+        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], search, &surfaces->item[k], err));
     CML_TRY(make_tree(scene, surfaces, err));
-    CML_TRY(make_grids(scene, depths, surfaces, err));
-    surfaces->bytes += (double)surfaces->tree.count * sizeof *surfaces->tree.node +
-                       (double)surfaces->grids.num_cells * sizeof *surfaces->grids.ball;
-    surfaces->build_seconds = cml_now() - begin;
-    return CML_OK;
+    return make_grids(scene, depths, surfaces, err);
 }
 
 /* All bodies of the scene as meshes. */
@@ -210,7 +201,6 @@ void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_bo
 {
     *surfaces = *from;
     cml_share(surfaces->users);
-    surfaces->build_seconds = 0;
 }
 
 static void free_own(struct cml_body_surfaces *surfaces)

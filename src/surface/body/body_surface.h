@@ -23,7 +23,6 @@ struct cml_body_surfaces {
     struct cml_body_surface *item; /* [count] */
     struct cml_body_tree tree;
     struct cml_body_grids grids;
-    double build_seconds, bytes;
     const struct cml_scene_body *of; /* the bodies, which scenes share */
     int *users;                      /* scenes that share what it points to (base/shared.h) */
 };

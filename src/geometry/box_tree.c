@@ -285,14 +285,6 @@ void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3],
     search_touching(&touching, root_of(tree));
 }
 
-/* A column has no upper or lower end: z does not count. */
-void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_boxtree_visit *visit,
-                        void *context)
-{
-    const double lower[3] = {x, y, -INFINITY}, upper[3] = {x, y, INFINITY};
-    cml_boxtree_touching(tree, lower, upper, visit, context);
-}
-
 struct through {
     const struct cml_column_mesh *mesh;
     uint32_t without;
@@ -348,7 +340,8 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
                                      const double point[3])
 {
     struct through through = {mesh, without, point, {.nearest = INFINITY}};
-    cml_boxtree_column(mesh->tree, point[0], point[1], visit_through, &through);
+    cml_boxtree_touching(mesh->tree, (double[]){point[0], point[1], -INFINITY},
+                         (double[]){point[0], point[1], INFINITY}, visit_through, &through);
     return through.column;
 }
 

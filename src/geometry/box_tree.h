@@ -34,11 +34,6 @@ bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b,
 /* Every pair (i, j), i != j, within one tree, once. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context);
 
-/* Every triangle whose box holds the column over (x, y). */
-typedef void cml_boxtree_visit(void *context, uint32_t i);
-void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_boxtree_visit *visit,
-                        void *context);
-
 /* A mesh in a tree; all borrowed. part: of each triangle, NULL where all count. */
 struct cml_column_mesh {
     const double (*vertex)[3];
@@ -62,6 +57,7 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
 #define CML_WITHOUT_NONE UINT32_MAX
 
 /* Every triangle whose box touches this one. */
+typedef void cml_boxtree_visit(void *context, uint32_t i);
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);
 

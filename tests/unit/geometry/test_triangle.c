@@ -286,7 +286,8 @@ static void test_boxtree(void **state)
         }
         column += x[0] <= 8.0 && 8.0 <= x[1] && y[0] <= 1.5 && 1.5 <= y[1];
     }
-    cml_boxtree_column(tree, 8.0, 1.5, count_column, &count);
+    cml_boxtree_touching(tree, (double[]){8.0, 1.5, -INFINITY}, (double[]){8.0, 1.5, INFINITY}, count_column,
+                         &count);
     assert_int_equal(count.column, column);
     cml_boxtree_free(tree);
 }

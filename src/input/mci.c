@@ -325,7 +325,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     struct cml_scene *scene = &list->scenes[list->count++];
     *scene = (struct cml_scene){0};
     cml_mci_forget(reader);
-    CML_TRY(cml_mci_first_beam(reader, scene));
+    CML_TRY(cml_mci_add_beam(reader, scene));
     CML_TRY(read_name(reader, list, scene));
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));

@@ -283,7 +283,7 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
 }
 
 /* One more beam. The first line takes the place of the pencil that there is without one. */
-static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
+cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int count = scene->num_beams;
     if (count == 1 && !scene->beams[0].given) return CML_OK;
@@ -296,11 +296,6 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
     return CML_OK;
 }
 
-cml_status cml_mci_first_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
-{
-    return grow(reader, scene);
-}
-
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_mci_line_options options = {
@@ -309,7 +304,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
         .keys = {"at", "z", "angle", "azimuth", "light", "share", "radial", "na"},
         .list = "at=, z=, angle=, azimuth=, light=, share= or radial="};
     const char *angle = NULL;
-    CML_TRY(grow(reader, scene));
+    CML_TRY(cml_mci_add_beam(reader, scene));
     CML_TRY(cml_share_begin(&scene->beams[scene->num_beams - 1].users, reader->err));
     struct cml_beam *beam = &scene->beams[scene->num_beams - 1];
     double *beam_share = &scene->shares[scene->num_beams - 1];

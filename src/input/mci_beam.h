@@ -4,8 +4,8 @@
 #include "input/mci_lines.h"
 #include "scene/scene.h"
 
-/* Makes the pencil beam that there is without a line. */
-CML_NODISCARD cml_status cml_mci_first_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
+/* Adds a pencil beam: there is one without a line. */
+CML_NODISCARD cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
 
 /* Reads the current line "beam SHAPE [at=x,y] [z=z] [angle=degrees] [azimuth=degrees] [light=LIGHT] [share=s]
  * [radial=beam]", cursor behind the keyword, and the files that it names; angles become rad. CML_E_INPUT. */

@@ -2,7 +2,6 @@
 #include "plot/plot_map.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 

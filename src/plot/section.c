@@ -283,12 +283,6 @@ static void write_body(struct frame *f, const struct cml_section_body *body)
         f, (struct box){left + 0.1 * width, right - 0.1 * width, bottom + 0.1 * height, top - 0.1 * height});
 }
 
-/* The last first: a body in another stands behind it in most files. */
-static void write_bodies(struct frame *f)
-{
-    for (int k = f->section->num_bodies - 1; k >= 0; k--) write_body(f, &f->section->body[k]);
-}
-
 /* ---- the boundaries ---- */
 
 /* A name for each colour, as gnuplot looks for a name among all, and the data of all lines that have it; an
@@ -331,7 +325,8 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
     write_map(&f);
     write_beams(&f);
     write_labels(&f);
-    write_bodies(&f);
+    /* the last first: a body in another stands behind it in most files */
+    for (int k = s->num_bodies - 1; k >= 0; k--) write_body(&f, &s->body[k]);
     write_lines(&f);
     return CML_OK;
 }

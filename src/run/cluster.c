@@ -138,7 +138,8 @@ void cml_cluster_end(cml_status status)
     MPI_Finalize();
 }
 
-bool cml_cluster_is_single(void)
+/* Whether there is nobody to talk to. */
+static bool is_single(void)
 {
     return cml_ranks.size == 1 || atomic_load(&cml_ranks.alone);
 }
@@ -184,7 +185,7 @@ bool cml_cluster_contact_lost(void)
  * it; that rank then tells all its message. Without contact every rank is alone with what it knows. */
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
-    if (cml_cluster_is_single()) return mine;
+    if (is_single()) return mine;
     if (cml_cluster_contact_lost()) return mine != CML_OK ? mine : cml_cluster_fail_contact_lost(err);
     struct {
         int status, rank;
@@ -203,7 +204,7 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;
     char *bytes = data;
-    for (size_t done = 0; !cml_cluster_is_single() && done < size; done += SLICE_BYTES) {
+    for (size_t done = 0; !is_single() && done < size; done += SLICE_BYTES) {
         const size_t count = size - done < SLICE_BYTES ? size - done : SLICE_BYTES;
         CML_TRY(CML_COMPLETE(MPI_Ibcast(bytes + done, (int)count, MPI_BYTE, 0, MPI_COMM_WORLD, &call), &call,
                              err));
@@ -215,7 +216,7 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error *err)
 {
     cml_status status = CML_OK;
-    if (cml_cluster_is_single()) return CML_OK;
+    if (is_single()) return CML_OK;
     CML_TRY(cml_cluster_share(size, sizeof *size, err));
     if (cml_ranks.rank != 0) {
         *block = malloc(*size);
@@ -228,7 +229,7 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
 /* Blocks are small (a report per rank), so one call will do. */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
-    if (cml_cluster_is_single()) {
+    if (is_single()) {
         memcpy(all, mine, size);
         return CML_OK;
     }
@@ -249,7 +250,7 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
 /* In slices: MPI would otherwise hold another copy of a result that may fill half of the memory. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
-    if (cml_cluster_is_single()) return CML_OK;
+    if (is_single()) return CML_OK;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
     for (size_t done = 0; done < cells; done += SLICE_CELLS) {

@@ -24,9 +24,6 @@ struct cml_ranks {
 };
 extern struct cml_ranks cml_ranks;
 
-/* Whether there is nobody to talk to. */
-bool cml_cluster_is_single(void);
-
 /* CML_E_IO: nothing was heard of cml_ranks.lost_rank for too long. */
 CML_NODISCARD cml_status cml_cluster_fail_contact_lost(struct cml_error *err);
 

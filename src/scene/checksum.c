@@ -13,44 +13,31 @@ static uLong add_numbers(uLong sum, const double *numbers, size_t count)
     return sum;
 }
 
-static uLong add_number(uLong sum, double number)
-{
-    return add_numbers(sum, &number, 1);
-}
-
-static uLong add_radial(uLong sum, const struct cml_radial *radial)
-{
-    sum = add_numbers(sum, radial->r, (size_t)radial->n);
-    return add_numbers(sum, radial->h, (size_t)radial->n);
-}
-
-static uLong add_tile(uLong sum, const struct cml_heightmap *tile, enum cml_normals normals)
+static uLong sum_tile(const struct cml_heightmap *tile, enum cml_normals normals)
 {
     const double place[] = {tile->nx, tile->ny, tile->x0, tile->y0, tile->dx, tile->dy, normals};
-    sum = add_numbers(sum, place, sizeof place / sizeof *place);
+    const uLong sum = add_numbers(0, place, sizeof place / sizeof *place);
     return add_numbers(sum, tile->h, (size_t)tile->nx * (size_t)tile->ny);
-}
-
-static uLong add_mesh(uLong sum, const struct cml_mesh *mesh)
-{
-    if (mesh->num_triangles == 0) return sum;
-    sum = add_number(sum, mesh->normals);
-    sum = add_numbers(sum, mesh->vertex[0], 3 * mesh->num_vertices);
-    return crc32_z(sum, (const Bytef *)mesh->triangle, mesh->num_triangles * sizeof *mesh->triangle);
 }
 
 uint32_t cml_mesh_checksum(const struct cml_mesh *mesh)
 {
-    return (uint32_t)add_mesh(0, mesh);
+    if (mesh->num_triangles == 0) return 0;
+    uLong sum = add_numbers(0, (double[]){mesh->normals}, 1);
+    sum = add_numbers(sum, mesh->vertex[0], 3 * mesh->num_vertices);
+    return (uint32_t)crc32_z(sum, (const Bytef *)mesh->triangle,
+                             mesh->num_triangles * sizeof *mesh->triangle);
 }
 
 uint32_t cml_boundary_checksum(const struct cml_boundary *boundary)
 {
+    const struct cml_radial *radial = &boundary->radial;
+    const size_t n = (size_t)radial->n;
     switch (boundary->form) {
     case CML_FORM_RADIAL:
-        return (uint32_t)add_radial(0, &boundary->radial);
+        return (uint32_t)add_numbers(add_numbers(0, radial->r, n), radial->h, n);
     case CML_FORM_TILE:
-        return (uint32_t)add_tile(0, &boundary->tile, boundary->tile_normals);
+        return (uint32_t)sum_tile(&boundary->tile, boundary->tile_normals);
     case CML_FORM_MESH:
         return cml_mesh_checksum(&boundary->mesh);
     case CML_FORM_PLANE:

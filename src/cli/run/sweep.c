@@ -12,7 +12,6 @@
 #include "cli/run/sweep_flights.h"
 #include "input/sweep/sweep_groups.h"
 #include "output/files/hdf5_file.h"
-#include "output/report.h"
 #include "output/study/sweep_files.h"
 #include "run/cluster.h"
 #include "run/identity.h"

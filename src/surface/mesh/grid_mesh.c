@@ -227,7 +227,8 @@ static bool put_facets(const struct cml_centred_mesh *centred, const struct rect
     return true;
 }
 
-size_t cml_grid_mesh_all_slots(const struct cml_grid_mesh *grid)
+/* Slots of all levels together. */
+static size_t all_slots(const struct cml_grid_mesh *grid)
 {
     size_t slots = 0;
     for (int l = 0; l < grid->levels; l++) slots += cml_grid_mesh_slots(&grid->level[l]);
@@ -245,7 +246,7 @@ cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct 
         is_last = n[0] <= 4 && n[1] <= 4;
         for (int k = 0; k < 2; k++) n[k] = (n[k] + 3) / 4;
     }
-    const size_t slots = cml_grid_mesh_all_slots(grid), bytes = slots * sizeof *grid->level[0].depths;
+    const size_t slots = all_slots(grid), bytes = slots * sizeof *grid->level[0].depths;
     grid->level[0].depths = aligned_alloc(64, bytes);
     if (!grid->level[0].depths) {
         cml_grid_mesh_clear(grid);
@@ -370,7 +371,7 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
     if (grid->levels == 0) return 0;
-    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), slots = cml_grid_mesh_all_slots(grid);
+    const size_t cells = cml_grid_mesh_slots(&grid->level[0]), slots = all_slots(grid);
     const double depths = (double)slots * sizeof(struct cml_grid_mesh_depths);
     if (grid->cell) return depths + (double)cells * (sizeof *grid->cell + sizeof *grid->planes);
     return depths + (double)(cells + 1) * sizeof *grid->first +

@@ -85,9 +85,6 @@ static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
 }
 
-/* Slots of all levels together. */
-size_t cml_grid_mesh_all_slots(const struct cml_grid_mesh *grid);
-
 /* Lays out all levels above n[0] x n[1] cells, none of which has a depth yet. CML_E_INPUT for memory. */
 CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred,
                                                struct cml_grid_mesh *grid, struct cml_error *err);

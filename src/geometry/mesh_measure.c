@@ -8,12 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* sum += factor * a */
-static void add_scaled(double sum[3], double factor, const double a[3])
-{
-    for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
-}
-
 /* The area of triangle t as a vector, which points up. */
 static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
 {
@@ -44,7 +38,8 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
     for (int k = 0; k < 3; k++) {
         cml_vec3_subtract(mesh->vertex[corner[(k + 1) % 3]], mesh->vertex[corner[k]], u);
         cml_vec3_subtract(mesh->vertex[corner[(k + 2) % 3]], mesh->vertex[corner[k]], v);
-        add_scaled(mesh->vertex_normal[corner[k]], angle_between(u, v) / size, normal);
+        const double factor = angle_between(u, v) / size;
+        for (int axis = 0; axis < 3; axis++) mesh->vertex_normal[corner[k]][axis] += factor * normal[axis];
     }
 }
 

@@ -27,13 +27,6 @@ static const double *errors_of(const struct cml_outcome *o, enum cml_quantity wh
     return which == CML_QUANTITY_Rsp ? &none : NULL;
 }
 
-/* Says it of the second file, as if the first were right: one of them has to give way. */
-static cml_status fail_grid(const char *const names[2], const char *field, double a, double b,
-                            struct cml_error *err)
-{
-    return cml_fail(err, CML_E_INPUT, "%s: %s = %g (expected %g, as in %s)", names[1], field, b, a, names[0]);
-}
-
 /* Refuses results whose bins differ: there is nothing to compare bin by bin. Materials may differ: that is
  * often the question. */
 static cml_status check_grids(const struct cml_outcome *a, const struct cml_outcome *b,
@@ -56,8 +49,9 @@ static cml_status check_grids(const struct cml_outcome *a, const struct cml_outc
     };
     const double printed = 1e-5; /* a length has six digits in the file */
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        if (fabs(fields[i].a - fields[i].b) > printed * fields[i].a)
-            return fail_grid(names, fields[i].field, fields[i].a, fields[i].b, err);
+        if (fabs(fields[i].a - fields[i].b) > printed * fields[i].a) /* as if the first were right */
+            return cml_fail(err, CML_E_INPUT, "%s: %s = %g (expected %g, as in %s)", names[1],
+                            fields[i].field, fields[i].b, fields[i].a, names[0]);
     return CML_OK;
 }
 

@@ -12,11 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static cml_status no_memory(const struct cml_obj_scan *scan, struct cml_error *err)
-{
-    return cml_fail_memory(err, 28.0 * (double)scan->num_corners, "the faces of a mesh");
-}
-
 /* tinyobjloader resolves relative numbers; that they are in range is checked here, with the face's line. */
 static cml_status read_corners(const struct cml_text *text, const struct cml_obj_scan *scan, uint32_t *corner,
                                struct cml_error *err)
@@ -91,7 +86,8 @@ static cml_status build_triangles(const struct cml_text *text, const struct cml_
     mesh->triangle = malloc(count * sizeof *mesh->triangle);
     *triangle_line = malloc(count * sizeof **triangle_line);
     cml_status status = CML_OK;
-    if (!corner || !mesh->triangle || !*triangle_line) status = no_memory(scan, err);
+    if (!corner || !mesh->triangle || !*triangle_line)
+        status = cml_fail_memory(err, 28.0 * (double)scan->num_corners, "the faces of a mesh");
     if (status == CML_OK) status = read_corners(text, scan, corner, err);
     if (status == CML_OK) status = split_faces(text->path, scan, corner, mesh, *triangle_line, bent, err);
     free(corner);

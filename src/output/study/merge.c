@@ -13,11 +13,6 @@
 
 /* ---- means ---- */
 
-static double weight_of(const struct cml_merge_input *input, const struct cml_outcome *merged)
-{
-    return (double)input->outcome->photons / (double)merged->photons;
-}
-
 /* What all results have. */
 static bool all_have(const struct cml_merge_input *inputs, int count, enum cml_quantity quantity, bool errors)
 {
@@ -38,7 +33,8 @@ static cml_status merge_values(const struct cml_merge_input *inputs, int count, 
     CML_TRY(cml_outcome_add(merged, quantity, false, err));
     double *to = merged->value[quantity];
     for (int k = 0; k < (estimator == CML_FROM_INPUT ? 1 : count); k++) {
-        const double weight = sums || estimator == CML_FROM_INPUT ? 1 : weight_of(&inputs[k], merged);
+        const double share = (double)inputs[k].outcome->photons / (double)merged->photons;
+        const double weight = sums || estimator == CML_FROM_INPUT ? 1 : share;
         for (size_t i = 0; i < size; i++) to[i] += weight * inputs[k].outcome->value[quantity][i];
     }
     return CML_OK;

@@ -198,12 +198,6 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
-/* The number of all triangles, with those of the skirt. */
-static size_t all_triangles(const struct builder *b)
-{
-    return b->count + 2 * b->num_rim + 8;
-}
-
 static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
                         double *surface, struct cml_error *err)
 {
@@ -214,8 +208,8 @@ static cml_status merge(struct builder *b, double tolerance, const struct cml_me
     if (b->out_of_memory)
         return cml_fail_memory(err, 48.0 * (double)b->count, "the triangles of a heightmap");
     list_rim(b);
-    return cml_mesh_budget_check(budget, (double)all_triangles(b), "a larger --tolerance or --mesh-budget",
-                                 err);
+    const size_t with_skirt = b->count + 2 * b->num_rim + 8;
+    return cml_mesh_budget_check(budget, (double)with_skirt, "a larger --tolerance or --mesh-budget", err);
 }
 
 static void clear(struct builder *b, double *surface)

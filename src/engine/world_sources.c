@@ -26,16 +26,16 @@ static cml_u32 word_of(double below, double all)
 /* Fills words[1 + count]: how many parts are in use, and the lowest word that leads to each. What lies behind
  * the last part with light is out of use; a dark part before it begins where the next one does, and is never
  * chosen. */
-static void sum_parts(const double *part, size_t stride, int count, cml_u32 *words)
+static void sum_parts(const double *part, int count, cml_u32 *words)
 {
     double all = 0, below = 0;
     for (int i = 0; i < count; i++) {
-        all += part[(size_t)i * stride];
-        if (part[(size_t)i * stride] > 0) words[0] = (cml_u32)i + 1;
+        all += part[i];
+        if (part[i] > 0) words[0] = (cml_u32)i + 1;
     }
     for (int i = 0; all > 0 && i < count; i++) {
         words[1 + i] = word_of(below, all);
-        below += part[(size_t)i * stride];
+        below += part[i];
     }
 }
 
@@ -53,10 +53,10 @@ static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct 
     if (!row) return cml_fail_memory(err, beam->rows * 8.0, "an image");
     for (int i = 0; i < beam->rows; i++)
         for (size_t k = 0; k < columns; k++) row[i] += beam->pixel[(size_t)i * columns + k];
-    sum_parts(row, 1, beam->rows, words);
+    sum_parts(row, beam->rows, words);
     words += 1 + beam->rows;
     for (int i = 0; i < beam->rows; i++, words += 1 + columns)
-        sum_parts(beam->pixel + (size_t)i * columns, 1, beam->columns, words);
+        sum_parts(beam->pixel + (size_t)i * columns, beam->columns, words);
     free(row);
     return CML_OK;
 }

@@ -112,11 +112,11 @@ void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const 
 }
 
 /* Most rays are short and start close to the mesh: nothing to clip, and t_entry 0 is close enough. */
-static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
+static bool is_of_mesh_size(const struct cml_mesh_query *q)
 {
     const double *lower = q->centred->lower, *upper = q->centred->upper, *p = q->origin;
     const double size = upper[0];
-    return t_max < size && p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1] &&
+    return q->t < size && p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1] &&
            p[2] > lower[2] - size && p[2] < upper[2] + size;
 }
 
@@ -138,12 +138,12 @@ static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double 
     return *enter <= *leave;
 }
 
-bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave)
+bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
 {
     double enter = 0, size = 0;
     *leave = q->t;
-    if (!is_of_mesh_size(q, q->t) && !clip_to_slabs(q, &enter, leave)) return false;
-    q->t_entry = enter - back;
+    if (!is_of_mesh_size(q) && !clip_to_slabs(q, &enter, leave)) return false;
+    q->t_entry = enter;
     q->err_entry = DBL_EPSILON * enter;
     for (int k = 0; k < 3; k++) {
         q->entry[k] = q->origin[k] + q->t_entry * q->direction[k];
@@ -157,7 +157,7 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave)
 bool cml_query_enter(struct cml_mesh_query *q)
 {
     double leave;
-    if (!is_of_mesh_size(q, q->t)) return cml_query_clip_ray(q, 0, &leave);
+    if (!is_of_mesh_size(q)) return cml_query_clip_ray(q, &leave);
     q->t_entry = 0;
     cml_vec3_copy(q->origin, q->entry);
     return true;

@@ -50,10 +50,9 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *ce
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position);
 
-/* Clips the ray to the mesh's box and puts the entry point there, or by `back` before it: only numbers of the
- * mesh's own size are ever rounded to float. *leave: where the ray leaves the box, at most q->t. False when
- * it never enters. */
-bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave);
+/* Clips the ray to the mesh's box and puts the entry point there: only numbers of the mesh's own size are
+ * ever rounded to float. *leave: where the ray leaves the box, at most q->t. False when it never enters. */
+bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave);
 
 /* Puts the entry point where the ray enters the mesh's box, or at the origin close to it, and no more: for
  * single precision. False when it never enters. */

@@ -104,15 +104,6 @@ static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRay
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* The part of the ray inside the mesh's box; false when there is none. */
-static bool make_ray(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
-{
-    double leave;
-    if (!cml_query_clip_ray(q, back, &leave)) return false;
-    fill_ray(q, leave, rayhit);
-    return true;
-}
-
 /* Makes Embree's ray of the whole line, ahead and behind. */
 static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
 {
@@ -141,7 +132,10 @@ static void intersect_boxes(const struct cml_mesh_surface *surface, struct query
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
-    if (make_ray(&query->ray, 0, &rayhit)) intersect_boxes(surface, query, &rayhit);
+    double leave;
+    if (!cml_query_clip_ray(&query->ray, &leave)) return;
+    fill_ray(&query->ray, leave, &rayhit);
+    intersect_boxes(surface, query, &rayhit);
 }
 
 /* Contact test around the packet: whether one that stands on no facet lies within rounding of one. A ray at a
@@ -151,7 +145,7 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
 {
     struct RTCRayHit rayhit;
     double leave;
-    if (!cml_query_clip_ray(&query->ray, 0, &leave) || query->ray.t_entry > 0) return;
+    if (!cml_query_clip_ray(&query->ray, &leave) || query->ray.t_entry > 0) return;
     fill_ray(&query->ray, query->ray.t_entry, &rayhit);
     query->contact_only = true;
     intersect_boxes(surface, query, &rayhit);
@@ -208,7 +202,7 @@ static void query_tree(const struct cml_mesh_surface *surface, const struct cml_
     if (answer.blurred) {
         query_embree(surface, query);
     } else if (answer.doubts) {
-        if (!cml_query_clip_ray(q, 0, &leave)) return;
+        if (!cml_query_clip_ray(q, &leave)) return;
         for (int i = 0; i < answer.doubts; i++) test_triangle(q, answer.doubt[i]);
         if (answer.facet >= 0) test_triangle(q, answer.facet);
     } else if (answer.facet >= 0) {

@@ -17,8 +17,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 /* ---- the script ---- */
 
 /* How gnuplot makes each format. Cairo's letters are measured in points of 1/72 inch, SVG's in its units: a

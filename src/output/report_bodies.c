@@ -12,88 +12,52 @@
 
 /* ---- where values come from ---- */
 
-/* A facet among those of all bodies. */
-struct body_facet {
-    int body;
-    size_t facet;
-};
-
-static struct body_facet body_facet_of(const struct cml_report *report, size_t facet)
+/* The body of a facet among those of all. */
+static int body_of(const struct cml_report *report, size_t facet)
 {
     const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
-    struct body_facet at = {0, facet};
-    while (at.facet >= bodies->item[at.body].primitives) at.facet -= bodies->item[at.body++].primitives;
-    return at;
+    int first = 0, last = bodies->count - 1;
+    while (first < last) {
+        const int middle = last - (last - first) / 2;
+        if (bodies->item[middle].first <= facet)
+            first = middle;
+        else
+            last = middle - 1;
+    }
+    return first;
 }
 
-/* The next one: to search for each would take long with many bodies. */
-static void move_on(const struct cml_report *report, struct body_facet *at)
+static double area_of(const struct cml_report *report, size_t facet)
 {
-    if (++at->facet < report->surfaces->bodies.item[at->body].primitives) return;
-    at->facet = 0;
-    at->body++;
-}
-
-static double area_of(const struct cml_report *report, const struct body_facet *at)
-{
-    return cml_body_facet_area(&report->surfaces->bodies.item[at->body], &report->scene->bodies[at->body],
-                               at->facet);
+    const int k = body_of(report, facet);
+    const struct cml_body_surface *body = &report->surfaces->bodies.item[k];
+    return cml_body_facet_area(body, &report->scene->bodies[k], facet - body->first);
 }
 
 static void numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct body_facet at = body_facet_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &at)) out[i] = at.body + 1;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = 1 + (source->face ? source->face[i].body : body_of(source->report, i));
 }
 
 static void areas(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    struct body_facet at = body_facet_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &at)) out[i] = area_of(source->report, &at);
+    for (size_t i = begin; i < begin + count; i++) *out++ = area_of(source->report, i);
 }
 
 /* `cells` begins at the score in question of the first facet. */
-static void densities(const void *context, size_t begin, size_t count, double *out)
+static struct cml_field_cells at_facet(const struct cml_field_source *source, size_t i)
 {
-    const struct cml_field_source *source = context;
-    struct body_facet at = body_facet_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &at))
-        out[i] = cml_field_sum(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &at);
+    return (struct cml_field_cells){i * CML_FACET_SCORES, 1, area_of(source->report, i)};
 }
 
-static void density_errors(const void *context, size_t begin, size_t count, double *out)
+/* What the facet has received, by the area of the faces that stand for it. */
+static struct cml_field_cells at_face(const struct cml_field_source *source, size_t i)
 {
-    const struct cml_field_source *source = context;
-    struct body_facet at = body_facet_of(source->report, begin);
-    for (size_t i = 0; i < count; i++, move_on(source->report, &at))
-        out[i] = cml_field_error(source, (begin + i) * CML_FACET_SCORES) / area_of(source->report, &at);
-}
-
-static void face_numbers(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) out[i] = source->face[begin + i].body + 1;
-}
-
-/* What facets have received, by the areas of the faces that stand for them; `cells` as of densities: sums. */
-static void face_densities(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const struct cml_body_face *face = &source->face[begin + i];
-        out[i] = cml_field_sum(source, face->facet * CML_FACET_SCORES) / face->area;
-    }
-}
-
-static void face_density_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const struct cml_body_face *face = &source->face[begin + i];
-        out[i] = cml_field_error(source, face->facet * CML_FACET_SCORES) / face->area;
-    }
+    const struct cml_body_face *face = &source->face[i];
+    return (struct cml_field_cells){face->facet * CML_FACET_SCORES, 1, face->area};
 }
 
 /* ---- fields ---- */
@@ -115,15 +79,14 @@ static void add_scores(struct cml_field_list *c, const struct cml_body_face *fac
                                                   CML_FACET_EXITANCE_ABOVE, CML_FACET_EXITANCE_BELOW};
     for (int i = 0; i < (int)(sizeof scores / sizeof *scores); i++) {
         const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_body_irradiance_outside + i);
-        struct cml_field_source *source = cml_add_field(c, quantity, face ? face_densities : densities);
+        struct cml_field_source *source =
+            cml_add_sums(c, quantity, face ? at_face : at_facet, first_scores(c->report) + scores[i]);
         struct cml_field *field = cml_last_field(c);
-        source->cells = first_scores(c->report) + scores[i];
         source->face = face;
         source->step = c->report->sums->grid.facet_step;
-        field->single = true;
         if (face)
             snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name + strlen("body_"));
-        if (source->step) cml_add_error_field(c, face ? face_density_errors : density_errors);
+        if (source->step) cml_add_error_field(c);
     }
 }
 
@@ -135,7 +98,7 @@ static void set_facets(struct cml_field_list *c, enum cml_axis_kind kind, size_t
 void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
 {
     set_facets(c, CML_AXIS_face, drawn->faces.num_faces);
-    cml_add_field(c, CML_QUANTITY_body_of_facet, face_numbers)->face = drawn->face;
+    cml_add_field(c, CML_QUANTITY_body_of_facet, numbers)->face = drawn->face;
     snprintf(cml_last_field(c)->name, sizeof cml_last_field(c)->name, "body");
     add_scores(c, drawn->face);
 }
@@ -143,10 +106,9 @@ void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_fa
 void cml_add_body_fields(struct cml_field_list *c)
 {
     const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;
-    size_t facets = 0;
     if (c->report->scene->num_bodies == 0) return;
-    for (int k = 0; k < bodies->count; k++) facets += bodies->item[k].primitives;
-    set_facets(c, CML_AXIS_body_facet, facets);
+    const struct cml_body_surface *last = &bodies->item[bodies->count - 1];
+    set_facets(c, CML_AXIS_body_facet, last->first + last->primitives);
     if (!c->report->sums->facets) return;
     cml_add_field(c, CML_QUANTITY_body_of_facet, numbers);
     cml_add_field(c, CML_QUANTITY_body_area, areas);
@@ -155,23 +117,21 @@ void cml_add_body_fields(struct cml_field_list *c)
 
 enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
 
-/* One of its fluxes, over all its facets; scores: that of the first. */
-static void set_flux(const struct cml_report *report, const cml_u128 *scores, int body, int side,
+/* One of a body's fluxes, over all its facets. */
+static void set_flux(const struct cml_report *report, const struct cml_body_surface *of, int side, size_t at,
                      struct cml_outcome *o)
 {
+    const cml_u128 *scores = first_scores(report) + of->first * CML_FACET_SCORES + side;
     const struct cml_result *sums = report->sums;
-    const size_t step = sums->grid.facet_step, groups = cml_groups_of(step),
-                 at = (size_t)(body * SIDES + side);
+    const size_t step = sums->grid.facet_step, groups = cml_groups_of(step);
     cml_u128 group[CML_NUM_GROUPS] = {0};
     for (size_t g = 0; g < groups; g++)
-        for (uint64_t i = 0; i < report->surfaces->bodies.item[body].primitives; i++)
-            group[g] += scores[g * step + i * CML_FACET_SCORES];
+        for (uint64_t i = 0; i < of->primitives; i++) group[g] += scores[g * step + i * CML_FACET_SCORES];
     o->value[CML_QUANTITY_flux_body][at] =
         cml_result_cell_sum(group, (int)groups, 1) * CML_WEIGHT_UNIT / (double)sums->photons;
     if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
-/* Facets of bodies follow those of all boundaries. */
 cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {
@@ -180,11 +140,8 @@ cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_ou
     const size_t step = report->sums->grid.facet_step;
     CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, false, err));
     if (step) CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, true, err));
-    const cml_u128 *scores = first_scores(report);
-    for (int k = 0; k < bodies->count; k++) {
-        for (int side = 0; side < SIDES; side++) set_flux(report, scores + side, k, side, o);
-        scores += bodies->item[k].primitives * CML_FACET_SCORES;
-    }
+    for (int at = 0; at < bodies->count * SIDES; at++)
+        set_flux(report, &bodies->item[at / SIDES], at % SIDES, (size_t)at, o);
     return CML_OK;
 }
 
@@ -246,17 +203,16 @@ static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces
     return cml_fail_memory(err, (double)((to->num_faces + faces) * sizeof *drawn->face), "faces of bodies");
 }
 
-/* first: of the body's facets among those of all. */
-static cml_status add_body(const struct cml_report *report, int k, size_t first, const struct cml_mesh *mesh,
+static cml_status add_body(const struct cml_report *report, int k, const struct cml_mesh *mesh,
                            struct cml_body_faces *drawn, struct cml_error *err)
 {
+    const struct cml_body_surface *body = &report->surfaces->bodies.item[k];
     struct cml_faces *to = &drawn->faces;
     CML_TRY(grow(drawn, mesh->num_vertices, mesh->num_triangles, err));
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const size_t facet = facet_of(report, k, mesh, i);
         drawn->face[to->num_faces + i] = (struct cml_body_face){
-            k, first + facet,
-            cml_body_facet_area(&report->surfaces->bodies.item[k], &report->scene->bodies[k], facet)};
+            k, body->first + facet, cml_body_facet_area(body, &report->scene->bodies[k], facet)};
         for (int corner = 0; corner < 3; corner++)
             to->corner[3 * (to->num_faces + i) + (size_t)corner] =
                 (uint32_t)to->num_points + mesh->triangle[i][corner];
@@ -273,13 +229,11 @@ cml_status cml_report_body_faces(const struct cml_report *report, struct cml_bod
 {
     *drawn = (struct cml_body_faces){.faces.corners = 3};
     cml_status status = CML_OK;
-    size_t first = 0;
     for (int k = 0; status == CML_OK && k < report->scene->num_bodies; k++) {
         struct cml_mesh mesh;
         status = mesh_of(report, k, &mesh, err);
         if (status != CML_OK) break;
-        status = add_body(report, k, first, &mesh, drawn, err);
-        first += report->surfaces->bodies.item[k].primitives;
+        status = add_body(report, k, &mesh, drawn, err);
         cml_mesh_clear(&mesh);
     }
     if (status != CML_OK) cml_report_body_faces_free(drawn);

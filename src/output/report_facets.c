@@ -22,34 +22,10 @@ static void facet_areas(const void *context, size_t begin, size_t count, double 
 
 /* `cells` begins at the score in question of the first facet, and others follow at a distance of
  * CML_FACET_SCORES. Faces that are parts of one facet all get its value. */
-static void facet_values(const void *context, size_t begin, size_t count, double *out)
+static struct cml_field_cells at_facet(const struct cml_field_source *source, size_t i)
 {
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const size_t facet = (begin + i) / source->per_facet;
-        out[i] = cml_field_sum(source, facet * CML_FACET_SCORES) / facet_area(source, facet);
-    }
-}
-
-/* Irradiance and exitance, which a packet may add to many times. */
-static void facet_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const size_t facet = (begin + i) / source->per_facet;
-        out[i] = cml_field_error(source, facet * CML_FACET_SCORES) / facet_area(source, facet);
-    }
-}
-
-/* Standard errors of escaped weight, from the sums of its squares. */
-static void escape_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const size_t facet = (begin + i) / source->per_facet, cell = facet * CML_FACET_SCORES;
-        out[i] = cml_result_once_error(source->report->sums, source->cells[cell], source->squares[cell]) /
-                 facet_area(source, facet);
-    }
+    const size_t facet = i / source->per_facet;
+    return (struct cml_field_cells){facet * CML_FACET_SCORES, 1, facet_area(source, facet)};
 }
 
 /* ---- fields ---- */
@@ -124,19 +100,16 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     c->facet[b].n = (num_facets(c->report, b) - 1) * per_facet;
     for (size_t i = 0; i < SCORES; i++) {
         if (!has_score(c->report, b, i)) continue;
-        struct cml_field_source *source = cml_add_field(c, scores[i].quantity, facet_values);
-        source->cells = first + scores[i].score;
-        source->squares = first + CML_FACET_ESCAPED_SQUARES;
+        const bool once = scores[i].score == CML_FACET_ESCAPED;
+        struct cml_field_source *source =
+            cml_add_sums(c, scores[i].quantity, at_facet, first + scores[i].score);
+        source->squares = once ? first + CML_FACET_ESCAPED_SQUARES : NULL;
         source->step = c->report->sums->grid.facet_step;
         source->surface = &c->report->surfaces->item[b];
         source->per_facet = per_facet;
         name_field(c, prefix, "", scores[i].quantity);
         along_facets(c, b);
-        cml_last_field(c)->single = true;
-        if (scores[i].score == CML_FACET_ESCAPED)
-            cml_add_error_field(c, escape_errors);
-        else if (source->step)
-            cml_add_error_field(c, facet_errors);
+        if (once || source->step) cml_add_error_field(c);
     }
 }
 

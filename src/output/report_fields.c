@@ -9,12 +9,6 @@
 
 /* ---- where values come from ---- */
 
-/* From units of weight to a share of one packet. */
-static double per_photon(const struct cml_field_source *source)
-{
-    return CML_WEIGHT_UNIT / (double)source->report->sums->photons;
-}
-
 /* There is one value, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
 {
@@ -22,83 +16,60 @@ static void number_value(const void *context, size_t begin, size_t count, double
     *out = ((const struct cml_field_source *)context)->number;
 }
 
-/* Over the angle bins of a pixel, as integers: so a map without angles is the exact sum. */
-static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
+/* As integers: so a map without angles is the exact sum. */
+static cml_u128 sum_of(const cml_u128 *cells, size_t count)
 {
     cml_u128 sum = 0;
-    for (size_t a = 0; a < na; a++) sum += cells[pixel * na + a];
+    for (size_t i = 0; i < count; i++) sum += cells[i];
     return sum;
 }
 
-/* Pixels of a map: per area, which is equal for all. */
-static void pixel_values(const void *context, size_t begin, size_t count, double *out)
+static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = per_photon(source) * source->scale;
-    for (size_t i = 0; i < count; i++)
-        out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
+    const double k = CML_WEIGHT_UNIT / (double)source->report->sums->photons * source->scale;
+    for (size_t i = 0; i < count; i++) {
+        const struct cml_field_cells at = source->where(source, begin + i);
+        const cml_u128 *cell = source->cells + at.first;
+        out[i] = (source->step ? cml_result_cell_sum(cell, CML_NUM_GROUPS, source->step)
+                               : (double)sum_of(cell, at.count)) *
+                 k / at.per;
+    }
 }
 
-double cml_field_sum(const struct cml_field_source *source, size_t cell)
-{
-    const int groups = (int)cml_groups_of(source->step);
-    return cml_result_cell_sum(source->cells + cell, groups, source->step) * per_photon(source);
-}
-
-double cml_field_error(const struct cml_field_source *source, size_t cell)
-{
-    return cml_result_cell_error(source->report->sums, source->cells + cell, source->step);
-}
-
-static void voxel_values(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    const double k = per_photon(source) * source->scale;
-    const int groups = (int)cml_groups_of(source->step);
-    for (size_t i = 0; i < count; i++)
-        out[i] = cml_result_cell_sum(source->cells + (begin + i) * source->na, groups, source->step) * k;
-}
-
-static void voxel_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++)
-        out[i] = cml_field_error(source, (begin + i) * source->na) * source->scale;
-}
-
-/* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
- * pixel is that of a weight which every packet adds to at most once. */
-static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
+/* A packet that ends in one cell of many adds to its square at most once; the squares of others would need
+ * all cells for each packet, and groups of photons stand in their place. */
+static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const struct cml_result *result = source->report->sums;
-    for (size_t i = 0; i < count; i++)
-        out[i] =
-            source->scale * cml_result_once_error(result, sum_of_pixel(source->cells, begin + i, source->na),
-                                                  sum_of_pixel(source->squares, begin + i, source->na));
+    for (size_t i = 0; i < count; i++) {
+        const struct cml_field_cells at = source->where(source, begin + i);
+        const cml_u128 *cell = source->cells + at.first;
+        out[i] = (source->squares ? cml_result_once_error(result, sum_of(cell, at.count),
+                                                          sum_of(source->squares + at.first, at.count))
+                                  : cml_result_cell_error(result, cell, source->step)) *
+                 source->scale / at.per;
+    }
 }
 
-/* The projected solid angle of a cell of a map, whose angle bins are those of the run. */
-static double projected_solid_angle(const struct cml_field_source *source, size_t cell)
+/* All angle bins of a pixel. Pixels and voxels are of one size, which is in the scale. */
+static struct cml_field_cells at_pixel(const struct cml_field_source *source, size_t i)
 {
-    return cml_projected_solid_angle(cml_angle_width((int)source->na), (int)(cell % source->na));
+    return (struct cml_field_cells){i * source->na, source->na, 1};
 }
 
-/* Bins of pixel and angle, per projected solid angle. */
-static void angle_values(const void *context, size_t begin, size_t count, double *out)
+static struct cml_field_cells at_voxel(const struct cml_field_source *source, size_t i)
 {
-    const struct cml_field_source *source = context;
-    const double k = per_photon(source) * source->scale;
-    for (size_t i = begin; i < begin + count; i++)
-        *out++ = (double)source->cells[i] * k / projected_solid_angle(source, i);
+    return (struct cml_field_cells){i * source->na, 1, 1};
 }
 
-static void angle_errors(const void *context, size_t begin, size_t count, double *out)
+/* Bins of pixel and angle, per projected solid angle; they are those of the run. */
+static struct cml_field_cells at_angle(const struct cml_field_source *source, size_t i)
 {
-    const struct cml_field_source *source = context;
-    for (size_t i = begin; i < begin + count; i++)
-        *out++ = cml_result_once_error(source->report->sums, source->cells[i], source->squares[i]) *
-                 source->scale / projected_solid_angle(source, i);
+    const int n = (int)source->na;
+    return (struct cml_field_cells){i, 1,
+                                    cml_projected_solid_angle(cml_angle_width(n), (int)(i % source->na))};
 }
 
 /* ---- the list ---- */
@@ -214,32 +185,40 @@ void cml_add_number_field(struct cml_field_list *c, enum cml_quantity quantity, 
     cml_add_field(c, quantity, number_value)->number = number;
 }
 
-void cml_add_error_field(struct cml_field_list *c, cml_field_values *values)
+/* 32-bit floats: a cell of the largest maps has fewer packets than these have digits. */
+struct cml_field_source *cml_add_sums(struct cml_field_list *c, enum cml_quantity quantity,
+                                      cml_field_where *where, const cml_u128 *cells)
 {
-    struct cml_field *of = cml_last_field(c), *errors = of + 1;
+    struct cml_field_source *source = cml_add_field(c, quantity, sums);
+    source->where = where;
+    source->cells = cells;
+    cml_last_field(c)->single = true;
+    return source;
+}
+
+void cml_add_error_field(struct cml_field_list *c)
+{
+    struct cml_field *of = cml_last_field(c), *field = of + 1;
     struct cml_field_source *source = &c->sources[c->num_fields++];
     *source = source[-1];
-    cml_quantity_name_errors(errors, of);
-    errors->single = of->single;
-    errors->values = values;
-    errors->context = source;
+    cml_quantity_name_errors(field, of);
+    field->single = of->single;
+    field->values = errors;
+    field->context = source;
 }
 
 /* ---- maps and volume ---- */
 
-/* 32-bit floats: a pixel of the largest maps has fewer packets than these have digits. */
 static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
                        const cml_u128 *squares)
 {
     const struct cml_map_def *map = &c->report->scene->map;
     const bool angles = cml_quantities[quantity].axis[2] == CML_AXIS_alpha;
-    struct cml_field_source *source = cml_add_field(c, quantity, angles ? angle_values : pixel_values);
-    source->cells = cells;
+    struct cml_field_source *source = cml_add_sums(c, quantity, angles ? at_angle : at_pixel, cells);
     source->squares = squares;
     source->na = (size_t)c->report->sums->grid.map_na;
     source->scale = 1 / (map->dx * map->dy);
-    cml_last_field(c)->single = true;
-    cml_add_error_field(c, angles ? angle_errors : pixel_errors);
+    cml_add_error_field(c);
 }
 
 /* Adds the fields of the map. With angles there is both, the sum and its parts: most users look at the sum.
@@ -261,13 +240,11 @@ static void add_voxels(struct cml_field_list *c, enum cml_quantity quantity, con
                        size_t apart, size_t step, double scale)
 {
     const struct cml_scene *scene = c->report->scene;
-    struct cml_field_source *source = cml_add_field(c, quantity, voxel_values);
-    source->cells = cells;
+    struct cml_field_source *source = cml_add_sums(c, quantity, at_voxel, cells);
     source->na = apart;
     source->step = step;
     source->scale = scale / (scene->map.dx * scene->map.dy * scene->dz);
-    cml_last_field(c)->single = true;
-    if (step) cml_add_error_field(c, voxel_errors);
+    if (step) cml_add_error_field(c);
 }
 
 void cml_add_volume_fields(struct cml_field_list *c)
@@ -288,16 +265,15 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
         first = next;
         next += (size_t)detector->nx * (size_t)detector->ny;
         if (only >= 0 && only != k) continue;
-        struct cml_field_source *source = cml_add_field(c, CML_QUANTITY_detector_map, pixel_values);
+        struct cml_field_source *source =
+            cml_add_sums(c, CML_QUANTITY_detector_map, at_pixel, r->detector_map + first);
         struct cml_field *field = cml_last_field(c);
-        source->cells = r->detector_map + first;
         source->squares = r->detector_map2 + first;
         source->scale = 1 / (detector->size[0] * detector->size[1]);
         snprintf(field->name, sizeof field->name, "detector_%s_map", detector->name);
         field->num_axes = 2;
         for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i];
-        field->single = true;
-        cml_add_error_field(c, pixel_errors);
+        cml_add_error_field(c);
     }
 }
 
@@ -310,8 +286,8 @@ void cml_add_outside_fields(struct cml_field_list *c)
     const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
     const double per = CML_WEIGHT_UNIT / (double)r->photons;
     if (!r->Rd_xya) return;
-    cml_add_number_field(c, CML_QUANTITY_Rd_outside, (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
-    cml_add_number_field(c, CML_QUANTITY_Tt_outside, (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
+    cml_add_number_field(c, CML_QUANTITY_Rd_outside, (double)sum_of(r->Rd_xya + pixels * na, na) * per);
+    cml_add_number_field(c, CML_QUANTITY_Tt_outside, (double)sum_of(r->Tt_xya + pixels * na, na) * per);
     if (r->A_xyz)
         cml_add_number_field(c, CML_QUANTITY_A_outside,
                              cml_result_cell_sum(r->A_xyz + pixels * (size_t)grid->nz,

@@ -35,14 +35,23 @@ CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report,
 const char *cml_beam_word(enum cml_beam_shape kind);
 const char *cml_light_word(enum cml_light_kind kind);
 
-/* Where a field gets its values; which members count is the affair of its function. */
+/* Of which cells value i of a field is the sum, and what it is divided by: an area, a solid angle, or 1. */
+struct cml_field_source;
+struct cml_field_cells {
+    size_t first, count;
+    double per;
+};
+typedef struct cml_field_cells cml_field_where(const struct cml_field_source *source, size_t i);
+
+/* Where a field gets its values; which members count is the affair of its functions. */
 struct cml_field_source {
     const struct cml_report *report;
     double number;
-    const cml_u128 *cells, *squares;
-    size_t na;    /* cells of a pixel */
-    size_t step;  /* to the cells of the next group of photons; 0: there is one for all */
-    double scale; /* from share of the launched weight to what is written */
+    cml_field_where *where;
+    const cml_u128 *cells, *squares; /* squares NULL: errors come of groups of photons */
+    size_t na;                       /* cells of a pixel, or from a voxel to the next */
+    size_t step;                     /* to the cells of the next group of photons; 0: there is one for all */
+    double scale;                    /* from share of the launched weight to what is written */
     const struct cml_surface_def *surface;
     size_t per_facet; /* successive values that belong to one facet */
     const struct cml_body_face *face;
@@ -76,12 +85,12 @@ struct cml_field *cml_last_field(const struct cml_field_list *list);
 /* A field without axes. */
 void cml_add_number_field(struct cml_field_list *list, enum cml_quantity quantity, double number);
 
-/* The standard errors of the field added last, NAME_se. */
-void cml_add_error_field(struct cml_field_list *list, cml_field_values *values);
+/* A field of sums of cells, in single precision. */
+struct cml_field_source *cml_add_sums(struct cml_field_list *list, enum cml_quantity quantity,
+                                      cml_field_where *where, const cml_u128 *cells);
 
-/* What all groups have in a cell, as a share of one packet; and its standard error, where they are apart. */
-double cml_field_sum(const struct cml_field_source *source, size_t cell);
-double cml_field_error(const struct cml_field_source *source, size_t cell);
+/* The standard errors of the field of sums added last, NAME_se. */
+void cml_add_error_field(struct cml_field_list *list);
 
 /* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
 void cml_add_map_fields(struct cml_field_list *list);

@@ -96,6 +96,7 @@ static cml_status make_surface(const struct cml_scene *scene, int k, double dept
     surface->upper[2] -= depth;
     CML_TRY(check_size(scene, k, surface, err));
     surface->primitives = body->form == CML_BODY_MESH ? body->mesh.num_triangles : facets[body->form];
+    surface->first = k > 0 ? surface[-1].first + surface[-1].primitives : 0;
     return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, search, surface, err) : CML_OK;
 }
 

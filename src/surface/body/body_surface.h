@@ -16,6 +16,7 @@ struct cml_body_surface {
     double depth;                  /* of the frame, scene, cm */
     struct cml_mesh_surface *mesh; /* CML_SURFACE_MESH */
     uint64_t primitives;           /* facets: triangles, 1 of a sphere, 3 of a cylinder */
+    uint64_t first;                /* of them among those of all bodies */
 };
 
 struct cml_body_surfaces {

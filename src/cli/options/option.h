@@ -20,10 +20,11 @@ struct cml_option {
     cml_status (*read)(const struct cml_option *option, const char *value, struct cml_options *options,
                        struct cml_error *err);
     /* For `read`, where it is one that several options share (option_values.h): */
-    size_t member;      /* offset in struct cml_options of what is set */
-    double least, most; /* a number's limits */
-    const char *words;  /* the values that there are, in the order of their numbers, parted by blanks */
-    const char *title;  /* of the group of options that begins with this one; NULL: it goes on */
+    size_t member, size; /* offset in struct cml_options of what is set, and its bytes */
+    double least, most;  /* a number's limits, both among the values; of a flag its value */
+    const char *words;   /* the values that there are, in the order of their numbers, parted by blanks; or
+                            what is expected of a number */
+    const char *title;   /* of the group of options that begins with this one; NULL: it goes on */
 };
 
 /* Whether an option may stand behind a command. */

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/options/option_values.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,13 +27,25 @@ enum {
     SURFACES = FLYING | CHECK | MESH
 };
 
-#define MEMBER(name) offsetof(struct cml_options, name)
-#define FLAG(name) .read = cml_read_true, .member = MEMBER(name)
-#define NO_FLAG(name) .read = cml_read_false, .member = MEMBER(name)
-#define TEXT(name) .read = cml_read_text, .member = MEMBER(name)
-#define ONCE(name) .read = cml_read_once, .member = MEMBER(name)
-#define COUNT(name, low, high) .read = cml_read_count, .member = MEMBER(name), .least = (low), .most = (high)
-#define INT(name, low, high) .read = cml_read_int, .member = MEMBER(name), .least = (low), .most = (high)
+#define MEMBER(name)                                                                                         \
+    .member = offsetof(struct cml_options, name), .size = sizeof(((struct cml_options *)NULL)->name)
+#define SET(name, value) .read = cml_read_flag, MEMBER(name), .least = (value)
+#define FLAG(name) SET(name, true)
+#define NO_FLAG(name) SET(name, false)
+#define TEXT(name) .read = cml_read_text, MEMBER(name)
+#define ONCE(name) .read = cml_read_once, MEMBER(name)
+#define WORD(name, all) .read = cml_read_word, MEMBER(name), .words = (all)
+#define COUNT(name, low, high) .read = cml_read_count, MEMBER(name), .least = (low), .most = (high)
+#define INT(name, low, high) .read = cml_read_int, MEMBER(name), .least = (low), .most = (high)
+#define NUMBER(name, low, high, expected)                                                                    \
+    .read = cml_read_number, MEMBER(name), .least = (low), .most = (high), .words = (expected)
+
+/* The numbers beside 0 and 1. */
+#define ABOVE_0 DBL_TRUE_MIN
+#define BELOW_1 (1 - DBL_EPSILON / 2)
+
+/* Zero would mean for ever in one place and never in another, so it is refused. */
+#define SECONDS(name) MEMBER(name), .least = ABOVE_0, .most = 1e9, .words = "seconds above 0, up to 1e9"
 
 /* 2^48 photons is what a result holds; a seed up to 2^53 survives as a number in JSON and HDF5. */
 const struct cml_option cml_option_table[] = {
@@ -56,26 +69,26 @@ const struct cml_option cml_option_table[] = {
      "medium",
      FLAG(engine_options.derivatives)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
-     .read = cml_read_seed, .member = MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
+     .read = cml_read_seed, MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
     {"run", 0, "K", TRACE | CHECK, NULL,
      "the file's run, from 1 (default), that the photon of trace belongs to, or that check -o draws",
      COUNT(run, 1, UINT32_MAX)},
     {"target-error", 0, "E", RUN | PLAN, NULL,
      "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
      "that is planned for, default 1e-3",
-     .read = cml_read_target_error},
+     NUMBER(target_error, ABOVE_0, BELOW_1, "a relative error between 0 and 1")},
     {"error-of", 0, "A_l:N|DETECTOR", RUN | PLAN, NULL,
      "of --target-error: of what layer N absorbs or a detector sees, in place of Rd, A and Tt",
      .read = cml_read_error_of},
     {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK | FURNACE, NULL,
-     "of a packet's first draws: lattice (default, evenly spread) or random", .read = cml_read_sampling,
-     .words = "random lattice"},
+     "of a packet's first draws: lattice (default, evenly spread) or random",
+     WORD(engine_options.lattice, "random lattice")},
     {"roulette", 0, "WR,WS|mcml", TALLYING, NULL,
      "packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default 0.003,0.01",
      .read = cml_read_roulette},
     {"control", 0, "flat", RUN, NULL,
      "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
-     .read = cml_read_control, .words = "flat"},
+     WORD(control, "flat"), .least = true},
     {"aim", 0, "Tt|Tt_r|A_l:N|DETECTOR[,...]", RUN | PLAN, NULL,
      "more of the light that goes deep, or to a detector: what packets that go down into flat layers below "
      "all shapes are expected to bring, "
@@ -90,25 +103,26 @@ const struct cml_option cml_option_table[] = {
      "score packets at their first exit, as the 2019 program did", NO_FLAG(engine_options.reentry)},
 
     {"boundaries", 0, "KIND", SURFACES, NULL, "auto (default), plane, cone or mesh",
-     .read = cml_read_boundaries, .words = "plane cone mesh auto", .title = "boundaries"},
+     WORD(surface.force, "plane cone mesh auto"), .title = "boundaries"},
     {"tolerance", 0, "T", SURFACES | EXACT, NULL,
      "relative bias to keep; heightmaps: height error / peak to valley; default 1e-3. When given, a surface "
      "becomes a plane where trial packets (a second at most) show that this changes no total or profile by "
      "more",
-     .read = cml_read_tolerance},
+     .read = cml_read_tolerance, MEMBER(surface.tolerance), .least = 1e-12, .most = 0.1,
+     .words = "a number from 1e-12 to 0.1"},
     {"mesh-budget", 0, "N", SURFACES | EXACT, NULL,
      "triangles that the mesh of a boundary may have; default 4e6, or what fits into a quarter of the memory "
      "at 350 bytes each; a boundary that needs more is refused",
      .read = cml_read_mesh_budget, .least = 1, .most = CML_MESH_MOST},
     {"normals", 0, "KIND", SURFACES, NULL,
-     "of a tessellated heightfield: analytic (default), vertex or facet", .read = cml_read_normals,
-     .words = "facet vertex analytic"},
+     "of a tessellated heightfield: analytic (default), vertex or facet",
+     WORD(surface.tessellation.normals, "facet vertex analytic")},
     {"rings", 0, "KIND", SURFACES, NULL,
-     "of a tessellated heightfield: area (area-preserving, default) or inscribed", .read = cml_read_rings,
-     .words = "area inscribed"},
+     "of a tessellated heightfield: area (area-preserving, default) or inscribed",
+     WORD(surface.tessellation.inscribed, "area inscribed")},
     {"mesh-search", 0, "KIND", FLYING | CHECK, "cpu",
      "of engine cpu: auto (default; regular grids and sheets are walked, others have a tree), tree or embree",
-     .read = cml_read_mesh_search, .words = "auto tree embree"},
+     WORD(surface.search, "auto tree embree")},
 
     {"engine", 0, "NAME", RUN | CHECK | TRACE | FURNACE, NULL, "cpu (default), reference or opencl",
      .read = cml_read_engine, .title = "machine"},
@@ -126,7 +140,7 @@ const struct cml_option cml_option_table[] = {
      TEXT(engine_options.build_options)},
     {"checkpoint", 0, "S|off", RUN, NULL,
      "seconds between checkpoints of a run, default 60 (DIR/NAME.mco.checkpoint)",
-     .read = cml_read_checkpoint, .member = MEMBER(checkpoint_interval)},
+     .read = cml_read_checkpoint, SECONDS(checkpoint_interval)},
     {"resume", 0, NULL, RUN, NULL, "continue from the checkpoint, on any number of ranks and threads",
      FLAG(resume)},
     {"no-clobber", 0, NULL, RUN, NULL,
@@ -137,8 +151,8 @@ const struct cml_option cml_option_table[] = {
      "add N photons to a run that was flown with --keep: the same bits as one run of all of them; keeps, too",
      COUNT(more, 1, 0x1p48)},
     {"patience", 0, "S", RUN | PLAN | FURNACE, NULL,
-     "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_seconds,
-     .member = MEMBER(timeout)},
+     "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_number,
+     SECONDS(timeout)},
 
     {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
      TEXT(directory), .title = "output"},
@@ -150,7 +164,7 @@ const struct cml_option cml_option_table[] = {
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE | CROSSCHECK | FURNACE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
     {"alpha", 0, "A", COMPARE | FURNACE, NULL, "p below it is a difference, default 0.01",
-     .read = cml_read_alpha},
+     NUMBER(alpha, ABOVE_0, BELOW_1, "a number above 0 and below 1")},
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,
@@ -175,18 +189,18 @@ const struct cml_option cml_option_table[] = {
     {"caption", 0, "TEXT", PLOT, NULL, "below the picture, broken into lines", TEXT(style.caption)},
     {"xrange", 0, "A:B", PLOT, NULL,
      "of the lower axis, in its unit (cm or rad); A: and :B leave the other end to the data",
-     .read = cml_read_range, .member = MEMBER(style.x)},
+     .read = cml_read_range, MEMBER(style.x)},
     {"yrange", 0, "A:B", PLOT, NULL, "of the upright axis, in its unit, likewise", .read = cml_read_range,
-     .member = MEMBER(style.y)},
+     MEMBER(style.y)},
     {"crange", 0, "A:B", PLOT, NULL,
      "of the colours of a map, in its unit: the same for all pictures that shall be compared",
-     .read = cml_read_range, .member = MEMBER(style.colour)},
+     .read = cml_read_range, MEMBER(style.colour)},
     {"percentile", 0, "P", PLOT, NULL,
      "the colours of a map end at this percentile of its lit pixels, default 100: 99.9 leaves out hot ones",
-     .read = cml_read_percentile},
+     NUMBER(style.percentile, ABOVE_0, 100, "a number above 0, up to 100")},
     {"log", 0, NULL, PLOT, NULL, "logarithmic scale; default: curves are, maps as their range asks for",
-     .read = cml_read_log},
-    {"linear", 0, NULL, PLOT, NULL, "linear scale", .read = cml_read_linear},
+     SET(style.scale, CML_SCALE_LOG)},
+    {"linear", 0, NULL, PLOT, NULL, "linear scale", SET(style.scale, CML_SCALE_LINEAR)},
     {"logx", 0, NULL, PLOT, NULL, "of curves: the lower axis is logarithmic, too", FLAG(style.log_x)},
     {"quiet", 0, NULL, SURFACES | EXACT | MERGE | COMPARE | PLOT, NULL, "no banner, progress or summary",
      FLAG(quiet)},

@@ -22,20 +22,21 @@ static void *member_of(const struct cml_option *option, struct cml_options *opti
     return (char *)options + option->member;
 }
 
-cml_status cml_read_true(const struct cml_option *option, const char *value, struct cml_options *options,
-                         struct cml_error *err)
+/* A bool, an enumerator or an int. */
+static cml_status set(const struct cml_option *option, int number, struct cml_options *options)
 {
-    (void)value, (void)err;
-    *(bool *)member_of(option, options) = true;
+    if (option->size == sizeof(bool))
+        *(bool *)member_of(option, options) = number != 0;
+    else
+        memcpy(member_of(option, options), &number, sizeof number);
     return CML_OK;
 }
 
-cml_status cml_read_false(const struct cml_option *option, const char *value, struct cml_options *options,
-                          struct cml_error *err)
+cml_status cml_read_flag(const struct cml_option *option, const char *value, struct cml_options *options,
+                         struct cml_error *err)
 {
     (void)value, (void)err;
-    *(bool *)member_of(option, options) = false;
-    return CML_OK;
+    return set(option, (int)option->least, options);
 }
 
 cml_status cml_read_text(const struct cml_option *option, const char *value, struct cml_options *options,
@@ -85,21 +86,18 @@ cml_status cml_read_int(const struct cml_option *option, const char *value, stru
 {
     uint64_t number = 0;
     CML_TRY(count(option, value, &number, err));
-    *(int *)member_of(option, options) = (int)number;
-    return CML_OK;
+    return set(option, (int)number, options);
 }
 
-/* Zero would mean for ever in one place and never in another, so it is refused. */
-cml_status cml_read_seconds(const struct cml_option *option, const char *value, struct cml_options *options,
-                            struct cml_error *err)
+cml_status cml_read_number(const struct cml_option *option, const char *value, struct cml_options *options,
+                           struct cml_error *err)
 {
     double *number = member_of(option, options);
-    if (cml_parse_double(value, number) && *number > 0 && *number <= 1e9) return CML_OK;
-    return fail(err, option, value, "seconds above 0, up to 1e9");
+    if (cml_parse_double(value, number) && *number >= option->least && *number <= option->most) return CML_OK;
+    return fail(err, option, value, option->words);
 }
 
-/* One of option->words, whose position is *choice. */
-static cml_status choose(const struct cml_option *option, const char *value, int *choice,
+cml_status cml_read_word(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
     char expected[128];
@@ -107,10 +105,8 @@ static cml_status choose(const struct cml_option *option, const char *value, int
     int position = 0;
     for (const char *word = option->words; *word; position++) {
         const size_t size = strcspn(word, " ");
-        if (size == length && memcmp(word, value, size) == 0) {
-            *choice = position;
-            return CML_OK;
-        }
+        if (size == length && memcmp(word, value, size) == 0)
+            return set(option, (int)option->least + position, options);
         word += size + (word[size] == ' ');
     }
     snprintf(expected, sizeof expected, "%s%s", position > 1 ? "one of " : "", option->words);
@@ -134,15 +130,6 @@ cml_status cml_read_engine(const struct cml_option *option, const char *value, s
     return engine ? CML_OK : fail(err, option, value, "cpu, reference or opencl");
 }
 
-cml_status cml_read_sampling(const struct cml_option *option, const char *value, struct cml_options *options,
-                             struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->engine_options.lattice = choice == 1;
-    return CML_OK;
-}
-
 /* Reads two numbers, "A,B". */
 static bool parse_pair(const char *value, double *a, double *b)
 {
@@ -164,15 +151,6 @@ cml_status cml_read_roulette(const struct cml_option *option, const char *value,
     const bool sound = parse_pair(value, &roulette->below, &roulette->weight) && roulette->below >= 1e-6 &&
                        roulette->below <= roulette->weight && roulette->weight <= 1;
     return sound ? CML_OK : fail(err, option, value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
-}
-
-cml_status cml_read_control(const struct cml_option *option, const char *value, struct cml_options *options,
-                            struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->control = true;
-    return CML_OK;
 }
 
 /* A name that ends here, or with a comma: of a detector, if nothing else. */
@@ -199,14 +177,6 @@ cml_status cml_read_aim(const struct cml_option *option, const char *value, stru
     return CML_OK;
 }
 
-cml_status cml_read_target_error(const struct cml_option *option, const char *value,
-                                 struct cml_options *options, struct cml_error *err)
-{
-    double *error = &options->target_error;
-    if (cml_parse_double(value, error) && *error > 0 && *error < 1) return CML_OK;
-    return fail(err, option, value, "a relative error between 0 and 1");
-}
-
 cml_status cml_read_error_of(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
@@ -220,30 +190,19 @@ cml_status cml_read_error_of(const struct cml_option *option, const char *value,
 cml_status cml_read_checkpoint(const struct cml_option *option, const char *value,
                                struct cml_options *options, struct cml_error *err)
 {
-    if (strcmp(value, "off") != 0) return cml_read_seconds(option, value, options, err);
+    if (strcmp(value, "off") != 0) return cml_read_number(option, value, options, err);
     options->checkpoint_interval = 0;
     return CML_OK;
 }
 
 /* ---- how boundaries are represented ---- */
 
-cml_status cml_read_boundaries(const struct cml_option *option, const char *value,
-                               struct cml_options *options, struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->surface.force = (enum cml_surface_kind)choice;
-    return CML_OK;
-}
-
 /* A tolerance that the user gives also allows a boundary to be taken for a plane where that is within it. */
 cml_status cml_read_tolerance(const struct cml_option *option, const char *value, struct cml_options *options,
                               struct cml_error *err)
 {
-    double *tolerance = &options->surface.tolerance;
     options->surface.may_flatten = true;
-    if (cml_parse_double(value, tolerance) && *tolerance >= 1e-12 && *tolerance <= 0.1) return CML_OK;
-    return fail(err, option, value, "a number from 1e-12 to 0.1");
+    return cml_read_number(option, value, options, err);
 }
 
 cml_status cml_read_mesh_budget(const struct cml_option *option, const char *value,
@@ -255,42 +214,7 @@ cml_status cml_read_mesh_budget(const struct cml_option *option, const char *val
     return CML_OK;
 }
 
-cml_status cml_read_normals(const struct cml_option *option, const char *value, struct cml_options *options,
-                            struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->surface.tessellation.normals = (enum cml_normals)choice;
-    return CML_OK;
-}
-
-cml_status cml_read_rings(const struct cml_option *option, const char *value, struct cml_options *options,
-                          struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->surface.tessellation.inscribed = choice == 1;
-    return CML_OK;
-}
-
-cml_status cml_read_mesh_search(const struct cml_option *option, const char *value,
-                                struct cml_options *options, struct cml_error *err)
-{
-    int choice = 0;
-    CML_TRY(choose(option, value, &choice, err));
-    options->surface.search = (enum cml_mesh_search)choice;
-    return CML_OK;
-}
-
 /* ---- comparing and plotting ---- */
-
-/* Reads --alpha: with 0 results would never differ, with 1 always. */
-cml_status cml_read_alpha(const struct cml_option *option, const char *value, struct cml_options *options,
-                          struct cml_error *err)
-{
-    if (cml_parse_double(value, &options->alpha) && options->alpha > 0 && options->alpha < 1) return CML_OK;
-    return fail(err, option, value, "a number above 0 and below 1");
-}
 
 cml_status cml_read_cut(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
@@ -299,22 +223,6 @@ cml_status cml_read_cut(const struct cml_option *option, const char *value, stru
     if (!named || !cml_parse_double(value + 2, &options->cut_at) || !isfinite(options->cut_at))
         return fail(err, option, value, "x=, y= or z= and a place in cm");
     options->cut_axis = value[0];
-    return CML_OK;
-}
-
-cml_status cml_read_log(const struct cml_option *option, const char *value, struct cml_options *options,
-                        struct cml_error *err)
-{
-    (void)option, (void)value, (void)err;
-    options->style.scale = CML_SCALE_LOG;
-    return CML_OK;
-}
-
-cml_status cml_read_linear(const struct cml_option *option, const char *value, struct cml_options *options,
-                           struct cml_error *err)
-{
-    (void)option, (void)value, (void)err;
-    options->style.scale = CML_SCALE_LINEAR;
     return CML_OK;
 }
 
@@ -338,14 +246,6 @@ cml_status cml_read_range(const struct cml_option *option, const char *value, st
     *range = cml_axis_range_any;
     if (parse_range(value, range)) return CML_OK;
     return fail(err, option, value, "A:B with A below B; A: and :B leave the other end open");
-}
-
-cml_status cml_read_percentile(const struct cml_option *option, const char *value,
-                               struct cml_options *options, struct cml_error *err)
-{
-    double *number = &options->style.percentile;
-    if (cml_parse_double(value, number) && *number > 0 && *number <= 100) return CML_OK;
-    return fail(err, option, value, "a number above 0, up to 100");
 }
 
 /* Reads --label: each is that of the next operand. */

@@ -73,14 +73,13 @@ struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs)
 cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size, struct cml_error *err)
 {
     FILE *out = open_memstream(block, size);
-    if (!out) return cml_fail_memory(err, 1, "the input files");
-    for (size_t i = 0; i < inputs->count; i++) {
+    for (size_t i = 0; out && i < inputs->count; i++) {
         const struct cml_input *input = &inputs->item[i];
         fwrite(input->path, 1, strlen(input->path) + 1, out);
         fwrite(&input->size, sizeof input->size, 1, out);
         fwrite(input->data, 1, input->size, out);
     }
-    return cml_text_end(out, size, CML_OK, "the input files", err);
+    return cml_text_end(out, block, size, "the input files", err);
 }
 
 cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs, struct cml_error *err)

@@ -59,10 +59,9 @@ cml_status cml_settings_text(const struct cml_settings *settings, char **text, s
     *text = NULL;
     if (settings->count == 0) return CML_OK;
     FILE *out = open_memstream(text, &size);
-    if (!out) return cml_fail_memory(err, 1, "the settings");
-    for (int i = 0; i < settings->count; i++)
+    for (int i = 0; out && i < settings->count; i++)
         fprintf(out, "%s%s = %s", i > 0 ? "\n" : "", settings->item[i].name, settings->item[i].value);
-    return cml_text_end(out, &size, CML_OK, "the settings", err);
+    return cml_text_end(out, text, &size, "the settings", err);
 }
 
 const char *cml_setting_unit(const char *name)

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* vasprintf */
+#endif
 #include "base/text.h"
 
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -189,12 +193,23 @@ cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
     return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
 }
 
-cml_status cml_text_end(FILE *out, const size_t *size, cml_status status, const char *what,
-                        struct cml_error *err)
+cml_status cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...)
 {
-    const bool failed = !out || ferror(out);
-    const bool closed = out && fclose(out) == 0;
-    if (status != CML_OK || (closed && !failed)) return status;
+    va_list values;
+    va_start(values, format);
+    const bool good = vasprintf(text, format, values) >= 0;
+    va_end(values);
+    if (good) return CML_OK;
+    *text = NULL;
+    return cml_fail_memory(err, 0, what);
+}
+
+cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *what, struct cml_error *err)
+{
+    const bool failed = out && ferror(out);
+    if (out && fclose(out) == 0 && !failed) return CML_OK;
+    if (out) free(*text);
+    *text = NULL;
     return cml_fail_memory(err, (double)*size, what);
 }
 
@@ -211,12 +226,7 @@ cml_status cml_path_beside(const char *beside, const char *name, char **path, st
 {
     const char *slash = strrchr(beside, '/');
     if (!slash || name[0] == '/') return cml_text_copy(name, path, err);
-    const size_t directory = (size_t)(slash - beside) + 1;
-    *path = malloc(directory + strlen(name) + 1);
-    if (!*path) return cml_fail_memory(err, (double)directory, "a path");
-    memcpy(*path, beside, directory);
-    strcpy(*path + directory, name);
-    return CML_OK;
+    return cml_text_format(path, "a path", err, "%.*s%s", (int)(slash - beside) + 1, beside, name);
 }
 
 /* ---- which name was meant? ---- */

@@ -69,9 +69,13 @@ bool cml_parse_int(const char *word, int *value);
 /* strdup that reports through err. */
 CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
 
-/* Ends a text that was written into memory (open_memstream); out NULL: there was none even to begin with.
- * Returns `status`, that of who wrote it, if that is a failure. */
-CML_NODISCARD cml_status cml_text_end(FILE *out, const size_t *size, cml_status status, const char *what,
+/* What printf makes of the format, the caller's to free; NULL on failure. `what` that is, for the message. */
+CML_NODISCARD CML_PRINTF(4, 5) cml_status
+    cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...);
+
+/* Ends a stream in memory, *text and *size of open_memstream; out NULL: it could not be begun. It fails only
+ * where memory runs out: then *text is NULL. */
+CML_NODISCARD cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *what,
                                       struct cml_error *err);
 
 /* The lines of a text, each behind the prefix and ended by a line feed. text NULL: none. */

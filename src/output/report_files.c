@@ -39,11 +39,7 @@ bool cml_report_wants_fields(const struct cml_scene *scene)
 /* All files of a run share the stem, whichever of them the user named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
-    const size_t length = stem_length(path), size = length + strlen(suffix) + 1;
-    *result = malloc(size);
-    if (!*result) return cml_fail_memory(err, (double)size, "a path");
-    snprintf(*result, size, "%.*s%s", (int)length, path, suffix);
-    return CML_OK;
+    return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);
 }
 
 void cml_report_clear(struct cml_report *report)

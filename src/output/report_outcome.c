@@ -84,35 +84,24 @@ static cml_status fill_control(const struct cml_report *report, struct cml_outco
     return CML_OK;
 }
 
-static char *close_words(FILE *out, char **text)
-{
-    if (out && fclose(out) == 0) return *text;
-    free(*text);
-    return NULL;
-}
-
 cml_status cml_report_words(const struct cml_report *report, enum cml_report_reader reader,
                             struct cml_outcome *o, struct cml_error *err)
 {
     char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors};
-    enum { TEXTS = sizeof text / sizeof *text };
-    FILE *out[TEXTS];
-    size_t size = 0;
-    bool failed = false;
-    for (int i = 0; i < TEXTS; i++) {
+    cml_status status = CML_OK;
+    for (int i = 0; i < (int)(sizeof text / sizeof *text); i++) {
+        size_t size = 0;
         free(*text[i]);
         *text[i] = NULL;
-        out[i] = open_memstream(text[i], &size);
+        FILE *out = open_memstream(text[i], &size);
+        if (out && i == 0) cml_report_shapes(out, "", report->scene, report->surfaces, reader);
+        if (out && i == 1) cml_report_beams(out, "", report->scene, NULL);
+        if (out && i == 2) cml_report_phases(out, "", report->scene, reader);
+        if (out && i == 3) cml_report_detectors(out, "", report->scene, reader);
+        const cml_status ended = cml_text_end(out, text[i], &size, "the scene in words", err);
+        if (ended != CML_OK) status = ended;
     }
-    if (out[0]) cml_report_shapes(out[0], "", report->scene, report->surfaces, reader);
-    if (out[1]) cml_report_beams(out[1], "", report->scene, NULL);
-    if (out[2]) cml_report_phases(out[2], "", report->scene, reader);
-    if (out[3]) cml_report_detectors(out[3], "", report->scene, reader);
-    for (int i = 0; i < TEXTS; i++) {
-        *text[i] = close_words(out[i], text[i]);
-        failed = failed || !*text[i];
-    }
-    return failed ? cml_fail_memory(err, (double)size, "the scene in words") : CML_OK;
+    return status;
 }
 
 /* Fills the result; what may fail comes first. */

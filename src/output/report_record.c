@@ -5,7 +5,6 @@
 #include "base/text.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Records expected values of all layers: another row of a sweep may expect more of them. */
 static void record_expected(const struct cml_result *result, struct cml_record *record)
@@ -66,7 +65,8 @@ cml_status cml_report_record(const struct cml_report *report, struct cml_record 
     CML_TRY(record_fluxes(report, record, err));
     FILE *out = open_memstream(&record->json, &size);
     const cml_status status = out ? cml_report_json(out, report, err) : CML_OK;
-    return cml_text_end(out, &size, status, "the JSON record", err);
+    CML_TRY(cml_text_end(out, &record->json, &size, "the JSON record", err));
+    return status;
 }
 
 cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
@@ -78,5 +78,6 @@ cml_status cml_report_record_again(const struct cml_scene *scene, const char *pa
     record->json = NULL;
     FILE *out = open_memstream(&record->json, &size);
     const cml_status status = out ? cml_report_json_again(out, before->json, scene, path, err) : CML_OK;
-    return cml_text_end(out, &size, status, "the JSON record", err);
+    CML_TRY(cml_text_end(out, &record->json, &size, "the JSON record", err));
+    return status;
 }

@@ -133,11 +133,7 @@ cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path
 {
     const char *slash = strrchr(path, '/');
     const int folder = slash ? (int)(slash + 1 - path) : 0;
-    const size_t size = (size_t)folder + strlen(scene->saved.name) + sizeof ".photons.h5";
-    *result = malloc(size);
-    if (!*result) return cml_fail_memory(err, (double)size, "a path");
-    snprintf(*result, size, "%.*s%s.photons.h5", folder, path, scene->saved.name);
-    return CML_OK;
+    return cml_text_format(result, "a path", err, "%.*s%s.photons.h5", folder, path, scene->saved.name);
 }
 
 double cml_saved_file_bytes(const struct cml_saved_kind *kind)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/h5.h"
 
+#include "base/text.h"
 #include "result/scaling.h"
 
 #include <math.h>
@@ -111,21 +112,15 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     return (int)(a - attributes);
 }
 
-/* "merged FILE: seed S, run R" of each; the caller's to free, NULL when memory runs out. */
-static char *describe_streams(const struct cml_outcome *o)
+/* "merged FILE: seed S, run R" of each; *text is the caller's to free. */
+static cml_status describe_streams(const struct cml_outcome *o, char **text, struct cml_error *err)
 {
-    char *text = NULL;
     size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    FILE *out = open_memstream(text, &size);
     for (int i = 0; out && i < o->num_streams; i++)
         fprintf(out, "merged %s: seed %llu, run %llu\n", o->stream[i].file,
                 (unsigned long long)o->stream[i].seed, (unsigned long long)o->stream[i].run);
-    const bool failed = !out || ferror(out);
-    if ((out && fclose(out) != 0) || failed) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    return cml_text_end(out, text, &size, "a merged result", err);
 }
 
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
@@ -133,8 +128,8 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
 {
     struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
     int count = cml_h5_attributes(o, more, attributes);
-    char *streams = o->merged ? describe_streams(o) : NULL;
-    if (o->merged && !streams) return cml_fail_memory(err, 1, "a merged result");
+    char *streams = NULL;
+    if (o->merged) CML_TRY(describe_streams(o, &streams, err));
     if (o->merged) attributes[count++] = (struct cml_attribute){"merged", streams, 0};
     for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
     const cml_status status = cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);

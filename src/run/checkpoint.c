@@ -27,19 +27,9 @@ static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
 #define VERSION 12u               /* of this layout; a program refuses what it does not know */
 
-/* *name is the path with the suffix, the caller's to free. */
-static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
-{
-    const size_t size = strlen(path) + strlen(suffix) + 1;
-    *name = malloc(size);
-    if (!*name) return cml_fail_memory(err, (double)size, "a path");
-    snprintf(*name, size, "%s%s", path, suffix);
-    return CML_OK;
-}
-
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
-    return joined(output, ".checkpoint", path, err);
+    return cml_text_format(path, "a path", err, "%s.checkpoint", output);
 }
 
 /* ---- writing ---- */
@@ -114,7 +104,7 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const st
                                 struct cml_result *result, struct cml_error *err)
 {
     char *old = NULL;
-    CML_TRY(joined(path, ".old", &old, err));
+    CML_TRY(cml_text_format(&old, "a path", err, "%s.old", path));
     const cml_status status = write_file(path, old, identity, state, NULL, result, err);
     free(old);
     return status;
@@ -124,7 +114,7 @@ void cml_checkpoint_remove_older(const char *path)
 {
     struct cml_error ignored;
     char *old = NULL;
-    if (joined(path, ".old", &old, &ignored) == CML_OK) remove(old);
+    if (cml_text_format(&old, "a path", &ignored, "%s.old", path) == CML_OK) remove(old);
     free(old);
 }
 
@@ -439,7 +429,7 @@ cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_
     else if (status != CML_OK || *kind != CML_CHECKPOINT_NONE)
         return status;
     char *old = NULL;
-    CML_TRY(joined(path, ".old", &old, err));
+    CML_TRY(cml_text_format(&old, "a path", err, "%s.old", path));
     status = read_older(old, &wanted, note, err);
     free(old);
     return status == CML_E_IO ? CML_E_INPUT : status;

@@ -34,9 +34,8 @@ cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, str
 {
     size_t size = 0;
     FILE *out = open_memstream(text, &size);
-    if (!out) return cml_fail_memory(err, 1, "the run's identity");
-    for (size_t i = 0; i < inputs->count; i++) write_input(out, &inputs->item[i]);
-    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
+    for (size_t i = 0; out && i < inputs->count; i++) write_input(out, &inputs->item[i]);
+    return cml_text_end(out, text, &size, "the run's identity", err);
 }
 
 /* The lines for options come first, because the first line that differs is shown, and an option says more
@@ -51,7 +50,7 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     cml_provenance_identify(out, provenance);
     cml_text_print(out, "set ", settings);
     fputs(inputs, out);
-    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
+    return cml_text_end(out, identity, &size, "the run's identity", err);
 }
 
 void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM])

@@ -223,13 +223,7 @@ cml_status cml_output_path(const struct cml_options *options, const char *name, 
                            struct cml_error *err)
 {
     if (!options->directory || name[0] == '/') return cml_text_copy(name, path, err);
-    const size_t size = strlen(options->directory) + strlen(name) + 2;
-    *path = malloc(size);
-    if (!*path) return cml_fail_memory(err, (double)size, "a path");
-    strcpy(*path, options->directory);
-    strcat(*path, "/");
-    strcat(*path, name);
-    return CML_OK;
+    return cml_text_format(path, "a path", err, "%s/%s", options->directory, name);
 }
 
 struct memory {

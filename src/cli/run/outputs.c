@@ -31,11 +31,10 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
     char *real = realpath(folder, NULL);
     if (!real) return cml_text_copy(path, name, err);
-    const size_t size = strlen(real) + strlen(base) + 2;
-    *name = malloc(size);
-    if (*name) snprintf(*name, size, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
+    const cml_status status =
+        cml_text_format(name, "a path", err, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
     free(real);
-    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a path");
+    return status;
 }
 
 cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs, int num_inputs,

@@ -127,14 +127,13 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
 {
     size_t size = 0;
     FILE *out = open_memstream(&group->identity, &size);
-    if (!out) return cml_fail_memory(err, 1, "the run's identity");
-    for (int i = 0; i < group->count; i++) {
+    for (int i = 0; out && i < group->count; i++) {
         char prefix[40];
         snprintf(prefix, sizeof prefix, "row %d set ", group->row[i] + 1);
         cml_text_print(out, prefix, group->scene[i]->settings);
     }
-    fputs(sweep->identity, out);
-    return cml_text_end(out, &size, CML_OK, "the run's identity", err);
+    if (out) fputs(sweep->identity, out);
+    return cml_text_end(out, &group->identity, &size, "the run's identity", err);
 }
 
 static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, struct group *group,

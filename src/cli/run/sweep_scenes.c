@@ -13,16 +13,13 @@ cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char
                                 struct cml_error *err)
 {
     const struct cml_scene *scene = &sweep->base->scenes[0];
-    char suffix[32];
     char *stem = NULL;
     CML_TRY(cml_report_path(scene->output, "", &stem, err));
     const char *ending = scene->format == 'B' ? ".h5" : scene->output + strlen(stem);
-    const size_t size = strlen(scene->output) + sizeof suffix;
-    snprintf(suffix, sizeof suffix, "-%0*d", sweep->digits, row + 1);
-    *name = malloc(size);
-    if (*name) snprintf(*name, size, "%s%s%s", stem, suffix, ending);
+    const cml_status status =
+        cml_text_format(name, "a name", err, "%s-%0*d%s", stem, sweep->digits, row + 1, ending);
     free(stem);
-    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
+    return status;
 }
 
 cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,
@@ -30,11 +27,8 @@ cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char
 {
     const char *of_all = sweep->base->scenes[0].saved.name;
     if (!of_all) return CML_OK;
-    const size_t size = strlen(of_all) + 32;
     free(*name);
-    *name = malloc(size);
-    if (*name) snprintf(*name, size, "%s-%0*d", of_all, sweep->digits, row + 1);
-    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
+    return cml_text_format(name, "a name", err, "%s-%0*d", of_all, sweep->digits, row + 1);
 }
 
 cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row, struct cml_settings *settings,

@@ -2,8 +2,8 @@
  * scene fly the same photons with the same draws, so their totals err alike. SPDX-License-Identifier: MIT */
 #include "cli/run/twin.h"
 
+#include "base/text.h"
 #include "cli/load/scenes.h"
-
 #include "run/checkpoint.h"
 #include "run/cluster.h"
 #include "scene/specular.h"
@@ -71,24 +71,13 @@ static cml_status solve(const struct cml_run_setup *setup, struct cml_twin *twin
     return CML_OK;
 }
 
-/* text + suffix, the caller's to free. */
-static cml_status join(const char *text, const char *suffix, char **to, struct cml_error *err)
-{
-    const size_t size = strlen(text) + strlen(suffix) + 1;
-    *to = malloc(size);
-    if (!*to) return cml_fail_memory(err, (double)size, "a name");
-    strcpy(*to, text);
-    strcat(*to, suffix);
-    return CML_OK;
-}
-
 /* NAME.control.checkpoint, beside the scene's. */
 static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
                                   char **path, struct cml_error *err)
 {
     char *output = NULL, *name = NULL;
     cml_status status = cml_output_path(options, scene->output, &output, err);
-    if (status == CML_OK) status = join(output, ".control", &name, err);
+    if (status == CML_OK) status = cml_text_format(&name, "a name", err, "%s.control", output);
     if (status == CML_OK) status = cml_checkpoint_path(name, path, err);
     free(output);
     free(name);
@@ -102,7 +91,7 @@ cml_status cml_twin_create(const struct cml_options *options, const struct cml_r
     planes.force = CML_SURFACE_PLANE;
     CML_TRY(flatten(setup->scene, &twin->scene, err));
     CML_TRY(cml_surfaces_create(&twin->scene, &planes, &twin->surfaces, err));
-    CML_TRY(join(setup->identity, "flat twin\n", &twin->identity, err));
+    CML_TRY(cml_text_format(&twin->identity, "a name", err, "%sflat twin\n", setup->identity));
     if (setup->checkpoint) CML_TRY(checkpoint_path(options, setup->scene, &twin->checkpoint, err));
     return cml_cluster_rank() == 0 ? solve(setup, twin, err) : CML_OK;
 }

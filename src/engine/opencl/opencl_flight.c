@@ -3,6 +3,7 @@
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/clock.h"
+#include "base/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,15 +101,14 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     const struct cml_opencl_info *info = &flight->device.info;
     const char *extra = scene->build_options ? scene->build_options : "";
     const bool exact = info->exact_division && !scene->loose_division;
-    const size_t size = strlen(extra) + 256;
-    char *options = malloc(size);
-    if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
-    snprintf(options, size,
-             "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s %s",
-             flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-             info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
-             scene->world->world.setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
-             scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra);
+    char *options;
+    CML_TRY(cml_text_format(
+        &options, "the compiler's options", err,
+        "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s %s",
+        flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+        info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
+        scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
+        scene->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra));
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
     free(options);

@@ -197,17 +197,13 @@ cml_status cml_merge_left_out(const struct cml_merge_input *inputs, int count,
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    if (!out) return cml_fail_memory(err, 1, "names");
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+    for (int i = 0; out && i < CML_NUM_QUANTITIES; i++)
         if (!merged->value[i] && any_has(inputs, count, i))
             fprintf(out, "%s%s", ftell(out) > 0 ? ", " : "", cml_quantities[i].name);
-    const bool failed = fclose(out) != 0;
-    if (failed || size == 0) {
-        free(text);
-        text = NULL;
-    }
-    *names = text;
-    return failed ? cml_fail_memory(err, (double)size, "names") : CML_OK;
+    CML_TRY(cml_text_end(out, &text, &size, "names", err));
+    *names = size > 0 ? text : NULL;
+    if (size == 0) free(text);
+    return CML_OK;
 }
 
 /* ---- files ---- */

@@ -90,11 +90,7 @@ static cml_status write_words(const struct cml_outcome *o, int first, int end, c
     *words = NULL;
     FILE *out = open_memstream(words, &size);
     for (int i = first; out && i < end; i++) write_lines(out, end > first + 1 ? prefix[i] : "", texts[i]);
-    const bool failed = !out || ferror(out);
-    if ((!out || fclose(out) == 0) && !failed) return CML_OK;
-    free(*words);
-    *words = NULL;
-    return cml_fail_memory(err, (double)size, "a scene in words");
+    return cml_text_end(out, words, &size, "a scene in words", err);
 }
 
 cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged, struct cml_error *err)

@@ -14,7 +14,9 @@ static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
     faces->point = malloc(point_bytes);
     faces->corner = malloc(corner_bytes);
     if (faces->point && faces->corner) return CML_OK;
-    cml_report_faces_free(faces);
+    free(faces->point);
+    free(faces->corner);
+    *faces = (struct cml_faces){0};
     return cml_fail_memory(err, (double)(point_bytes + corner_bytes), "the faces of a boundary");
 }
 
@@ -77,11 +79,4 @@ cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces 
     const bool mesh = def->kind == CML_SURFACE_MESH;
     *per_facet = mesh ? 1 : segments_of((size_t)def->num_rings - 1);
     return mesh ? mesh_faces(def, faces, err) : ring_faces(def, faces, err);
-}
-
-void cml_report_faces_free(struct cml_faces *faces)
-{
-    free(faces->point);
-    free(faces->corner);
-    *faces = (struct cml_faces){0};
 }

@@ -179,74 +179,54 @@ static void fill_map(struct cml_field_list *list)
     }
 }
 
-/* Both images lie where the scene has them, z down. */
-static cml_status write_image(const struct cml_report *report, bool volume, const char *path,
-                              struct cml_error *err)
+/* All images lie where the scene has them, z down; a detector's at the level on which it is focused. */
+static struct cml_image image_of(const struct cml_scene *scene, const struct cml_report_file *file)
 {
-    const struct cml_scene *scene = report->scene;
     const struct cml_map_def *map = &scene->map;
-    const struct cml_image image = {
-        .n = {(size_t)map->nx, (size_t)map->ny, volume ? (size_t)scene->nz : 0},
-        .origin = {-0.5 * map->nx * map->dx, -0.5 * map->ny * map->dy, volume ? map->top : 0},
-        .spacing = {map->dx, map->dy, scene->dz},
-    };
-    struct cml_field_list list;
-    CML_TRY(cml_field_list_create(report, &list, err));
-    if (volume)
-        cml_add_volume_fields(&list);
-    else
-        fill_map(&list);
-    const cml_status status =
-        cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
-    cml_field_list_free(&list);
-    return status;
-}
-
-/* What a detector's pixels have seen, at the level on which it is focused. */
-static cml_status write_picture(const struct cml_report *report, int k, const char *path,
-                                struct cml_error *err)
-{
-    const struct cml_detector_def *d = &report->scene->detectors[k];
-    const struct cml_image image = {
+    const bool volume = file->content == CML_FILE_VOLUME;
+    if (file->content != CML_FILE_DETECTOR)
+        return (struct cml_image){
+            .n = {(size_t)map->nx, (size_t)map->ny, volume ? (size_t)scene->nz : 0},
+            .origin = {-0.5 * map->nx * map->dx, -0.5 * map->ny * map->dy, volume ? map->top : 0},
+            .spacing = {map->dx, map->dy, scene->dz}};
+    const struct cml_detector_def *d = &scene->detectors[file->of];
+    return (struct cml_image){
         .n = {(size_t)d->nx, (size_t)d->ny, 0},
         .origin = {d->x - 0.5 * d->nx * d->size[0], d->y - 0.5 * d->ny * d->size[1], d->z},
-        .spacing = {d->size[0], d->size[1], 1},
-    };
+        .spacing = {d->size[0], d->size[1], 1}};
+}
+
+static cml_status write_image(const struct cml_report *report, const struct cml_report_file *file,
+                              const char *path, struct cml_error *err)
+{
+    const struct cml_image image = image_of(report->scene, file);
     struct cml_field_list list;
     CML_TRY(cml_field_list_create(report, &list, err));
-    cml_add_detector_fields(&list, k);
+    if (file->content == CML_FILE_MAP) fill_map(&list);
+    if (file->content == CML_FILE_VOLUME) cml_add_volume_fields(&list);
+    if (file->content == CML_FILE_DETECTOR) cml_add_detector_fields(&list, file->of);
     const cml_status status =
         cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
     cml_field_list_free(&list);
     return status;
 }
 
-/* Writes the faces of a boundary that is no plane, and what they received. */
-static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
-                                 struct cml_error *err)
+/* Writes the faces of a boundary that is no plane, or of all bodies, and what they received. */
+static cml_status write_faces(const struct cml_report *report, const struct cml_report_file *file,
+                              const char *path, struct cml_error *err)
 {
+    const bool bodies = file->content == CML_FILE_BODIES;
     struct cml_field_list list;
-    struct cml_faces faces;
-    size_t per_facet;
-    CML_TRY(cml_report_faces(&report->surfaces->item[b], &faces, &per_facet, err));
+    struct cml_body_faces drawn = {.face = NULL};
+    size_t per_facet = 1;
+    CML_TRY(bodies ? cml_report_body_faces(report, &drawn, err)
+                   : cml_report_faces(&report->surfaces->item[file->of], &drawn.faces, &per_facet, err));
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
-        cml_add_facet_fields(&list, b, "", per_facet);
-        status = cml_vtp_write(path, report->identity, &faces, list.fields, list.num_fields, err);
-        cml_field_list_free(&list);
-    }
-    cml_report_faces_free(&faces);
-    return status;
-}
-
-static cml_status write_bodies(const struct cml_report *report, const char *path, struct cml_error *err)
-{
-    struct cml_field_list list;
-    struct cml_body_faces drawn;
-    CML_TRY(cml_report_body_faces(report, &drawn, err));
-    cml_status status = cml_field_list_create(report, &list, err);
-    if (status == CML_OK) {
-        cml_add_body_face_fields(&list, &drawn);
+        if (bodies)
+            cml_add_body_face_fields(&list, &drawn);
+        else
+            cml_add_facet_fields(&list, file->of, "", per_facet);
         status = cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
@@ -270,15 +250,12 @@ static cml_status write_file(const struct writing *w, const struct cml_report_fi
     case CML_FILE_SAVED:
         return cml_report_write_saved(w->report, w->outcome, path, err);
     case CML_FILE_MAP:
-        return write_image(w->report, false, path, err);
     case CML_FILE_VOLUME:
-        return write_image(w->report, true, path, err);
     case CML_FILE_DETECTOR:
-        return write_picture(w->report, file->of, path, err);
+        return write_image(w->report, file, path, err);
     case CML_FILE_BOUNDARY:
-        return write_boundary(w->report, file->of, path, err);
     case CML_FILE_BODIES:
-        return write_bodies(w->report, path, err);
+        return write_faces(w->report, file, path, err);
     }
     return CML_OK;
 }

@@ -54,16 +54,13 @@ static void write_verdict(const struct drawing *d)
 {
     const struct cml_comparison *c = d->report->comparison;
     char text[200];
-    struct cml_page_text line = {CML_PAGE_WIDTH / 2.0, d->page.height - 44, CML_ALIGN_CENTER, CML_PAGE_NORMAL,
-                                 text};
+    const double middle = CML_PAGE_WIDTH / 2.0, top = d->page.height - 44;
     snprintf(text, sizeof text, "They %s: among %d tests chance alone makes such a difference with p = %.2g.",
              c->p < d->report->alpha ? "differ" : "agree", c->tests, c->p);
-    cml_page_write(&d->page, LABEL_VERDICT, &line);
+    cml_page_write(&d->page, LABEL_VERDICT, middle, top, CML_ALIGN_CENTER, CML_PAGE_NORMAL, text);
     snprintf(text, sizeof text, "dashed: |z| = %.2f, the level %g; arrows: beyond |z| = %g", d->limit,
              d->report->alpha, most);
-    line.y -= 20;
-    line.size = CML_PAGE_SMALL;
-    cml_page_write(&d->page, LABEL_LEVEL, &line);
+    cml_page_write(&d->page, LABEL_LEVEL, middle, top - 20, CML_ALIGN_CENTER, CML_PAGE_SMALL, text);
 }
 
 /* Names of files may be long, and differ at their ends. */
@@ -78,9 +75,8 @@ static void write_head(const struct drawing *d)
             -frame, frame, -most, most);
     for (int k = 0; k < 2; k++) cml_plot_cut(report->names[k], LONGEST_NAME, name[k]);
     snprintf(text, sizeof text, "%s (a) against %s (b)", name[0], name[1]);
-    cml_page_write(&d->page, LABEL_NAMES,
-                   &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 20, CML_ALIGN_CENTER,
-                                           CML_PAGE_NORMAL, text});
+    cml_page_write(&d->page, LABEL_NAMES, CML_PAGE_WIDTH / 2.0, d->page.height - 20, CML_ALIGN_CENTER,
+                   CML_PAGE_NORMAL, text);
     write_verdict(d);
 }
 
@@ -124,8 +120,7 @@ static void write_worst(const struct drawing *d, int q, double top)
     for (int i = 0; i < c->count; i++)
         if ((int)c->test[i].quantity == q && fabs(c->test[i].z) > fabs(worst)) worst = c->test[i].z;
     snprintf(text, sizeof text, "worst z %+.1f", worst);
-    cml_page_write(&d->page, LABEL_WORST,
-                   &(struct cml_page_text){RIGHT, top + 11, CML_ALIGN_RIGHT, CML_PAGE_SMALL, text});
+    cml_page_write(&d->page, LABEL_WORST, RIGHT, top + 11, CML_ALIGN_RIGHT, CML_PAGE_SMALL, text);
 }
 
 /* Bars along the axis show which bins were taken together. Labels of the head are drawn with the first panel
@@ -142,12 +137,10 @@ static void write_panel(const struct drawing *d, int q, int row)
     const int beyond = write_data(d, q);
     cml_page_panel(&d->page, LEFT, RIGHT, top - PANEL, top);
     snprintf(name, sizeof name, "z of %s", cml_quantities[q].name);
-    cml_page_write(&d->page, LABEL_Y,
-                   &(struct cml_page_text){CML_PAGE_TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT,
-                                           CML_PAGE_NORMAL, name});
-    cml_page_write(&d->page, LABEL_X,
-                   &(struct cml_page_text){(LEFT + RIGHT) / 2.0, top - PANEL - TITLE_BELOW, CML_ALIGN_CENTER,
-                                           CML_PAGE_NORMAL, cml_quantity_axes((enum cml_quantity)q)});
+    cml_page_write(&d->page, LABEL_Y, CML_PAGE_TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT,
+                   CML_PAGE_NORMAL, name);
+    cml_page_write(&d->page, LABEL_X, (LEFT + RIGHT) / 2.0, top - PANEL - TITLE_BELOW, CML_ALIGN_CENTER,
+                   CML_PAGE_NORMAL, cml_quantity_axes((enum cml_quantity)q));
     if (beyond > 0) write_worst(d, q, top);
     fprintf(d->page.out,
             "set xrange [0:%.7g]\nplot %.4g with lines dt 2 lw 1.2 %s, %.4g with lines dt 2 lw 1.2 %s, ", end,

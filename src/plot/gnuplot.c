@@ -70,14 +70,15 @@ void cml_page_panel(const struct cml_page *page, double left, double right, doub
 }
 
 /* Writes a text at a place of the page; small letters are grey. */
-void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text)
+void cml_page_write(const struct cml_page *page, int number, double x, double y, enum cml_align align,
+                    int size, const char *text)
 {
     static const char *const aligns[] = {"left", "center", "right", "center rotate"};
     fprintf(page->out, "set label %d ", number);
-    cml_gnuplot_quote(page->out, text->text);
-    fprintf(page->out, " at screen %.6f,%.6f %s font ',%g'%s\n", text->x / page->width,
-            text->y / page->height, aligns[text->align], terminals[page->picture].letters * text->size,
-            text->size == CML_PAGE_SMALL ? " textcolor rgb '#404040'" : "");
+    cml_gnuplot_quote(page->out, text);
+    fprintf(page->out, " at screen %.6f,%.6f %s font ',%g'%s\n", x / page->width, y / page->height,
+            aligns[align], terminals[page->picture].letters * size,
+            size == CML_PAGE_SMALL ? " textcolor rgb '#404040'" : "");
 }
 
 /* The code of a UTF-8 sequence of that length. */

@@ -33,15 +33,11 @@ void cml_page_begin(const struct cml_page *page);
 /* The four sides of the panel that is plotted next. */
 void cml_page_panel(const struct cml_page *page, double left, double right, double bottom, double top);
 
-/* A text in gnuplot's label `number`, at its middle's height; it replaces the one of that number. */
+/* A text in gnuplot's label `number`, at its middle's height; it replaces the one of that number. Upright:
+ * turned by 90 degrees, centred. */
 enum cml_align { CML_ALIGN_LEFT, CML_ALIGN_CENTER, CML_ALIGN_RIGHT, CML_ALIGN_UPRIGHT };
-struct cml_page_text {
-    double x, y;
-    enum cml_align align; /* upright: turned by 90 degrees, centred */
-    int size;
-    const char *text;
-};
-void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text);
+void cml_page_write(const struct cml_page *page, int number, double x, double y, enum cml_align align,
+                    int size, const char *text);
 
 /* The text as a string of gnuplot, in double quotes. A backslash stands before quotes and backslashes; what
  * stands in backquotes, gnuplot would run as a command, so these are written by their octal number. What an

@@ -100,9 +100,8 @@ static void write_title(const struct drawing *d)
     if (named < plot->num_results)
         snprintf(title + used, sizeof title - used, " and %d more", plot->num_results - named);
     cml_plot_cut(plot->style.title ? plot->style.title : title, LONGEST_TITLE, cut);
-    cml_page_write(&d->page, LABEL_TITLE,
-                   &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
-                                           CML_PAGE_LARGE, cut});
+    cml_page_write(&d->page, LABEL_TITLE, CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
+                   CML_PAGE_LARGE, cut);
 }
 
 /* ---- curves ---- */
@@ -326,23 +325,22 @@ static void write_height_axis(const struct drawing *d, const struct panel *panel
     fprintf(out, "set ytics nomirror\nset y2range [%.9g:%.9g]\n", panel->lowest - 0.15 * span,
             panel->lowest - 0.15 * span + 1.35 * span / strip);
     write_height_ticks(out, panel, span);
-    cml_page_write(&d->page, LABEL_HEIGHT,
-                   &(struct cml_page_text){TITLE_RIGHT,
-                                           panel->bottom + strip / 2 * (panel->top - panel->bottom) + 8,
-                                           CML_ALIGN_UPRIGHT, CML_PAGE_SMALL, "height [cm]"});
+    cml_page_write(&d->page, LABEL_HEIGHT, TITLE_RIGHT,
+                   panel->bottom + strip / 2 * (panel->top - panel->bottom) + 8, CML_ALIGN_UPRIGHT,
+                   CML_PAGE_SMALL, "height [cm]");
 }
 
 /* What stands above the panel's right end. */
 static void write_note(const struct drawing *d, const struct panel *panel)
 {
     char note[64];
-    struct cml_page_text text = {RIGHT, panel->top + 12, CML_ALIGN_RIGHT, CML_PAGE_NORMAL, note};
     fprintf(d->page.out, "unset label %d\n", LABEL_NOTE);
     snprintf(note, sizeof note, "%s", panel->high > 0 ? "" : "no light");
     if (panel->first > 0) snprintf(note, sizeof note, "first bin: %.3g", panel->first);
     for (int k = 0; k < d->count; k++)
         if (panel->curves[k].shared) snprintf(note, sizeof note, "gaps: bins that two media share");
-    if (note[0]) cml_page_write(&d->page, LABEL_NOTE, &text);
+    if (note[0])
+        cml_page_write(&d->page, LABEL_NOTE, RIGHT, panel->top + 12, CML_ALIGN_RIGHT, CML_PAGE_NORMAL, note);
 }
 
 /* Titles stand at places of our own: gnuplot's would move with the letters of each format. The common axis is
@@ -352,18 +350,14 @@ static void write_axes(const struct drawing *d, const struct panel *panel, bool 
     FILE *out = d->page.out;
     const double middle = (panel->bottom + panel->top) / 2, across = (LEFT + RIGHT) / 2.0;
     cml_page_panel(&d->page, LEFT, RIGHT, panel->bottom, panel->top);
-    cml_page_write(
-        &d->page, LABEL_PANEL,
-        &(struct cml_page_text){LEFT, panel->top + 12, CML_ALIGN_LEFT, CML_PAGE_NORMAL, panel->shown->title});
-    cml_page_write(&d->page, LABEL_Y,
-                   &(struct cml_page_text){CML_PAGE_TITLE_LEFT, middle, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL,
-                                           panel->shown->axis});
+    cml_page_write(&d->page, LABEL_PANEL, LEFT, panel->top + 12, CML_ALIGN_LEFT, CML_PAGE_NORMAL,
+                   panel->shown->title);
+    cml_page_write(&d->page, LABEL_Y, CML_PAGE_TITLE_LEFT, middle, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL,
+                   panel->shown->axis);
     fputs(last ? "set format x '%g'\n" : "set format x ''\n", out);
     if (last)
-        cml_page_write(&d->page, LABEL_X,
-                       &(struct cml_page_text){across, panel->bottom - TITLE_BELOW, CML_ALIGN_CENTER,
-                                               CML_PAGE_NORMAL,
-                                               d->plot->over ? d->plot->over : cml_shown_axis(panel->shown)});
+        cml_page_write(&d->page, LABEL_X, across, panel->bottom - TITLE_BELOW, CML_ALIGN_CENTER,
+                       CML_PAGE_NORMAL, d->plot->over ? d->plot->over : cml_shown_axis(panel->shown));
     const double low = panel->high > 0 ? bottom_of(d, panel) : 0.1, high = panel->high > 0 ? panel->high : 1;
     fprintf(out, "set yrange [%.6g:%.6g]\nset ytics autofreq\n", low, high);
     if (!linear(d)) cml_plot_log_ticks(out, "ytics", low, high);

@@ -240,14 +240,12 @@ static void write_colours(const struct drawing *d)
             "set colorbox vertical user origin screen %.6f, screen %.6f size screen %.6f, screen %.6f\n",
             left / CML_PAGE_WIDTH, (double)d->foot / d->page.height, (double)BAR / CML_PAGE_WIDTH,
             bar_height / d->page.height);
-    cml_page_write(&d->page, LABEL_COLOURS,
-                   &(struct cml_page_text){left + BAR_TITLE, d->foot + bar_height / 2, CML_ALIGN_UPRIGHT,
-                                           CML_PAGE_NORMAL, d->plot->quantity});
+    cml_page_write(&d->page, LABEL_COLOURS, left + BAR_TITLE, d->foot + bar_height / 2, CML_ALIGN_UPRIGHT,
+                   CML_PAGE_NORMAL, d->plot->quantity);
     snprintf(grey, sizeof grey, "grey: %s", d->plot->grey);
     if ((d->log && d->dark) || d->unknown)
-        cml_page_write(&d->page, LABEL_GREY,
-                       &(struct cml_page_text){CML_PAGE_WIDTH - 12, d->foot - TITLE_BELOW, CML_ALIGN_RIGHT,
-                                               CML_PAGE_SMALL, grey});
+        cml_page_write(&d->page, LABEL_GREY, CML_PAGE_WIDTH - 12, d->foot - TITLE_BELOW, CML_ALIGN_RIGHT,
+                       CML_PAGE_SMALL, grey);
 }
 
 /* Both axes have the same ticks where they have the same lengths, some TICKS points apart. */
@@ -274,9 +272,8 @@ static void write_frame(const struct drawing *d)
     write_axes(d);
     write_colours(d);
     if (d->plot->style.title)
-        cml_page_write(&d->page, LABEL_TITLE,
-                       &(struct cml_page_text){CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
-                                               CML_PAGE_LARGE, d->plot->style.title});
+        cml_page_write(&d->page, LABEL_TITLE, CML_PAGE_WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
+                       CML_PAGE_LARGE, d->plot->style.title);
     (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
 }
 
@@ -312,21 +309,17 @@ static void write_panel(const struct drawing *d, int k)
     cml_plot_cut(d->plot->names[k], (size_t)fmin(100, fmax(8, (d->width + GAP) / LETTER)), name);
     cml_page_panel(&d->page, left, right, bottom, top);
     write_map_frame(d, &d->plot->maps[k]);
-    cml_page_write(&d->page, LABEL_NAME,
-                   &(struct cml_page_text){left, top + 14, CML_ALIGN_LEFT, CML_PAGE_NORMAL, name});
-    cml_page_write(&d->page, LABEL_X,
-                   &(struct cml_page_text){(left + right) / 2, bottom - TITLE_BELOW, CML_ALIGN_CENTER,
-                                           CML_PAGE_NORMAL, d->plot->axes->name[0]});
+    cml_page_write(&d->page, LABEL_NAME, left, top + 14, CML_ALIGN_LEFT, CML_PAGE_NORMAL, name);
+    cml_page_write(&d->page, LABEL_X, (left + right) / 2, bottom - TITLE_BELOW, CML_ALIGN_CENTER,
+                   CML_PAGE_NORMAL, d->plot->axes->name[0]);
     if (column == 0)
-        cml_page_write(&d->page, LABEL_Y,
-                       &(struct cml_page_text){left - TITLE_LEFT, (bottom + top) / 2, CML_ALIGN_UPRIGHT,
-                                               CML_PAGE_NORMAL, d->plot->axes->name[1]});
+        cml_page_write(&d->page, LABEL_Y, left - TITLE_LEFT, (bottom + top) / 2, CML_ALIGN_UPRIGHT,
+                       CML_PAGE_NORMAL, d->plot->axes->name[1]);
     if (d->high > 0) {
         write_map(d, k);
     } else {
-        cml_page_write(&d->page, LABEL_NOTE,
-                       &(struct cml_page_text){(left + right) / 2, (bottom + top) / 2, CML_ALIGN_CENTER,
-                                               CML_PAGE_NORMAL, "no light"});
+        cml_page_write(&d->page, LABEL_NOTE, (left + right) / 2, (bottom + top) / 2, CML_ALIGN_CENTER,
+                       CML_PAGE_NORMAL, "no light");
         fputs("plot NaN notitle\n", d->page.out);
     }
     fputs("unset colorbox\nunset label\n", d->page.out);

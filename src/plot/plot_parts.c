@@ -102,9 +102,7 @@ int cml_plot_caption(const struct cml_page *page, const char *caption, int top)
         char line[4 * LINE_LETTERS + 1];
         snprintf(line, sizeof line, "%.*s", (int)length, rest);
         if (page)
-            cml_page_write(
-                page, 30 + lines,
-                &(struct cml_page_text){18, top - LINE * lines, CML_ALIGN_LEFT, CML_PAGE_SMALL, line});
+            cml_page_write(page, 30 + lines, 18, top - LINE * lines, CML_ALIGN_LEFT, CML_PAGE_SMALL, line);
         rest += length + strspn(rest + length, " ");
     }
     return LINE * lines;

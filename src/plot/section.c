@@ -91,9 +91,8 @@ static bool is_free(const struct frame *f, const struct box *box)
 /* Labels have numbers in gnuplot: ours from 1 on, those of the caption above all of them. */
 static void write_text(struct frame *f, double x, double y, enum cml_align align, int size, const char *text)
 {
-    const struct cml_page_text what = {x, y, align, size, text};
     take_room(f, box_of(x, y, align, size, text));
-    cml_page_write(&f->page, ++f->num_texts, &what);
+    cml_page_write(&f->page, ++f->num_texts, x, y, align, size, text);
 }
 
 static void write_frame(struct frame *f)

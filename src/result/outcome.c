@@ -274,178 +274,147 @@ static const cml_u128 *cells_of(const struct cml_result *sums, const struct cml_
 
 /* The order of the operations is part of the results: .h5 files hold every bit of the quotients. What is over
  * depth is divided last. */
-static double density(const struct cml_outcome *o, enum cml_quantity quantity, size_t i, double sum)
+static double density(const struct cml_outcome *o, enum cml_quantity quantity, double measure, double sum)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
-    const double per_photon = CML_WEIGHT_UNIT / (double)o->photons,
-                 measure = cml_outcome_measure(o, quantity, i);
+    const double per_photon = CML_WEIGHT_UNIT / (double)o->photons;
     const bool over_depth = axis[0] == CML_AXIS_z || axis[1] == CML_AXIS_z;
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
-/* Sums by medium begin with the one above; media outside absorb nothing. Fluence is of weight times length
- * (P14). */
-static cml_status take_batches(struct cml_outcome *o, const struct cml_result *sums,
-                               enum cml_quantity quantity, struct cml_error *err)
+/* Number i of `size`. Sums by medium begin with the one above; media outside absorb nothing. Fluence is of
+ * weight times length (P14). */
+static double of_cells(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                       int size, int i, double *error)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const cml_u128 *batches = cells_of(sums, info);
-    const int size = (int)cml_outcome_size(o, quantity),
-              first = info->estimator == CML_FROM_LAYERS   ? 1
+    const cml_u128 *cells = cells_of(sums, info);
+    const double measure = cml_outcome_measure(o, quantity, (size_t)i),
+                 length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
+    const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
                                                            : 0,
               n = first > 0 ? (int)cml_tally_media(&sums->grid) : size;
-    const double length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
-    if (!batches || size == 0) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (int i = 0; i < size; i++) {
-        const size_t bin = (size_t)i;
-        o->value[quantity][i] = density(o, quantity, bin, length * cml_result_bin_sum(batches, n, first + i));
-        o->error[quantity][i] = length * cml_result_bin_error(sums, batches, n, first + i) /
-                                cml_outcome_measure(o, quantity, bin);
+    double sum;
+    if (info->estimator == CML_FROM_ONCE) {
+        sum = (double)cells[i];
+        *error = cml_result_once_error(sums, cells[i], cells[i + (sums->Rd_dir2 - sums->Rd_dir)]);
+    } else if (info->estimator == CML_FROM_GROUPS) {
+        const int groups = cml_cell_groups(&sums->grid);
+        sum = cml_result_cell_sum(cells + i, groups, (size_t)size);
+        *error = groups > 1 ? cml_result_cell_error(sums, cells + i, (size_t)size) : NAN;
+    } else {
+        sum = length * cml_result_bin_sum(cells, n, first + i);
+        *error = length * cml_result_bin_error(sums, cells, n, first + i);
     }
-    return CML_OK;
-}
-
-static cml_status take_once(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
-                            struct cml_error *err)
-{
-    const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
-    if (!cells) return CML_OK;
-    const cml_u128 *squares = cells + (sums->Rd_dir2 - sums->Rd_dir);
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (size_t i = 0; i < cml_outcome_size(o, quantity); i++) {
-        o->value[quantity][i] = density(o, quantity, i, (double)cells[i]);
-        o->error[quantity][i] =
-            cml_result_once_error(sums, cells[i], squares[i]) / cml_outcome_measure(o, quantity, i);
-    }
-    return CML_OK;
-}
-
-/* Tt, which is the first score; then of layers. */
-static cml_status take_expected(struct cml_outcome *o, const struct cml_result *sums,
-                                enum cml_quantity quantity, struct cml_error *err)
-{
-    const bool layers = cml_quantities[quantity].axis[0] == CML_AXIS_layer;
-    const int size = (int)cml_outcome_size(o, quantity);
-    if (sums->grid.scores < (layers ? 2 : 1)) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (int i = 0; i < size; i++) {
-        double *value = &o->value[quantity][i], *error = &o->error[quantity][i];
-        if (layers)
-            cml_result_expected_layer(sums, i + 1, value, error);
-        else
-            cml_result_expected(sums, 0, value, error);
-    }
-    return CML_OK;
+    *error /= measure;
+    return density(o, quantity, measure, sum);
 }
 
 /* Lengths and depths are sums of units, depths from a top. */
-static cml_status take_means(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
-                             struct cml_error *err)
+static double mean_of(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                      int size, int i, double *error)
 {
     const cml_u128 *moments = cells_of(sums, &cml_quantities[quantity]);
-    const int n = (int)cml_outcome_size(o, quantity);
+    const int detector = i / (int)cml_outcome_part_size(o, quantity);
     const double unit = quantity == CML_QUANTITY_detector_interactions ? 1 : sums->grid.path_unit,
-                 top = quantity == CML_QUANTITY_detector_deepest ? sums->grid.path_top : 0;
-    if (!moments) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (int i = 0; i < n; i++) {
-        const int detector = i / (int)cml_outcome_part_size(o, quantity);
-        double error;
-        o->value[quantity][i] = top + unit * cml_result_mean(sums, moments, n, i, detector, &error);
-        o->error[quantity][i] = unit * error;
-    }
-    return CML_OK;
+                 top = quantity == CML_QUANTITY_detector_deepest ? sums->grid.path_top : 0,
+                 mean = top + unit * cml_result_mean(sums, moments, size, i, detector, error);
+    *error *= unit;
+    return mean;
 }
 
-static cml_status take_groups(struct cml_outcome *o, const struct cml_result *sums,
-                              enum cml_quantity quantity, struct cml_error *err)
+/* Tt, which is the first score; then of layers. */
+static double expected_of(const struct cml_result *sums, enum cml_quantity quantity, int i, double *error)
 {
-    const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
-    const size_t size = cml_outcome_size(o, quantity);
-    const int groups = cml_cell_groups(&sums->grid);
-    if (!cells) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    for (size_t i = 0; i < size; i++)
-        o->value[quantity][i] = density(o, quantity, i, cml_result_cell_sum(cells + i, groups, size));
-    if (groups == 1) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (size_t i = 0; i < size; i++)
-        o->error[quantity][i] =
-            cml_result_cell_error(sums, cells + i, size) / cml_outcome_measure(o, quantity, i);
-    return CML_OK;
+    double value;
+    if (cml_quantities[quantity].axis[0] == CML_AXIS_layer)
+        cml_result_expected_layer(sums, i + 1, &value, error);
+    else
+        cml_result_expected(sums, 0, &value, error);
+    return value;
 }
 
-static double number_of(const struct cml_result *sums, const struct cml_quantity_info *info)
+static double number_of(const struct cml_outcome *o, const struct cml_result *sums,
+                        enum cml_quantity quantity, int size, int i, double *error)
 {
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
     switch (info->estimator) {
     case CML_FROM_TOTAL:
+        *error = cml_result_error(sums, (enum cml_total)info->sums);
         return cml_result_total(sums, (enum cml_total)info->sums);
     case CML_FROM_BALANCE:
         return cml_result_share(sums, (enum cml_balance_term)info->sums);
+    case CML_FROM_COUNT:
+        return (double)sums->summary.count[info->sums];
     case CML_FROM_RESIDUE:
         return cml_result_imbalance(sums);
     case CML_FROM_LOST:
         return (double)cml_result_lost(sums);
+    case CML_FROM_MEANS:
+        return mean_of(o, sums, quantity, size, i, error);
+    case CML_FROM_EXPECTED:
+        return expected_of(sums, quantity, i, error);
     default:
-        return (double)sums->summary.count[info->sums];
+        return of_cells(o, sums, quantity, size, i, error);
     }
 }
 
-/* By medium, too: these are few. */
-static bool is_batched_number(enum cml_quantity quantity)
+static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const enum cml_axis_kind axis = info->axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
-    return info->estimator == CML_FROM_LAYERS || info->estimator == CML_FROM_BODIES ||
-           (info->estimator == CML_FROM_BATCHES && axis == CML_AXIS_NONE);
+    if (info->estimator <= CML_FROM_LOST) return quantity != CML_QUANTITY_A_backing || o->backed;
+    if (info->estimator == CML_FROM_EXPECTED)
+        return sums->grid.scores >= (info->axis[0] == CML_AXIS_layer ? 2 : 1);
+    return cells_of(sums, info) != NULL;
 }
 
-static cml_status take_number(struct cml_outcome *o, const struct cml_result *sums,
-                              enum cml_quantity quantity, struct cml_error *err)
+static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                       struct cml_error *err)
+{
+    const enum cml_estimator estimator = cml_quantities[quantity].estimator;
+    const bool known = estimator != CML_FROM_GROUPS || cml_cell_groups(&sums->grid) > 1,
+               errors = estimator == CML_FROM_TOTAL || (estimator > CML_FROM_LOST && known);
+    const int size = (int)cml_outcome_size(o, quantity);
+    if (size == 0 || !is_tallied(o, sums, quantity)) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    if (errors) CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (int i = 0; i < size; i++) {
+        double error;
+        o->value[quantity][i] = number_of(o, sums, quantity, size, i, &error);
+        if (errors) o->error[quantity][i] = error;
+    }
+    return CML_OK;
+}
+
+/* By medium, too: these are few. */
+static bool is_number(enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    if (quantity == CML_QUANTITY_A_backing && !o->backed) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, false, err));
-    o->value[quantity][0] = number_of(sums, info);
-    if (info->estimator != CML_FROM_TOTAL) return CML_OK;
-    CML_TRY(cml_outcome_add(o, quantity, true, err));
-    o->error[quantity][0] = cml_result_error(sums, (enum cml_total)info->sums);
+    return info->axis[cml_quantity_is_of_detector(quantity) ? 1 : 0] == CML_AXIS_NONE ||
+           info->estimator == CML_FROM_LAYERS || info->estimator == CML_FROM_BODIES ||
+           info->estimator == CML_FROM_EXPECTED;
+}
+
+static cml_status take_all(struct cml_outcome *o, const struct cml_result *sums, bool numbers,
+                           struct cml_error *err)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_quantities[i].estimator <= CML_FROM_EXPECTED && (!numbers || is_number((enum cml_quantity)i)))
+            CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     return CML_OK;
 }
 
 cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_result *sums,
                                     struct cml_error *err)
 {
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (cml_quantities[i].estimator <= CML_FROM_LOST) CML_TRY(take_number(o, sums, quantity, err));
-        if (is_batched_number(quantity)) CML_TRY(take_batches(o, sums, quantity, err));
-        if (cml_quantities[i].estimator == CML_FROM_EXPECTED) CML_TRY(take_expected(o, sums, quantity, err));
-        if (quantity == CML_QUANTITY_detector_deepest) CML_TRY(take_means(o, sums, quantity, err));
-    }
-    return CML_OK;
+    return take_all(o, sums, true, err);
 }
 
 cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
 {
-    CML_TRY(cml_outcome_take_numbers(o, sums, err));
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        const enum cml_estimator estimator = cml_quantities[i].estimator;
-        if (estimator == CML_FROM_BATCHES && !is_batched_number((enum cml_quantity)i))
-            CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
-        if (estimator == CML_FROM_MEANS && i != CML_QUANTITY_detector_deepest)
-            CML_TRY(take_means(o, sums, (enum cml_quantity)i, err));
-        if (estimator == CML_FROM_ONCE) CML_TRY(take_once(o, sums, (enum cml_quantity)i, err));
-        if (estimator == CML_FROM_GROUPS) CML_TRY(take_groups(o, sums, (enum cml_quantity)i, err));
-    }
     o->lost = sums->summary.lost;
-    return CML_OK;
+    return take_all(o, sums, false, err);
 }
 
 /* ---- where shapes lie ---- */

@@ -7,10 +7,7 @@
 #include "base/atomic_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <spawn.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/mman.h>
@@ -126,118 +123,62 @@ void cml_gnuplot_quote(FILE *out, const char *text)
 
 /* ---- the process ---- */
 
-/* A script in memory: gnuplot starts only when it is complete, and data of any size go through the pipe. */
-struct script {
-    char *text;
-    size_t size;
-};
-
-/* Closed on exec: gnuplot would otherwise hold the writing end of its own input, and never see it end. */
-static bool open_pipe(int ends[2])
-{
-    if (pipe(ends) != 0) return false;
-    return fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 && fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
-}
+/* What gnuplot reads and writes are files in memory, numbered as in the process: it starts only when the
+ * script is complete, and of a disk that is full it would say nothing. */
+enum { SCRIPT, PICTURE, MESSAGES, FILES };
 
 /* Starts gnuplot without a shell, so nothing in a name can be an order. No settings of the user's, so that a
  * picture is the same everywhere. Returns an error number, 0 when it runs. */
-static int spawn(int in, int out, int messages, pid_t *child)
+static int spawn(const int files[FILES], pid_t *child)
 {
     char *arguments[] = {"gnuplot", "--default-settings", "-", NULL};
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed) return failed;
-    failed = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+    for (int i = 0; !failed && i < FILES; i++)
+        failed = posix_spawn_file_actions_adddup2(&actions, files[i], i);
     if (!failed) failed = posix_spawnp(child, "gnuplot", &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     return failed;
 }
 
-/* gnuplot stops at its first error and then reads no further; the message says more than the broken pipe. */
-static void feed(int in, const struct script *script)
-{
-    void (*handler)(int) = signal(SIGPIPE, SIG_IGN);
-    for (size_t done = 0; done < script->size;) {
-        const ssize_t wrote = write(in, script->text + done, script->size - done);
-        if (wrote < 0 && errno == EINTR) continue;
-        if (wrote <= 0) break;
-        done += (size_t)wrote;
-    }
-    close(in);
-    signal(SIGPIPE, handler);
-}
-
-/* Keeps the end of what gnuplot says: its last line is the error. */
-static void listen(int messages, char *said, size_t size)
-{
-    char part[256];
-    size_t used = 0;
-    for (ssize_t got = 0; (got = read(messages, part, sizeof part)) != 0;) {
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) break;
-        for (ssize_t i = 0; i < got; i++) {
-            if (used + 1 >= size) used = 0;
-            said[used++] = part[i];
-        }
-    }
-    while (used > 0 && (said[used - 1] == '\n' || said[used - 1] == ' ')) used--;
-    said[used] = '\0';
-}
-
 /* Only the last line of what it said: the lines before repeat the script. */
-static cml_status wait_for(pid_t child, const char *said, struct cml_error *err)
+static cml_status fail(int messages, struct cml_error *err)
 {
-    int state = 0;
-    while (waitpid(child, &state, 0) < 0)
-        if (errno != EINTR) return cml_fail(err, CML_E_IO, "gnuplot was lost (%s)", strerror(errno));
-    if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return CML_OK;
+    char said[4096];
+    const off_t end = lseek(messages, 0, SEEK_END), begin = end - (off_t)sizeof said + 1;
+    ssize_t size = pread(messages, said, sizeof said - 1, begin > 0 ? begin : 0);
+    while (size > 0 && (said[size - 1] == '\n' || said[size - 1] == ' ')) size--;
+    said[size > 0 ? size : 0] = '\0';
     const char *line = strrchr(said, '\n');
     return cml_fail(err, CML_E_IO, "gnuplot failed (%s)", line ? line + 1 : said);
 }
 
-/* The whole script first, then the messages: gnuplot says little before its first error, after which it
- * reads no further. The ends that belong to the child are closed here, or reading would never end. */
-static cml_status converse(const struct script *script, int picture, int in[2], int messages[2],
-                           struct cml_error *err)
+static cml_status run_gnuplot(const int files[FILES], struct cml_error *err)
 {
-    char said[4096];
     pid_t child = 0;
-    const int failed = spawn(in[0], picture, messages[1], &child);
-    close(in[0]);
-    close(messages[1]);
-    if (failed) {
-        close(in[1]);
-        close(messages[0]);
+    int state = 0;
+    const int failed = spawn(files, &child);
+    if (failed)
         return cml_fail(err, CML_E_IO, "gnuplot cannot be started (%s); is it installed?", strerror(failed));
-    }
-    feed(in[1], script);
-    listen(messages[0], said, sizeof said);
-    close(messages[0]);
-    return wait_for(child, said, err);
-}
-
-/* The script and the messages pass through pipes, the picture into a file. */
-static cml_status run_gnuplot(const struct script *script, int picture, struct cml_error *err)
-{
-    int in[2], messages[2];
-    if (!open_pipe(in)) return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
-    if (!open_pipe(messages)) {
-        close(in[0]);
-        close(in[1]);
-        return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
-    }
-    return converse(script, picture, in, messages, err);
+    while (waitpid(child, &state, 0) < 0)
+        if (errno != EINTR) return cml_fail(err, CML_E_IO, "gnuplot was lost (%s)", strerror(errno));
+    return WIFEXITED(state) && WEXITSTATUS(state) == 0 ? CML_OK : fail(files[MESSAGES], err);
 }
 
 /* A failure of `write` counts before that of memory. */
-static cml_status make_script(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
-                              struct script *script, struct cml_error *err)
+static cml_status write_script(cml_status (*write)(FILE *, const void *, struct cml_error *),
+                               const void *what, int script, struct cml_error *err)
 {
-    FILE *out = open_memstream(&script->text, &script->size);
+    const int own = dup(script);
+    FILE *out = own < 0 ? NULL : fdopen(own, "w");
     if (!out) return cml_fail_memory(err, 1, "the plot");
-    return cml_text_end(out, &script->size, write(out, what, err), "the plot", err);
+    cml_status status = write(out, what, err);
+    const int failed = ferror(out);
+    if ((fclose(out) != 0 || failed) && status == CML_OK)
+        status = cml_fail_memory(err, (double)lseek(script, 0, SEEK_END), "the plot");
+    lseek(script, 0, SEEK_SET);
+    return status;
 }
 
 /* Gives a picture that gnuplot has drawn its name. */
@@ -254,17 +195,19 @@ static cml_status publish(int picture, const char *path, struct cml_error *err)
     return cml_file_commit(&file, err);
 }
 
-/* gnuplot draws into memory: of a disk that is full it would say nothing. */
 cml_status cml_gnuplot_draw(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
                             const char *path, struct cml_error *err)
 {
-    struct script script = {NULL, 0};
-    const int picture = memfd_create("picture", MFD_CLOEXEC);
-    if (picture < 0) return cml_fail(err, CML_E_IO, "no memory for a picture (%s)", strerror(errno));
-    cml_status status = make_script(write, what, &script, err);
-    if (status == CML_OK) status = run_gnuplot(&script, picture, err);
-    if (status == CML_OK) status = publish(picture, path, err);
-    close(picture);
-    free(script.text);
+    int files[FILES];
+    cml_status status = CML_OK;
+    for (int i = 0; i < FILES; i++) {
+        files[i] = memfd_create("plot", MFD_CLOEXEC);
+        if (files[i] < 0) status = cml_fail(err, CML_E_IO, "no memory for a picture (%s)", strerror(errno));
+    }
+    if (status == CML_OK) status = write_script(write, what, files[SCRIPT], err);
+    if (status == CML_OK) status = run_gnuplot(files, err);
+    if (status == CML_OK) status = publish(files[PICTURE], path, err);
+    for (int i = 0; i < FILES; i++)
+        if (files[i] >= 0) close(files[i]);
     return status;
 }

@@ -66,7 +66,7 @@ FOREIGN = {
     "sys/resource.h": "src/cli/load/scenes",
     "sys/ioctl.h": "src/cli/run/progress",
     "spawn.h": "src/plot/gnuplot",
-    "signal.h": "src/plot/gnuplot src/run/stop",
+    "signal.h": "src/run/stop",
     "mpi.h": "src/run/cluster_parts",
     "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "plot/files/curve.h"
 
+#include "base/array.h"
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -15,7 +16,6 @@ struct table {
     char *line;              /* that is read next, NULL: none */
     int column[NUM_COLUMNS]; /* where it stands, -1: nowhere */
     struct cml_curve *curve;
-    int capacity;
     struct cml_error *err;
 };
 
@@ -127,22 +127,14 @@ static cml_status read_cell(const struct table *t, int column, char *const *cell
     return CML_OK;
 }
 
-/* Makes room for twice as many points as before. */
-static cml_status grow(struct table *t)
+static cml_status grow(const struct table *t)
 {
-    struct cml_curve *old = t->curve, larger;
-    t->capacity = t->capacity ? 2 * t->capacity : 256;
-    CML_TRY(cml_curve_create(t->capacity, t->column[ERROR] >= 0, &larger, t->err));
-    if (old->n > 0) {
-        const size_t bytes = (size_t)old->n * sizeof(double);
-        memcpy(larger.x, old->x, bytes);
-        memcpy(larger.y, old->y, bytes);
-        if (old->error) memcpy(larger.error, old->error, bytes);
-    }
-    larger.n = old->n;
-    cml_curve_free(old);
-    *old = larger;
-    return CML_OK;
+    struct cml_curve *curve = t->curve;
+    const size_t n = (size_t)curve->n;
+    CML_TRY(cml_array_grow(&curve->x, n, sizeof *curve->x, "a curve", t->err));
+    CML_TRY(cml_array_grow(&curve->y, n, sizeof *curve->y, "a curve", t->err));
+    if (t->column[ERROR] < 0) return CML_OK;
+    return cml_array_grow(&curve->error, n, sizeof *curve->error, "a curve", t->err);
 }
 
 static cml_status read_row(struct table *t)
@@ -153,7 +145,7 @@ static cml_status read_row(struct table *t)
     struct cml_curve *curve = t->curve;
     for (int c = 0; c < NUM_COLUMNS; c++) CML_TRY(read_cell(t, c, cells, count, &row[c]));
     if (curve->n == most) return fail(t, "rows", NULL, "at most 1000000");
-    if (curve->n == t->capacity) CML_TRY(grow(t));
+    CML_TRY(grow(t));
     if (curve->n > 0 && !(row[PLACE] > curve->x[curve->n - 1]))
         return fail(t, t->wanted->place, cells[t->column[PLACE]], "more than in the row before");
     curve->x[curve->n] = row[PLACE];

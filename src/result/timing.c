@@ -36,6 +36,32 @@ double cml_timing_communication(const struct cml_timing *timing)
     return sum.elapsed > 0 ? sum.asking / sum.elapsed : 0;
 }
 
+int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int i)
+{
+    if (i >= record->count[kind]) return -1;
+    for (int k = 0; k < (int)kind; k++) i += (int)record->count[k];
+    return i;
+}
+
+void cml_record_add(struct cml_record *record, enum cml_recorded kind, double value, double error)
+{
+    const int at = cml_record_find(record, kind, (int)record->count[kind]++);
+    record->value[at] = value;
+    record->error[at] = error;
+}
+
+bool cml_record_is_sound(const struct cml_record *record)
+{
+    const int64_t *n = record->count, fluxes = n[CML_RECORDED_FLUXES];
+    for (int k = 0; k < CML_NUM_RECORDED; k++)
+        if (n[k] < 0 || n[k] > CML_RECORD_NUMBERS) return false;
+    return n[CML_RECORDED_TOTALS] <= CML_NUM_TOTALS &&
+           n[CML_RECORDED_LAYERS] + n[CML_RECORDED_BODIES] <= CML_RECORD_MEDIA &&
+           n[CML_RECORDED_EXPECTED] <= 1 + n[CML_RECORDED_LAYERS] &&
+           n[CML_RECORDED_DETECTORS] <= CML_RECORD_MEDIA &&
+           (fluxes == 0 || fluxes == CML_BODY_SIDES * n[CML_RECORDED_BODIES]);
+}
+
 void cml_record_clear(struct cml_record *record)
 {
     free(record->json);

@@ -29,24 +29,36 @@ double cml_timing_processor(const struct cml_timing *timing);
 double cml_timing_idle(const struct cml_timing *timing);
 double cml_timing_communication(const struct cml_timing *timing);
 
-/* So many layers and bodies have columns in the table of a sweep. */
+/* Numbers of a run that the table of a sweep has, kind by kind. Where there are more layers and bodies, or
+ * detectors, than CML_RECORD_MEDIA, there are none of them. */
+enum cml_recorded {
+    CML_RECORDED_TOTALS, /* shares of the launched weight, as all of these but fluxes */
+    CML_RECORDED_LAYERS, /* what they absorb */
+    CML_RECORDED_BODIES,
+    CML_RECORDED_EXPECTED,  /* 0, 1 or 1 + layers: Tt, then layers, those that are not expected as counted */
+    CML_RECORDED_DETECTORS, /* in the order of the scene's */
+    CML_RECORDED_FLUXES,    /* flux_body: CML_BODY_SIDES for each body, or 0 without facets */
+    CML_NUM_RECORDED
+};
 #define CML_RECORD_MEDIA 32
 #define CML_BODY_SIDES 4 /* of flux_body */
+#define CML_RECORD_NUMBERS (CML_NUM_TOTALS + 1 + (3 + CML_BODY_SIDES) * CML_RECORD_MEDIA)
 
 /* What is left to be said of a finished run. Zeroed: nothing. */
 struct cml_record {
     uint64_t photons, lost;
-    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
-    int num_layers, num_bodies; /* of these the following; 0 where they are too many */
-    double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA]; /* layers, then bodies */
-    int64_t num_expected; /* of the following: 0, 1, or 1 + num_layers; the others are as counted */
-    double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA]; /* Tt, then layers */
-    int64_t
-        num_detectors; /* of the following, in the order of the scene's; 0: of none, or of more than that */
-    double detected[CML_RECORD_MEDIA], detected_error[CML_RECORD_MEDIA];
-    int64_t num_fluxes; /* of the following, flux_body: CML_BODY_SIDES for each body, or 0 without facets */
-    double flux[CML_BODY_SIDES * CML_RECORD_MEDIA], flux_error[CML_BODY_SIDES * CML_RECORD_MEDIA];
+    int64_t count[CML_NUM_RECORDED];
+    double value[CML_RECORD_NUMBERS], error[CML_RECORD_NUMBERS]; /* one kind behind the other */
     char *json; /* its object, as --json prints it, with the line feed; owned */
 };
+
+/* Adds a number and its error; kinds in their order. */
+void cml_record_add(struct cml_record *record, enum cml_recorded kind, double value, double error);
+
+/* Where number i of a kind stands among all; -1: the run has no such number. */
+int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int i);
+
+/* Whether there are as many of each kind as there may be. */
+bool cml_record_is_sound(const struct cml_record *record);
 
 void cml_record_clear(struct cml_record *record);

@@ -25,7 +25,7 @@ struct head {
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 12u               /* of this layout; a program refuses what it does not know */
+#define VERSION 13u               /* of this layout; a program refuses what it does not know */
 
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
@@ -329,21 +329,12 @@ struct wanted {
     struct cml_record *record;
 };
 
-static bool is_record(const struct cml_record *r)
-{
-    return r->num_layers >= 0 && r->num_bodies >= 0 && r->num_layers <= CML_RECORD_MEDIA &&
-           r->num_bodies <= CML_RECORD_MEDIA - r->num_layers && r->num_expected >= 0 &&
-           r->num_expected <= 1 + r->num_layers && r->num_detectors >= 0 &&
-           r->num_detectors <= CML_RECORD_MEDIA &&
-           (r->num_fluxes == 0 || r->num_fluxes == CML_BODY_SIDES * r->num_bodies);
-}
-
 /* Reads the record, which is empty in the checkpoint of a run that is not finished. */
 static cml_status read_record(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;
     cml_record_clear(record);
-    if (head->json_size > source->left || !is_record(&head->record))
+    if (head->json_size > source->left || !cml_record_is_sound(&head->record))
         return fail_damaged(source, "its record", err);
     *record = head->record;
     record->json = calloc(head->json_size + 1, 1);

@@ -242,8 +242,6 @@ static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *e
                                               .call = {sweep->options->command, base->file},
                                               .num_columns = (int)columns,
                                               .num_rows = (int)rows,
-                                              .num_totals =
-                                                  cml_num_totals(base->backing.kind != CML_BACKING_NONE),
                                               .name = names,
                                               .label = sweep->table.label,
                                               .cell = sweep->table.cell,

@@ -9,7 +9,6 @@
 #include "result/quantity.h"
 
 #include <inttypes.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,23 +81,29 @@ static void write_text(FILE *out, const char *name, bool label)
     if (quoted) fputc('"', out);
 }
 
-/* How many expected values the tables have room for: the most that a row has. */
-static int count_expected(const struct cml_sweep_results *r)
+/* How many numbers of a kind the tables have: the most that a row has. */
+static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
 {
     int64_t most = 0;
     for (int row = 0; row < r->num_rows; row++)
-        most = r->record[row].num_expected > most ? r->record[row].num_expected : most;
+        most = r->record[row].count[kind] > most ? r->record[row].count[kind] : most;
     return (int)most;
 }
 
-static int count_detectors(const struct cml_sweep_results *r)
+static void name_number(const struct cml_sweep_results *r, enum cml_recorded kind, int i, char name[64])
 {
-    return r->num_rows > 0 ? (int)r->record->num_detectors : 0;
-}
-
-static int count_fluxes(const struct cml_sweep_results *r)
-{
-    return r->num_rows > 0 ? (int)r->record->num_fluxes : 0;
+    static const char *const media[] = {
+        [CML_RECORDED_LAYERS] = "layer%d.A", [CML_RECORDED_BODIES] = "body%d.A"};
+    if (kind == CML_RECORDED_TOTALS)
+        strcpy(name, cml_quantities[cml_quantity_of_total(i)].name);
+    else if (kind == CML_RECORDED_EXPECTED)
+        snprintf(name, 64, i == 0 ? "Tt_expected" : "layer%d.A_expected", i);
+    else if (kind == CML_RECORDED_DETECTORS)
+        snprintf(name, 64, "detector_%s", r->detector[i]);
+    else if (kind == CML_RECORDED_FLUXES)
+        snprintf(name, 64, "body%d.%s", i / CML_BODY_SIDES + 1, sides[i % CML_BODY_SIDES]);
+    else
+        snprintf(name, 64, media[kind], i + 1);
 }
 
 static void write_names(FILE *out, const struct cml_sweep_results *r)
@@ -110,31 +115,18 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
             write_text(out, r->name[c], r->label[c]);
         }
     fputs(",photons,seed", out);
-    for (int t = 0; t < r->num_totals; t++) {
-        const char *name = cml_quantities[cml_quantity_of_total(t)].name;
-        fprintf(out, ",%s,%s_se", name, name);
-    }
-    for (int m = 0; r->num_rows > 0 && m < r->record->num_layers + r->record->num_bodies; m++) {
-        const bool layer = m < r->record->num_layers;
-        const int number = layer ? m + 1 : m - r->record->num_layers + 1;
-        fprintf(out, ",%s%d.A,%s%d.A_se", layer ? "layer" : "body", number, layer ? "layer" : "body", number);
-    }
-    for (int l = 0; l < count_expected(r); l++) {
-        char name[32];
-        snprintf(name, sizeof name, l == 0 ? "Tt_expected" : "layer%d.A_expected", l);
-        fprintf(out, ",%s,%s_se", name, name);
-    }
-    for (int k = 0; k < count_detectors(r); k++)
-        fprintf(out, ",detector_%s,detector_%s_se", r->detector[k], r->detector[k]);
-    for (int i = 0; i < count_fluxes(r); i++) {
-        const char *side = sides[i % CML_BODY_SIDES];
-        const int body = i / CML_BODY_SIDES + 1;
-        fprintf(out, ",body%d.%s,body%d.%s_se", body, side, body, side);
-    }
+    for (int kind = 0; kind < CML_NUM_RECORDED; kind++)
+        for (int i = 0; i < count_of(r, (enum cml_recorded)kind); i++) {
+            char name[64];
+            name_number(r, (enum cml_recorded)kind, i, name);
+            fprintf(out, ",%s,%s_se", name, name);
+        }
     fputs(",lost,file\n", out);
 }
 
-static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
+/* count: of every kind. */
+static void write_row(FILE *out, const struct cml_sweep_results *r, const int count[CML_NUM_RECORDED],
+                      int row)
 {
     const struct cml_record *record = &r->record[row];
     fprintf(out, "%d", row + 1);
@@ -144,15 +136,11 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
             write_text(out, r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c], false);
         }
     fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
-    for (int t = 0; t < r->num_totals; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
-    for (int m = 0; m < record->num_layers + record->num_bodies; m++)
-        fprintf(out, ",%.17g,%.17g", record->absorbed[m], record->absorbed_error[m]);
-    for (int l = 0; l < count_expected(r); l++)
-        fprintf(out, ",%.17g,%.17g", record->expected[l], record->expected_error[l]);
-    for (int k = 0; k < count_detectors(r); k++)
-        fprintf(out, ",%.17g,%.17g", record->detected[k], record->detected_error[k]);
-    for (int i = 0; i < record->num_fluxes; i++)
-        fprintf(out, ",%.17g,%.17g", record->flux[i], record->flux_error[i]);
+    for (int kind = 0; kind < CML_NUM_RECORDED; kind++)
+        for (int i = 0; i < count[kind]; i++) {
+            const int at = cml_record_find(record, (enum cml_recorded)kind, i);
+            fprintf(out, ",%.17g,%.17g", at < 0 ? 0 : record->value[at], at < 0 ? 0 : record->error[at]);
+        }
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -162,9 +150,12 @@ cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results 
                                struct cml_error *err)
 {
     struct cml_file file;
+    int count[CML_NUM_RECORDED];
+    for (int kind = 0; kind < CML_NUM_RECORDED; kind++)
+        count[kind] = count_of(results, (enum cml_recorded)kind);
     CML_TRY(cml_file_create(path, &file, err));
     write_names(file.stream, results);
-    for (int row = 0; row < results->num_rows; row++) write_row(file.stream, results, row);
+    for (int row = 0; row < results->num_rows; row++) write_row(file.stream, results, count, row);
     return cml_file_commit(&file, err);
 }
 
@@ -299,53 +290,39 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *axis,
     return value;
 }
 
-/* Numbers of rows' records, those that begin in one at these two of its members, and their errors; over an
- * axis, NULL: one of each. */
-static void fill_named(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
-                       enum cml_quantity quantity, const char *name, size_t number, size_t number_error)
+/* Numbers of a kind from number `first` on, and their errors; over an axis and one inside it, NULL: one of
+ * each row. name NULL: that of the quantity. */
+static void fill_over(struct fields *list, enum cml_recorded kind, int first, const struct cml_axis *axis,
+                      const struct cml_axis *inner, enum cml_quantity quantity, const char *name)
 {
     const struct grid *grid = list->grid;
-    const size_t n = (axis ? axis->n : 1) * (inner ? inner->n : 1);
-    if (n == 0) return;
-    double *error, *value = add_with_errors(list, axis, inner, quantity, name, &error);
-    for (int i = 0; i < grid->results->num_rows; i++, value += n, error += n) {
-        const char *record = (const char *)&grid->results->record[grid->row[i]];
-        memcpy(value, record + number, n * sizeof *value);
-        memcpy(error, record + number_error, n * sizeof *error);
+    const int n = (int)((axis ? axis->n : 1) * (inner ? inner->n : 1));
+    if (n == 0 || first >= count_of(grid->results, kind)) return;
+    double *error, *value = add_with_errors(list, axis, inner, quantity,
+                                            name ? name : cml_quantities[quantity].name, &error);
+    for (int i = 0; i < grid->results->num_rows * n; i++) {
+        const struct cml_record *record = &grid->results->record[grid->row[i / n]];
+        const int at = cml_record_find(record, kind, first + i % n);
+        value[i] = at < 0 ? 0 : record->value[at];
+        error[i] = at < 0 ? 0 : record->error[at];
     }
 }
-
-static void fill_numbers(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
-                         size_t number, size_t number_error)
-{
-    fill_named(list, axis, NULL, quantity, cml_quantities[quantity].name, number, number_error);
-}
-
-#define RECORDED(member, i) offsetof(struct cml_record, member) + (size_t)(i) * sizeof(double)
 
 static void fill_all_numbers(struct fields *list)
 {
     const struct cml_sweep_results *r = list->grid->results;
-    const int expected = count_expected(r);
-    for (int t = 0; t < r->num_totals; t++)
-        fill_numbers(list, NULL, cml_quantity_of_total(t), RECORDED(value, t), RECORDED(error, t));
-    fill_numbers(list, &list->layer, CML_QUANTITY_A_l, RECORDED(absorbed, 0), RECORDED(absorbed_error, 0));
-    fill_numbers(list, &list->body, CML_QUANTITY_A_body, RECORDED(absorbed, list->layer.n),
-                 RECORDED(absorbed_error, list->layer.n));
-    if (count_fluxes(r) > 0)
-        fill_named(list, &list->body, &list->side, CML_QUANTITY_flux_body, "flux_body", RECORDED(flux, 0),
-                   RECORDED(flux_error, 0));
-    if (expected > 0)
-        fill_numbers(list, NULL, CML_QUANTITY_Tt_expected, RECORDED(expected, 0),
-                     RECORDED(expected_error, 0));
-    if (expected > 1)
-        fill_numbers(list, &list->layer, CML_QUANTITY_A_l_expected, RECORDED(expected, 1),
-                     RECORDED(expected_error, 1));
-    for (int k = 0; k < count_detectors(r); k++) {
+    const struct cml_axis *layer = &list->layer, *body = &list->body, *side = &list->side;
+    for (int t = 0; t < count_of(r, CML_RECORDED_TOTALS); t++)
+        fill_over(list, CML_RECORDED_TOTALS, t, NULL, NULL, cml_quantity_of_total(t), NULL);
+    fill_over(list, CML_RECORDED_LAYERS, 0, layer, NULL, CML_QUANTITY_A_l, NULL);
+    fill_over(list, CML_RECORDED_BODIES, 0, body, NULL, CML_QUANTITY_A_body, NULL);
+    fill_over(list, CML_RECORDED_FLUXES, 0, body, side, CML_QUANTITY_flux_body, NULL);
+    fill_over(list, CML_RECORDED_EXPECTED, 0, NULL, NULL, CML_QUANTITY_Tt_expected, NULL);
+    fill_over(list, CML_RECORDED_EXPECTED, 1, layer, NULL, CML_QUANTITY_A_l_expected, NULL);
+    for (int k = 0; k < count_of(r, CML_RECORDED_DETECTORS); k++) {
         char name[64];
-        snprintf(name, sizeof name, "detector_%s", r->detector[k]);
-        fill_named(list, NULL, NULL, CML_QUANTITY_detector, name, RECORDED(detected, k),
-                   RECORDED(detected_error, k));
+        name_number(r, CML_RECORDED_DETECTORS, k, name);
+        fill_over(list, CML_RECORDED_DETECTORS, k, NULL, NULL, CML_QUANTITY_detector, name);
     }
 }
 
@@ -416,10 +393,12 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                               struct cml_error *err)
 {
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
-    const size_t layers = rows > 0 ? (size_t)results->record->num_layers : 0,
-                 bodies = rows > 0 ? (size_t)results->record->num_bodies : 0,
-                 most = 2 * ((size_t)results->num_totals + 3 + 2 * layers + bodies +
-                             (size_t)count_detectors(results) + (size_t)count_fluxes(results)) +
+    const size_t layers = (size_t)count_of(results, CML_RECORDED_LAYERS),
+                 bodies = (size_t)count_of(results, CML_RECORDED_BODIES),
+                 expected = (size_t)count_of(results, CML_RECORDED_EXPECTED),
+                 detectors = (size_t)count_of(results, CML_RECORDED_DETECTORS),
+                 most = 2 * (CML_NUM_TOTALS + 2 * layers + (1 + CML_BODY_SIDES) * bodies + expected +
+                             detectors) +
                         columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {.grid = &grid,

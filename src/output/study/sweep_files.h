@@ -12,7 +12,6 @@ struct cml_sweep_results {
     const char *settings; /* what --set changed in it; NULL: nothing */
     struct cml_hdf5_call call;
     int num_columns, num_rows;
-    int num_totals;                  /* of a row: with a backing what it keeps, too */
     const char *const *name;         /* [num_columns] what was swept */
     const bool *label;               /* [num_columns] not swept, but carried along */
     char *const *cell;               /* [num_rows][num_columns] its values, numbers as written */

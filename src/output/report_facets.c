@@ -87,7 +87,7 @@ static void name_field(const struct cml_field_list *c, const char *prefix, const
 static void along_facets(struct cml_field_list *c, int b)
 {
     struct cml_field *field = cml_last_field(c);
-    field->axis[0] = is_plane(c->report, b) ? &c->axis[CML_AXIS_y] : &c->facet[b];
+    field->axis[0] = is_plane(c->report, b) ? &c->axis[CML_AXIS_y] : &c->facet[b].axis;
     field->axis[1] = &c->axis[CML_AXIS_x];
     field->num_axes = is_plane(c->report, b) ? 2 : 1;
 }
@@ -97,7 +97,7 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
 {
     const cml_u128 *first = facets_of(c->report, b);
     if (!first) return;
-    c->facet[b].n = (num_facets(c->report, b) - 1) * per_facet;
+    c->facet[b].axis.n = (num_facets(c->report, b) - 1) * per_facet;
     for (size_t i = 0; i < SCORES; i++) {
         if (!has_score(c->report, b, i)) continue;
         const bool once = scores[i].score == CML_FACET_ESCAPED;

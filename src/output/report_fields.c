@@ -98,9 +98,10 @@ static void set_facet_axes(struct cml_field_list *c)
 {
     for (int b = 0; b < c->report->surfaces->count; b++) {
         const size_t facets = cml_surface_facets(&c->report->surfaces->item[b], &c->report->scene->map);
-        snprintf(c->facet_names[b], sizeof *c->facet_names, "boundary%d_facet", b);
-        c->facet[b] = cml_quantity_axis(CML_AXIS_facet, facets > 0 ? facets - 1 : 0, 0, 1);
-        c->facet[b].name = c->facet_names[b];
+        struct cml_named_axis *axis = &c->facet[b];
+        snprintf(axis->name, sizeof axis->name, "boundary%d_facet", b);
+        axis->axis = cml_quantity_axis(CML_AXIS_facet, facets > 0 ? facets - 1 : 0, 0, 1);
+        axis->axis.name = axis->name;
     }
 }
 
@@ -113,12 +114,12 @@ static void set_pixel_axes(struct cml_field_list *c)
         const int n[2] = {detector->nx, detector->ny};
         const double middle[2] = {detector->x, detector->y};
         for (int i = 0; i < 2; i++) {
-            const size_t at = 2 * (size_t)k + (size_t)i;
-            snprintf(c->pixel_names[at], sizeof *c->pixel_names, "detector_%s_%c", detector->name, "xy"[i]);
-            c->pixel[at] =
+            struct cml_named_axis *axis = &c->pixel[2 * k + i];
+            snprintf(axis->name, sizeof axis->name, "detector_%s_%c", detector->name, "xy"[i]);
+            axis->axis =
                 cml_quantity_axis(kinds[i], (size_t)n[i], middle[i] + (0.5 - 0.5 * n[i]) * detector->size[i],
                                   detector->size[i]);
-            c->pixel[at].name = c->pixel_names[at];
+            axis->axis.name = axis->name;
         }
     }
 }
@@ -135,10 +136,8 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);
-    c->facet_names = calloc(boundaries, sizeof *c->facet_names);
     c->pixel = calloc(2 * detectors + 1, sizeof *c->pixel);
-    c->pixel_names = calloc(2 * detectors + 1, sizeof *c->pixel_names);
-    if (!c->fields || !c->sources || !c->facet || !c->facet_names || !c->pixel || !c->pixel_names) {
+    if (!c->fields || !c->sources || !c->facet || !c->pixel) {
         cml_field_list_free(c);
         return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
                                "a list of fields");
@@ -154,9 +153,7 @@ void cml_field_list_free(struct cml_field_list *c)
     free(c->fields);
     free(c->sources);
     free(c->facet);
-    free(c->facet_names);
     free(c->pixel);
-    free(c->pixel_names);
     *c = (struct cml_field_list){0};
 }
 
@@ -272,7 +269,7 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
         source->scale = 1 / (detector->size[0] * detector->size[1]);
         snprintf(field->name, sizeof field->name, "detector_%s_map", detector->name);
         field->num_axes = 2;
-        for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i];
+        for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i].axis;
         cml_add_error_field(c);
     }
 }

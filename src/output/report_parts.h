@@ -57,6 +57,12 @@ struct cml_field_source {
     const struct cml_body_face *face;
 };
 
+/* An axis with a name of its own. */
+struct cml_named_axis {
+    struct cml_axis axis;
+    char name[64];
+};
+
 /* A list of fields, their sources and their axes. Nothing in it moves. */
 struct cml_field_list {
     const struct cml_report *report;
@@ -64,10 +70,8 @@ struct cml_field_list {
     struct cml_field *fields;
     struct cml_field_source *sources; /* of the field of the same number */
     struct cml_axis axis[CML_NUM_AXES];
-    struct cml_axis *facet;  /* [L + 1] of every boundary */
-    char (*facet_names)[32]; /* [L + 1] */
-    struct cml_axis *pixel;  /* [num_detectors][2] of maps: x and y */
-    char (*pixel_names)[64]; /* [num_detectors][2] */
+    struct cml_named_axis *facet; /* [L + 1] of every boundary */
+    struct cml_named_axis *pixel; /* [num_detectors][2] of maps: x and y */
 };
 
 CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,

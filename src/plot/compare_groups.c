@@ -172,14 +172,8 @@ static double deviate(const struct cml_compare_group *group, const struct spread
 
 static int bins_of_radius(const struct cml_compare_quantity *q)
 {
-    switch (cml_quantities[q->which].axis[1]) {
-    case CML_AXIS_z:
-        return q->outcome[0]->nz;
-    case CML_AXIS_alpha:
-        return q->outcome[0]->na;
-    default:
-        return 1;
-    }
+    const enum cml_axis_kind axis = cml_quantities[q->which].axis[1];
+    return axis == CML_AXIS_z || axis == CML_AXIS_alpha ? cml_outcome_bins(q->outcome[0], axis) : 1;
 }
 
 /* What is shown are means over the group's bins, in the unit of the file. */

@@ -5,19 +5,10 @@
 
 #include "cli/load/scenes.h"
 
-/* Flies all runs of the file that is the operand, and writes their results. Collective. */
-CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_plan(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_furnace(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
-CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
+#define CML_DECLARE(NAME, name, ...)                                                                         \
+    CML_NODISCARD cml_status cml_command_##name(const struct cml_options *options, struct cml_error *err);
+CML_COMMANDS(CML_DECLARE)
+#undef CML_DECLARE
 
 /* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. starts: in which
  * media its beams start. */

@@ -15,29 +15,16 @@
 #include <string.h>
 #include <unistd.h>
 
-static cml_status help(const struct cml_options *options, struct cml_error *err)
+cml_status cml_command_help(const struct cml_options *options, struct cml_error *err)
 {
     return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
+#define ROW(NAME, name, parallel) {parallel, cml_command_##name},
 static const struct {
-    bool parallel; /* all ranks work; else rank 0 alone, and the others wait for its status */
+    bool parallel;
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
-} commands[CML_NUM_COMMANDS] = {
-    [CML_COMMAND_RUN] = {true, cml_command_run},
-    [CML_COMMAND_PLAN] = {true, cml_command_plan},
-    [CML_COMMAND_CHECK] = {false, cml_command_check},
-    [CML_COMMAND_EXACT] = {false, cml_command_exact},
-    [CML_COMMAND_MESH] = {false, cml_command_mesh},
-    [CML_COMMAND_TRACE] = {false, cml_command_trace},
-    [CML_COMMAND_CROSSCHECK] = {false, cml_command_crosscheck},
-    [CML_COMMAND_FURNACE] = {true, cml_command_furnace},
-    [CML_COMMAND_COMPARE] = {false, cml_command_compare},
-    [CML_COMMAND_MERGE] = {false, cml_command_merge},
-    [CML_COMMAND_PLOT] = {false, cml_command_plot},
-    [CML_COMMAND_DEVICES] = {false, cml_command_devices},
-    [CML_COMMAND_HELP] = {false, help},
-};
+} commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW)};
 
 /* --help and --version come before what the command would do. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)

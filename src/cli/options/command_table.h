@@ -4,22 +4,26 @@
 
 #include <stdbool.h>
 
-enum cml_command {
-    CML_COMMAND_RUN,
-    CML_COMMAND_PLAN,
-    CML_COMMAND_CHECK,
-    CML_COMMAND_EXACT,
-    CML_COMMAND_MESH,
-    CML_COMMAND_TRACE,
-    CML_COMMAND_CROSSCHECK,
-    CML_COMMAND_FURNACE,
-    CML_COMMAND_COMPARE,
-    CML_COMMAND_MERGE,
-    CML_COMMAND_PLOT,
-    CML_COMMAND_DEVICES,
-    CML_COMMAND_HELP,
-    CML_NUM_COMMANDS
-};
+/* In the order of the help: enumerator, function cml_command_NAME, and whether all ranks work; else rank 0
+ * alone does, and the others wait for its status. */
+#define CML_COMMANDS(C)                                                                                      \
+    C(RUN, run, true)                                                                                        \
+    C(PLAN, plan, true)                                                                                      \
+    C(CHECK, check, false)                                                                                   \
+    C(EXACT, exact, false)                                                                                   \
+    C(MESH, mesh, false)                                                                                     \
+    C(TRACE, trace, false)                                                                                   \
+    C(CROSSCHECK, crosscheck, false)                                                                         \
+    C(FURNACE, furnace, true)                                                                                \
+    C(COMPARE, compare, false)                                                                               \
+    C(MERGE, merge, false)                                                                                   \
+    C(PLOT, plot, false)                                                                                     \
+    C(DEVICES, devices, false)                                                                               \
+    C(HELP, help, false)
+
+#define CML_ENUMERATOR(NAME, ...) CML_COMMAND_##NAME,
+enum cml_command { CML_COMMANDS(CML_ENUMERATOR) CML_NUM_COMMANDS };
+#undef CML_ENUMERATOR
 
 struct cml_command_def {
     const char *name;

@@ -4,6 +4,9 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include <stdlib.h>
+#include <string.h>
+
 typedef enum cml_status {
     CML_OK = 0,
     CML_E_DIFFER = 1,   /* a comparison found a difference */
@@ -28,6 +31,18 @@ struct cml_error {
         const cml_status cml_try_status_ = (call);                                                           \
         if (cml_try_status_ != CML_OK) return cml_try_status_;                                               \
     } while (0)
+
+/* What a local variable owns ends with its scope, wherever that is left: it is freed, or `end` is called with
+ * its address. From its declaration on the variable is empty, or owns something. */
+#define CML_AT_END(end) __attribute__((cleanup(end)))
+#define CML_FREED CML_AT_END(cml_free_owned)
+
+static inline void cml_free_owned(void *variable)
+{
+    void *owned;
+    memcpy(&owned, variable, sizeof owned);
+    free(owned);
+}
 
 /* Writes the message (where it is longer than err->text, without its middle) and returns `status`. */
 CML_NODISCARD CML_PRINTF(3, 4) cml_status

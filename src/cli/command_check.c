@@ -239,15 +239,12 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
                               const struct cml_scene *scene, const struct cml_sweep_size *sweep, int **starts,
                               struct cml_error *err)
 {
-    struct cml_surface_set surfaces;
-    struct cml_mean_shapes mean = {0};
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
+    CML_AT_END(cml_mean_shapes_clear) struct cml_mean_shapes mean = {0};
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
-    cml_status status = cml_note_beam(scene, &surfaces, starts, err);
-    if (status == CML_OK) status = cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err);
-    if (status == CML_OK) status = show(flown, scene, &surfaces, *starts, &mean, sweep, err);
-    cml_mean_shapes_clear(&mean);
-    cml_surfaces_free(&surfaces);
-    return status;
+    CML_TRY(cml_note_beam(scene, &surfaces, starts, err));
+    CML_TRY(cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err));
+    return show(flown, scene, &surfaces, *starts, &mean, sweep, err);
 }
 
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)

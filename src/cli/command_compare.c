@@ -43,16 +43,14 @@ static cml_status compare(const struct cml_options *options, const struct cml_ou
                           struct cml_error *err)
 {
     const char *const *names = (const char *const *)options->operands;
-    struct cml_comparison comparison;
+    CML_AT_END(cml_comparison_clear) struct cml_comparison comparison = {0};
     struct cml_compare_report report = {
         .names = names, .outcome = outcome, .comparison = &comparison, .alpha = options->alpha};
     if (options->output) CML_TRY(cml_picture_of(options->output, &report.picture, err));
     CML_TRY(cml_compare(&outcome[0], &outcome[1], names, &comparison, err));
-    cml_status status = check_tests(&report, err);
-    if (status == CML_OK) status = show(options, &report, err);
-    if (status == CML_OK) status = verdict(&report, err);
-    cml_comparison_clear(&comparison);
-    return status;
+    CML_TRY(check_tests(&report, err));
+    CML_TRY(show(options, &report, err));
+    return verdict(&report, err);
 }
 
 /* The command `compare`. Both results are read before anything is said of either. */

@@ -212,31 +212,23 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     struct cml_scene bare = *whole;
     cml_scene_ask_nothing(&bare);
     const struct cml_scene *scene = &bare;
-    struct cml_surface_set chosen, meshes;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set chosen = {0}, meshes = {0};
     struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_SURFACE_MESH;
     CML_TRY(cml_choose_surfaces(options, scene, &chosen, err));
-    cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
-    if (status == CML_OK) {
-        status = check_surfaces(options, scene, index, &chosen, &meshes, err);
-        cml_surfaces_free(&meshes);
-    }
-    cml_surfaces_free(&chosen);
-    return status;
+    CML_TRY(cml_surfaces_create(scene, &as_mesh, &meshes, err));
+    return check_surfaces(options, scene, index, &chosen, &meshes, err);
 }
 
 cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_scene_list list;
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     if (cml_cluster_size() > 1)
         return cml_fail(err, CML_E_INPUT, "crosscheck: %d ranks (expected one process)", cml_cluster_size());
     CML_TRY(cml_load_scenes(options, &list, err));
-    cml_status status = CML_OK;
     if (options->dump && list.count > 1)
-        status = cml_fail(err, CML_E_INPUT, "crosscheck: %s has %d runs (expected one with --dump)",
-                          options->operands[0], list.count);
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = check_scene(options, &list.scenes[i], i, err);
-    cml_scene_list_clear(&list);
-    return status;
+        return cml_fail(err, CML_E_INPUT, "crosscheck: %s has %d runs (expected one with --dump)",
+                        options->operands[0], list.count);
+    for (int i = 0; i < list.count; i++) CML_TRY(check_scene(options, &list.scenes[i], i, err));
+    return CML_OK;
 }

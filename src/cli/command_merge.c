@@ -70,29 +70,25 @@ static cml_status merge_saved(const struct cml_options *options, const struct cm
                               int count, struct cml_error *err)
 {
     const struct cml_hdf5_call call = {options->command, options->operands[0]};
-    struct cml_outcome merged;
+    CML_AT_END(cml_outcome_clear) struct cml_outcome merged = {0};
     struct cml_merge_saved saved;
-    cml_status status = CML_OK;
     CML_TRY(cml_merge_saved(options->output, inputs, count, &call, &merged, &saved, err));
     if (options->json)
-        status = cml_merge_saved_json(stdout, options->output, inputs, count, &merged, &saved, err);
-    else if (!options->quiet)
+        return cml_merge_saved_json(stdout, options->output, inputs, count, &merged, &saved, err);
+    if (!options->quiet)
         printf("%d files, %.0f saved packets, none missing of %.0f of %llu photons\n  -> %s\n", count,
                saved.rows, saved.covers, (unsigned long long)merged.photons, options->output);
-    cml_outcome_clear(&merged);
-    return status;
+    return CML_OK;
 }
 
 static cml_status merge(const struct cml_options *options, const struct cml_merge_input *inputs, int count,
                         struct cml_error *err)
 {
-    struct cml_outcome merged;
+    CML_AT_END(cml_outcome_clear) struct cml_outcome merged = {0};
     if (is_saved(options->output)) return merge_saved(options, inputs, count, err);
     CML_TRY(cml_merge(inputs, count, name_of(options->output), &merged, err));
-    cml_status status = write_merged(options, inputs, count, &merged, err);
-    if (status == CML_OK) status = note_left_out(inputs, count, &merged, err);
-    cml_outcome_clear(&merged);
-    return status;
+    CML_TRY(write_merged(options, inputs, count, &merged, err));
+    return note_left_out(inputs, count, &merged, err);
 }
 
 static cml_status check_output(const struct cml_options *options, struct cml_error *err)
@@ -134,13 +130,12 @@ static cml_status read_and_merge(const struct cml_options *options, struct cml_e
 
 cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_outputs outputs;
+    CML_AT_END(cml_outputs_release) struct cml_outputs outputs = {0};
     char replaced[CML_REPLACED];
     CML_TRY(check_output(options, err));
     CML_TRY(cml_output_claim(options->output, &outputs, err));
     const bool there = cml_describe_replaced(options->output, replaced);
-    const cml_status status = read_and_merge(options, err);
-    if (status == CML_OK && there && !options->quiet) cml_show_note(NULL, replaced);
-    cml_outputs_release(&outputs);
-    return status;
+    CML_TRY(read_and_merge(options, err));
+    if (there && !options->quiet) cml_show_note(NULL, replaced);
+    return CML_OK;
 }

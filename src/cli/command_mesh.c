@@ -14,23 +14,21 @@ static cml_status write_boundary(const struct cml_options *options, const struct
                                  struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(cml_boundary_mesh(scene, b, &options->surface, &mesh, err));
     if (mesh.num_triangles == 0) {
         printf("boundary %d: plane z = %g cm, no file\n", b, boundary->z);
         return CML_OK;
     }
     char name[4096], comment[256];
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     snprintf(name, sizeof name, "%.4000s.boundary%d.obj", scene->output, b);
     snprintf(comment, sizeof comment, "boundary %d of %.150s, cm, heights up, nominal depth %.17g cm", b,
              scene->output, boundary->z);
-    cml_status status = cml_output_path(options, name, &path, err);
-    if (status == CML_OK) status = cml_obj_write(path, &mesh, comment, err);
-    if (status == CML_OK) printf("boundary %d: %zu triangles -> %s\n", b, mesh.num_triangles, path);
-    free(path);
-    cml_mesh_clear(&mesh);
-    return status;
+    CML_TRY(cml_output_path(options, name, &path, err));
+    CML_TRY(cml_obj_write(path, &mesh, comment, err));
+    printf("boundary %d: %zu triangles -> %s\n", b, mesh.num_triangles, path);
+    return CML_OK;
 }
 
 /* Heights count from z = 0 of the scene, as an i line reads them. */
@@ -39,19 +37,17 @@ static cml_status write_scene_body(const struct cml_options *options, const stru
 {
     const struct cml_scene_body *body = &scene->bodies[k];
     const double tolerance = cml_choice_tessellation(&options->surface).tolerance;
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     char name[4096], comment[256];
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     CML_TRY(cml_body_mesh(body, cml_body_segments(body->form, tolerance), false, &mesh, err));
     snprintf(name, sizeof name, "%.4000s.body%d.obj", scene->output, k + 1);
     snprintf(comment, sizeof comment, "body %d of %.150s, a %s, cm, heights up from z = 0", k + 1,
              scene->output, cml_body_form_name(body->form));
-    cml_status status = cml_output_path(options, name, &path, err);
-    if (status == CML_OK) status = cml_obj_write(path, &mesh, comment, err);
-    if (status == CML_OK) printf("body %d: %zu triangles -> %s\n", k + 1, mesh.num_triangles, path);
-    free(path);
-    cml_mesh_clear(&mesh);
-    return status;
+    CML_TRY(cml_output_path(options, name, &path, err));
+    CML_TRY(cml_obj_write(path, &mesh, comment, err));
+    printf("body %d: %zu triangles -> %s\n", k + 1, mesh.num_triangles, path);
+    return CML_OK;
 }
 
 static cml_status write_scene(const struct cml_options *options, const struct cml_scene *scene,
@@ -65,11 +61,8 @@ static cml_status write_scene(const struct cml_options *options, const struct cm
 /* All runs of the file: their boundaries may differ. */
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_scene_list list;
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     CML_TRY(cml_load_scenes(options, &list, err));
-    cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = write_scene(options, &list.scenes[i], err);
-    cml_scene_list_clear(&list);
-    return status;
+    for (int i = 0; i < list.count; i++) CML_TRY(write_scene(options, &list.scenes[i], err));
+    return CML_OK;
 }

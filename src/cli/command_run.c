@@ -153,7 +153,7 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
  * there it includes where and how they are left. The files' bytes are rank 0's on all. */
 static cml_status describe(const struct cml_options *options, char **text, struct cml_error *err)
 {
-    char *settings = NULL;
+    CML_FREED char *settings = NULL;
     const struct cml_run_setup setup = {.engine = options->engine,
                                         .options = options->engine_options,
                                         .photons = options->photons,
@@ -170,9 +170,7 @@ static cml_status describe(const struct cml_options *options, char **text, struc
         cml_run_provenance(&setup, &options->surface, options->ignore_heightfields);
     provenance.aim = options->aim;
     provenance.error_of = options->error_of;
-    const cml_status status = cml_identity_of(&provenance, settings, rest, text, err);
-    free(settings);
-    return status;
+    return cml_identity_of(&provenance, settings, rest, text, err);
 }
 
 /* Options that differ between ranks would mix two runs in one result, or rows of two sweeps. */

@@ -32,10 +32,10 @@ static void print_event(void *context, const struct cml_trace_event *event)
 /* Notes a photon beyond those of the scene; it is flown all the same, as a run may have had more. */
 static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, struct cml_error *err)
 {
-    struct cml_deal deal;
+    CML_AT_END(cml_deal_clear) struct cml_deal deal = {0};
     char text[512], which[80];
     CML_TRY(cml_deal_create(scene->shares, scene->num_beams, &deal, err));
-    const cml_status status = cml_deal_round(&deal, 0, scene->photons, err);
+    CML_TRY(cml_deal_round(&deal, 0, scene->photons, err));
     if (scene->num_beams > 1)
         snprintf(which, sizeof which, "%llu of %d beams, those of beam k from (k - 1) 2^48 on",
                  (unsigned long long)scene->photons, scene->num_beams);
@@ -43,9 +43,8 @@ static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, st
         snprintf(which, sizeof which, "0 to %llu", (unsigned long long)scene->photons - 1);
     snprintf(text, sizeof text, "photon %llu is not among those of %.300s (%s, unless --photons says more)",
              (unsigned long long)photon, scene->output, which);
-    if (status == CML_OK && !cml_deal_has(&deal, photon)) cml_show_note(NULL, text);
-    cml_deal_clear(&deal);
-    return status;
+    if (!cml_deal_has(&deal, photon)) cml_show_note(NULL, text);
+    return CML_OK;
 }
 
 /* Lines that are no events begin with #, so that the table can be read by other programs. */
@@ -101,14 +100,10 @@ cml_status cml_command_trace(const struct cml_options *options, struct cml_error
     if (!cml_parse_count(options->operands[1], &photon))
         return cml_fail(err, CML_E_INPUT, "trace: photon %s (expected an index from 0)",
                         options->operands[1]);
-    struct cml_scene_list list;
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     CML_TRY(cml_load_scenes(options, &list, err));
-    cml_status status = CML_OK;
     if (options->run > (uint64_t)list.count)
-        status = cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
-                          (unsigned long long)options->run, list.count, options->operands[0]);
-    else
-        status = trace_scene(options, &list.scenes[options->run - 1], photon, err);
-    cml_scene_list_clear(&list);
-    return status;
+        return cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
+                        (unsigned long long)options->run, list.count, options->operands[0]);
+    return trace_scene(options, &list.scenes[options->run - 1], photon, err);
 }

@@ -89,13 +89,13 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
 cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     enum { MOST = 16 }; /* the files have them all */
+    CML_AT_END(cml_outcome_clear)
     struct cml_outcome o = {.photons = report->sums->photons,
                             .num_layers = report->scene->num_layers,
                             .num_bodies = report->scene->num_bodies,
                             .backed = report->scene->backing.kind != CML_BACKING_NONE};
     const int media = report->sums->grid.derivatives ? o.num_layers + o.num_bodies : 0;
-    const cml_status status = cml_report_derivatives(report, false, &o, err);
-    for (int k = 0; status == CML_OK && k < media && k < MOST; k++) print_medium(stream, &o, k);
-    cml_outcome_clear(&o);
-    return status;
+    CML_TRY(cml_report_derivatives(report, false, &o, err));
+    for (int k = 0; k < media && k < MOST; k++) print_medium(stream, &o, k);
+    return CML_OK;
 }

@@ -62,23 +62,19 @@ static cml_status visit(const struct visit *v, enum cml_report_content content, 
                         struct cml_error *err)
 {
     struct cml_report_file file = {content, of, v->path};
-    char *name = NULL;
+    CML_FREED char *name = NULL;
     if (suffix) CML_TRY(cml_report_path(v->path, suffix, &name, err));
     if (name) file.path = name;
-    const cml_status status = v->each(v->context, &file, err);
-    free(name);
-    return status;
+    return v->each(v->context, &file, err);
 }
 
 /* Beside the result, under a name of its own. */
 static cml_status visit_saved(const struct visit *v, const struct cml_scene *scene, struct cml_error *err)
 {
-    char *name = NULL;
+    CML_FREED char *name = NULL;
     CML_TRY(cml_report_saved_path(scene, v->path, &name, err));
     const struct visit here = {name, v->each, v->context};
-    const cml_status status = visit(&here, CML_FILE_SAVED, 0, NULL, err);
-    free(name);
-    return status;
+    return visit(&here, CML_FILE_SAVED, 0, NULL, err);
 }
 
 /* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
@@ -153,7 +149,7 @@ static void fill_list(struct cml_field_list *list)
 static cml_status write_h5(const struct cml_report *report, struct cml_outcome *outcome, const char *path,
                            struct cml_error *err)
 {
-    struct cml_field_list list;
+    CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
     CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
     CML_TRY(cml_field_list_create(report, &list, err));
     fill_list(&list);
@@ -161,9 +157,7 @@ static cml_status write_h5(const struct cml_report *report, struct cml_outcome *
                                      .field = list.fields,
                                      .num_fields = list.num_fields,
                                      .call = {report->command, report->scene->file}};
-    const cml_status status = cml_h5_write(path, outcome, &more, err);
-    cml_field_list_free(&list);
-    return status;
+    return cml_h5_write(path, outcome, &more, err);
 }
 
 /* Fills the fields of maps, with those of facets of planes, which are pixels. */
@@ -200,15 +194,12 @@ static cml_status write_image(const struct cml_report *report, const struct cml_
                               const char *path, struct cml_error *err)
 {
     const struct cml_image image = image_of(report->scene, file);
-    struct cml_field_list list;
+    CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
     CML_TRY(cml_field_list_create(report, &list, err));
     if (file->content == CML_FILE_MAP) fill_map(&list);
     if (file->content == CML_FILE_VOLUME) cml_add_volume_fields(&list);
     if (file->content == CML_FILE_DETECTOR) cml_add_detector_fields(&list, file->of);
-    const cml_status status =
-        cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
-    cml_field_list_free(&list);
-    return status;
+    return cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
 }
 
 /* Writes the faces of a boundary that is no plane, or of all bodies, and what they received. */
@@ -216,22 +207,17 @@ static cml_status write_faces(const struct cml_report *report, const struct cml_
                               const char *path, struct cml_error *err)
 {
     const bool bodies = file->content == CML_FILE_BODIES;
-    struct cml_field_list list;
-    struct cml_body_faces drawn = {.face = NULL};
+    CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
+    CML_AT_END(cml_report_body_faces_free) struct cml_body_faces drawn = {.face = NULL};
     size_t per_facet = 1;
     CML_TRY(bodies ? cml_report_body_faces(report, &drawn, err)
                    : cml_report_faces(&report->surfaces->item[file->of], &drawn.faces, &per_facet, err));
-    cml_status status = cml_field_list_create(report, &list, err);
-    if (status == CML_OK) {
-        if (bodies)
-            cml_add_body_face_fields(&list, &drawn);
-        else
-            cml_add_facet_fields(&list, file->of, "", per_facet);
-        status = cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
-        cml_field_list_free(&list);
-    }
-    cml_report_body_faces_free(&drawn);
-    return status;
+    CML_TRY(cml_field_list_create(report, &list, err));
+    if (bodies)
+        cml_add_body_face_fields(&list, &drawn);
+    else
+        cml_add_facet_fields(&list, file->of, "", per_facet);
+    return cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
 }
 
 struct writing {
@@ -276,13 +262,11 @@ static cml_status write_next(void *context, const struct cml_report_file *file, 
 
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
-    struct cml_outcome outcome;
+    CML_AT_END(cml_outcome_clear) struct cml_outcome outcome = {0};
     struct writing writing = {report, &outcome};
     CML_TRY(cml_report_outcome(report, &outcome, err));
-    const cml_status status = cml_report_each_file(
-        report->scene, report->surfaces, report->sums->grid.absorption, path, write_next, &writing, err);
-    cml_outcome_clear(&outcome);
-    return status;
+    return cml_report_each_file(report->scene, report->surfaces, report->sums->grid.absorption, path,
+                                write_next, &writing, err);
 }
 
 /* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have

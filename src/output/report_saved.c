@@ -120,12 +120,10 @@ cml_status cml_report_write_saved(const struct cml_report *report, struct cml_ou
     struct cml_saved *saved = report->sums->saved;
     const struct cml_saved_sums kept = cml_saved_sort(saved);
     CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
-    double *indices = malloc((kept.kept + 1) * sizeof *indices);
+    CML_FREED double *indices = malloc((kept.kept + 1) * sizeof *indices);
     if (!indices) return cml_fail_memory(err, (double)kept.kept * sizeof *indices, "saved photons");
     for (size_t i = 0; i < kept.kept; i++) indices[i] = (double)cml_saved_row(saved, i)->index;
-    const cml_status status = write(report, outcome, path, &kept, indices, err);
-    free(indices);
-    return status;
+    return write(report, outcome, path, &kept, indices, err);
 }
 
 cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,

@@ -229,13 +229,11 @@ static cml_status add_curves(const struct columns *c, struct cml_swept *swept, s
 cml_status cml_swept_add(const char *path, const struct cml_swept_names *names, struct cml_swept *swept,
                          struct cml_error *err)
 {
-    struct cml_sweep_table table;
+    CML_AT_END(cml_sweep_table_clear) struct cml_sweep_table table = {0};
     struct columns c = {.table = &table};
     CML_TRY(cml_sweep_table_read(NULL, path, &table, err));
-    cml_status status = choose(&c, names, err);
-    if (status == CML_OK) status = add_curves(&c, swept, err);
-    cml_sweep_table_clear(&table);
-    return status;
+    CML_TRY(choose(&c, names, err));
+    return add_curves(&c, swept, err);
 }
 
 void cml_swept_clear(struct cml_swept *swept)
@@ -318,10 +316,8 @@ static cml_status make_map(struct columns *c, const struct cml_swept_names *name
 cml_status cml_swept_map(const char *path, const struct cml_swept_names *names, const char *const over[2],
                          struct cml_pixels *map, char ticks[2][CML_SWEPT_TICKS], struct cml_error *err)
 {
-    struct cml_sweep_table table;
+    CML_AT_END(cml_sweep_table_clear) struct cml_sweep_table table = {0};
     struct columns c = {.table = &table};
     CML_TRY(cml_sweep_table_read(NULL, path, &table, err));
-    const cml_status status = make_map(&c, names, over, map, ticks, err);
-    cml_sweep_table_clear(&table);
-    return status;
+    return make_map(&c, names, over, map, ticks, err);
 }

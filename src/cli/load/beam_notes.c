@@ -133,14 +133,11 @@ static void note_lost(const struct cml_scene *scene, const struct cml_surface_se
 cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surface_options *options,
                             struct cml_error *err)
 {
-    struct cml_surface_set surfaces;
-    int *medium;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
+    CML_FREED int *medium = NULL;
     if (!cml_scene_starts_inside(scene)) return CML_OK;
     CML_TRY(cml_surfaces_create(scene, options, &surfaces, err));
-    const cml_status status = cml_source_media(scene, &surfaces, &medium, err);
-    cml_surfaces_free(&surfaces);
-    free(medium);
-    return status;
+    return cml_source_media(scene, &surfaces, &medium, err);
 }
 
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,

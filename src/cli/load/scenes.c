@@ -197,16 +197,14 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;
-    struct cml_scene_list list;
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     struct cml_inputs inputs;
-    cml_status status = CML_OK;
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
     cml_inputs_clear(&inputs);
-    for (int i = 0; status == CML_OK && i < list.count; i++) status = fly(&mine, &list.scenes[i], i, err);
-    cml_scene_list_clear(&list);
-    return status;
+    for (int i = 0; i < list.count; i++) CML_TRY(fly(&mine, &list.scenes[i], i, err));
+    return CML_OK;
 }
 
 cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,

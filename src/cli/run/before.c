@@ -86,14 +86,11 @@ static cml_status find_files(const struct cml_options *options, const struct cml
     const char *identity = setup->base > 0 ? setup->base_identity : setup->identity;
     struct looking looking = {identity, extends ? setup->base_identity : identity, options->resume, extends,
                               before};
-    char *path = NULL;
-    cml_status status = CML_OK;
+    CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
-    if (!cml_file_is_device(path))
-        status = cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, look,
-                                      &looking, err);
-    free(path);
-    return status;
+    if (cml_file_is_device(path)) return CML_OK;
+    return cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, look,
+                                &looking, err);
 }
 
 /* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result. */

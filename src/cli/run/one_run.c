@@ -96,11 +96,9 @@ static void announce(const struct cml_options *options, const struct cml_run_set
 static cml_status take_record(const struct cml_run_call *call, const struct cml_record *before,
                               struct cml_record *record, struct cml_error *err)
 {
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
-    const cml_status status = cml_report_record_again(call->scene, path, before, record, err);
-    free(path);
-    return status;
+    return cml_report_record_again(call->scene, path, before, record, err);
 }
 
 static cml_status print_path(void *context, const struct cml_report_file *file, struct cml_error *err)
@@ -115,13 +113,11 @@ static cml_status print_path(void *context, const struct cml_report_file *file, 
 static cml_status say_finished(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                struct cml_error *err)
 {
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
     printf("  finished before: nothing was written, its results stand\n");
-    const cml_status status = cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption,
-                                                   path, print_path, NULL, err);
-    free(path);
-    return status;
+    return cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, print_path,
+                                NULL, err);
 }
 
 static bool may_aim(const struct cml_run_setup *setup)
@@ -262,14 +258,11 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
                               struct cml_run_result *run, const struct cml_twin *twin,
                               struct cml_record *record, struct cml_error *err)
 {
-    struct cml_run_result flight;
+    CML_AT_END(cml_run_result_free) struct cml_run_result flight = {0};
     struct cml_controlled control[CML_NUM_TOTALS];
     CML_TRY(cml_twin_fly(twin, setup, &run->result, &flight, control, err));
-    cml_status status = publish_run(call, setup, run, &flight, control, record, err);
-    if (status == CML_OK && cml_cluster_rank() == 0)
-        status = cml_run_verdict(&twin->scene, &flight.result, err);
-    cml_run_result_free(&flight);
-    return status;
+    CML_TRY(publish_run(call, setup, run, &flight, control, record, err));
+    return cml_cluster_rank() == 0 ? cml_run_verdict(&twin->scene, &flight.result, err) : CML_OK;
 }
 
 /* What cml_run reads of a run, and what of it is owned here. */
@@ -322,11 +315,9 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options)
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {
-    char *output = NULL;
+    CML_FREED char *output = NULL;
     CML_TRY(cml_output_path(options, scene->output, &output, err));
-    const cml_status status = cml_checkpoint_path(output, path, err);
-    free(output);
-    return status;
+    return cml_checkpoint_path(output, path, err);
 }
 
 /* ---- --more ---- */

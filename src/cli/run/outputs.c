@@ -29,30 +29,24 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
     *name = realpath(path, NULL);
     if (*name) return CML_OK;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
-    char *real = realpath(folder, NULL);
+    CML_FREED char *real = realpath(folder, NULL);
     if (!real) return cml_text_copy(path, name, err);
-    const cml_status status =
-        cml_text_format(name, "a path", err, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
-    free(real);
-    return status;
+    return cml_text_format(name, "a path", err, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
 }
 
 cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs, int num_inputs,
                                struct cml_error *err)
 {
-    char *mine = NULL;
+    CML_FREED char *mine = NULL;
     CML_TRY(resolve(output, &mine, err));
-    cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < num_inputs; i++) {
-        char *theirs = NULL;
-        status = resolve(inputs[i], &theirs, err);
-        if (status == CML_OK && strcmp(mine, theirs) == 0)
-            status = cml_fail(err, CML_E_INPUT, "%s: -o %s would overwrite its input %s", command, output,
-                              inputs[i]);
-        free(theirs);
+    for (int i = 0; i < num_inputs; i++) {
+        CML_FREED char *theirs = NULL;
+        CML_TRY(resolve(inputs[i], &theirs, err));
+        if (strcmp(mine, theirs) == 0)
+            return cml_fail(err, CML_E_INPUT, "%s: -o %s would overwrite its input %s", command, output,
+                            inputs[i]);
     }
-    free(mine);
-    return status;
+    return CML_OK;
 }
 
 /* ---- what a run writes ---- */
@@ -94,11 +88,9 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
 static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, int run,
                                  struct cml_error *err)
 {
-    char *checkpoint = NULL;
+    CML_FREED char *checkpoint = NULL;
     CML_TRY(cml_checkpoint_path(path, &checkpoint, err));
-    const cml_status status = add(outputs, checkpoint, run, CML_OUTPUT_CHECKPOINT, err);
-    free(checkpoint);
-    return status;
+    return add(outputs, checkpoint, run, CML_OUTPUT_CHECKPOINT, err);
 }
 
 /* Endings of scenes, and those that the program gives to files of its own. */
@@ -171,30 +163,25 @@ static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct
 
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
-    char *beside = NULL, *name = NULL;
+    CML_FREED char *beside = NULL, *name = NULL;
     if (cml_file_is_device(path)) return CML_OK;
-    cml_status status = cml_report_path(path, ".lock", &beside, err);
-    if (status == CML_OK) status = resolve(beside, &name, err);
-    if (status == CML_OK) status = add_lock(outputs, name, err);
-    free(beside);
-    free(name);
-    return status;
+    CML_TRY(cml_report_path(path, ".lock", &beside, err));
+    CML_TRY(resolve(beside, &name, err));
+    return add_lock(outputs, name, err);
 }
 
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
-    char *saved = NULL;
-    cml_status status = lock_stem(path, outputs, err);
-    if (status == CML_OK && scene->saved.limit && !cml_file_is_device(path)) {
-        status = cml_report_saved_path(scene, path, &saved, err);
-        if (status == CML_OK) status = lock_stem(saved, outputs, err);
+    CML_FREED char *saved = NULL;
+    CML_TRY(lock_stem(path, outputs, err));
+    if (scene->saved.limit && !cml_file_is_device(path)) {
+        CML_TRY(cml_report_saved_path(scene, path, &saved, err));
+        CML_TRY(lock_stem(saved, outputs, err));
     }
-    free(saved);
-    free(path);
-    return status;
+    return CML_OK;
 }
 
 /* What stands in the place of a file beside the result, from number `first` on, and is none, would be met
@@ -366,18 +353,16 @@ static void remove_leftovers(const struct cml_outputs *outputs)
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     const size_t before = outputs->count;
     CML_TRY(check_name(scene, err));
     CML_TRY(check_format(scene, err));
     CML_TRY(cml_output_path(options, scene->output, &path, err));
     const bool device = cml_file_is_device(path);
-    cml_status status = device ? CML_OK : add_run(outputs, scene, path, run, err);
-    if (status == CML_OK) status = check_places(outputs, before, err);
-    if (status == CML_OK) status = check_files(scene, path, outputs, before, err);
-    if (status == CML_OK && !device) status = add_checkpoint(outputs, path, run, err);
-    free(path);
-    return status;
+    CML_TRY(device ? CML_OK : add_run(outputs, scene, path, run, err));
+    CML_TRY(check_places(outputs, before, err));
+    CML_TRY(check_files(scene, path, outputs, before, err));
+    return device ? CML_OK : add_checkpoint(outputs, path, run, err);
 }
 
 static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,

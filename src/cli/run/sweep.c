@@ -24,11 +24,9 @@
 static cml_status table_path(const struct cml_sweep_run *sweep, const char *suffix, char **path,
                              struct cml_error *err)
 {
-    char *name = NULL;
+    CML_FREED char *name = NULL;
     CML_TRY(cml_report_path(sweep->base->scenes[0].output, suffix, &name, err));
-    const cml_status status = cml_output_path(sweep->options, name, path, err);
-    free(name);
-    return status;
+    return cml_output_path(sweep->options, name, path, err);
 }
 
 /* ---- before the first row flies ---- */
@@ -88,11 +86,9 @@ static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
     CML_TRY(cml_sweep_check_groups(sweep, &ignored, err));
     const size_t count = (size_t)sweep->table.num_rows + 2;
-    struct cml_scene *scenes = calloc(count, sizeof *scenes);
+    CML_FREED struct cml_scene *scenes = calloc(count, sizeof *scenes);
     if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
-    const cml_status status = claim(sweep, scenes, err);
-    free(scenes);
-    return status;
+    return claim(sweep, scenes, err);
 }
 
 /* The table is no part of what a row's result depends on: its cells are. */
@@ -204,18 +200,16 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
 static cml_status write_tables(const struct cml_sweep_run *sweep, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
-    char *csv = NULL, *h5 = NULL;
-    cml_status status = table_path(sweep, ".sweep.csv", &csv, err);
-    if (status == CML_OK) status = cml_sweep_write_csv(csv, results, err);
-    if (status == CML_OK) status = table_path(sweep, ".sweep.h5", &h5, err);
-    if (status == CML_OK && cml_hdf5_available()) status = cml_sweep_write_h5(h5, results, err);
-    if (status == CML_OK && !sweep->options->quiet && !sweep->options->json) {
+    CML_FREED char *csv = NULL, *h5 = NULL;
+    CML_TRY(table_path(sweep, ".sweep.csv", &csv, err));
+    CML_TRY(cml_sweep_write_csv(csv, results, err));
+    CML_TRY(table_path(sweep, ".sweep.h5", &h5, err));
+    if (cml_hdf5_available()) CML_TRY(cml_sweep_write_h5(h5, results, err));
+    if (!sweep->options->quiet && !sweep->options->json) {
         printf("  -> %s\n", csv);
         if (cml_hdf5_available()) printf("  -> %s\n", h5);
     }
-    free(csv);
-    free(h5);
-    return status;
+    return CML_OK;
 }
 
 /* On rank 0. */

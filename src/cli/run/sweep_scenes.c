@@ -13,13 +13,10 @@ cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char
                                 struct cml_error *err)
 {
     const struct cml_scene *scene = &sweep->base->scenes[0];
-    char *stem = NULL;
+    CML_FREED char *stem = NULL;
     CML_TRY(cml_report_path(scene->output, "", &stem, err));
     const char *ending = scene->format == 'B' ? ".h5" : scene->output + strlen(stem);
-    const cml_status status =
-        cml_text_format(name, "a name", err, "%s-%0*d%s", stem, sweep->digits, row + 1, ending);
-    free(stem);
-    return status;
+    return cml_text_format(name, "a name", err, "%s-%0*d%s", stem, sweep->digits, row + 1, ending);
 }
 
 cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,

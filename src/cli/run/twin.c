@@ -75,13 +75,10 @@ static cml_status solve(const struct cml_run_setup *setup, struct cml_twin *twin
 static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
                                   char **path, struct cml_error *err)
 {
-    char *output = NULL, *name = NULL;
-    cml_status status = cml_output_path(options, scene->output, &output, err);
-    if (status == CML_OK) status = cml_text_format(&name, "a name", err, "%s.control", output);
-    if (status == CML_OK) status = cml_checkpoint_path(name, path, err);
-    free(output);
-    free(name);
-    return status;
+    CML_FREED char *output = NULL, *name = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &output, err));
+    CML_TRY(cml_text_format(&name, "a name", err, "%s.control", output));
+    return cml_checkpoint_path(name, path, err);
 }
 
 cml_status cml_twin_create(const struct cml_options *options, const struct cml_run_setup *setup,

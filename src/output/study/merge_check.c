@@ -123,13 +123,10 @@ static cml_status check_words(const struct cml_merge_input *first, const struct 
 {
     const char *a = first->outcome->scene, *b = other->outcome->scene;
     const int texts = a && b && a[0] && b[0] ? TEXTS : TEXTS - 1;
-    char *one = NULL, *two = NULL;
-    cml_status status = write_words(first->outcome, 0, texts, &one, err);
-    if (status == CML_OK) status = write_words(other->outcome, 0, texts, &two, err);
-    if (status == CML_OK) status = compare_words(first, other, one, two, err);
-    free(one);
-    free(two);
-    return status;
+    CML_FREED char *one = NULL, *two = NULL;
+    CML_TRY(write_words(first->outcome, 0, texts, &one, err));
+    CML_TRY(write_words(other->outcome, 0, texts, &two, err));
+    return compare_words(first, other, one, two, err);
 }
 
 /* ---- packets ---- */

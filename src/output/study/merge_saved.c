@@ -287,13 +287,10 @@ static cml_status write_all(const char *path, const struct cml_outcome *merged, 
                             struct cml_error *err)
 {
     const size_t most = (size_t)all->model->arrays.count + 1;
-    struct column *column = calloc(most, sizeof *column);
-    struct cml_field *field = calloc(most, sizeof *field);
-    const cml_status status = column && field ? write(path, merged, all, saved, call, column, field, err)
-                                              : cml_fail_memory(err, 1, "saved packets");
-    free(column);
-    free(field);
-    return status;
+    CML_FREED struct column *column = calloc(most, sizeof *column);
+    CML_FREED struct cml_field *field = calloc(most, sizeof *field);
+    return column && field ? write(path, merged, all, saved, call, column, field, err)
+                           : cml_fail_memory(err, 1, "saved packets");
 }
 
 cml_status cml_merge_saved(const char *path, const struct cml_merge_input *inputs, int count,

@@ -24,8 +24,9 @@ struct cml_report {
     double flat_below;                    /* a depth where --aim would save photons, cm; NaN: nowhere */
     int unseen; /* detector, from 1, that has seen nothing, and that --aim would send packets to; 0: none */
     const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
+    struct cml_outcome outcome;    /* of cml_report_write: what files, record and summary are made of */
     int num_files;
-    char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
+    char **files; /* [num_files] paths written, the main result first */
 };
 
 /* What a file of a run holds, and of which detector or boundary, from 0. */
@@ -59,15 +60,11 @@ CML_NODISCARD cml_status cml_report_each_file(const struct cml_scene *scene,
  * CML_E_IO when one could not be written; those before it are then there. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
+/* Forgets the outcome and the list of files. */
 void cml_report_clear(struct cml_report *report);
 
-/* What came to each body's surface from outside and from inside, and left it to either side; nothing without
- * facets. */
-CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
-                                                struct cml_error *err);
-
-/* What a run leaves behind; and the same of one that was finished before, as of a result in `path`. *record
- * is the caller's to clear. */
+/* What a run leaves behind, once it is written; and the same of one that was finished before, as of a result
+ * in `path`. *record is the caller's to clear. */
 CML_NODISCARD cml_status cml_report_record(const struct cml_report *report, struct cml_record *record,
                                            struct cml_error *err);
 CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
@@ -135,9 +132,8 @@ void cml_report_estimate(FILE *stream, double value, double error);
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
 /* A line for each medium inside, up to 16 of them: derivatives of Rd and Tt. Nothing where the run has none.
- * CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *report,
-                                                      struct cml_error *err);
+ */
+void cml_report_print_derivatives(FILE *stream, const struct cml_report *report);
 
 /* One line per rank: packets, and where its time went; and the shares of all together. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing);

@@ -34,8 +34,8 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     return CML_OK;
 }
 
-static cml_status take_score(const struct cml_report *report, int k, bool by_mus, bool all,
-                             struct cml_outcome *o, struct cml_error *err)
+static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
+                             struct cml_error *err)
 {
     const double scale = scale_of(report->scene, k, by_mus);
     struct cml_result result;
@@ -50,12 +50,10 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
                                .num_detectors = o->num_detectors,
                                .backed = o->backed};
     CML_TRY(cml_score_result(report->sums, 2 * k + by_mus, &result, err));
-    cml_status status =
-        all ? cml_outcome_take(&sums, &result, err) : cml_outcome_take_numbers(&sums, &result, err);
+    cml_status status = cml_outcome_take(&sums, &result, err);
     for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
-        const bool numbers = cml_quantities[i].axis[1] == CML_AXIS_NONE;
-        if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA) && (all || numbers))
+        if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA))
             status = take_column(&sums, quantity, k, scale, o, err);
     }
     sums.num_detectors = 0; /* it has none of their names */
@@ -64,11 +62,11 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
     return status;
 }
 
-cml_status cml_report_derivatives(const struct cml_report *report, bool all, struct cml_outcome *o,
+cml_status cml_report_derivatives(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {
     for (int score = 0; report->sums->grid.derivatives && score < report->sums->grid.rows; score++)
-        CML_TRY(take_score(report, score / 2, score % 2 == 1, all, o, err));
+        CML_TRY(take_score(report, score / 2, score % 2 == 1, o, err));
     return CML_OK;
 }
 
@@ -86,16 +84,10 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
     fputs(" cm\n", stream);
 }
 
-cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *report, struct cml_error *err)
+void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 {
     enum { MOST = 16 }; /* the files have them all */
-    CML_AT_END(cml_outcome_clear)
-    struct cml_outcome o = {.photons = report->sums->photons,
-                            .num_layers = report->scene->num_layers,
-                            .num_bodies = report->scene->num_bodies,
-                            .backed = report->scene->backing.kind != CML_BACKING_NONE};
-    const int media = report->sums->grid.derivatives ? o.num_layers + o.num_bodies : 0;
-    CML_TRY(cml_report_derivatives(report, false, &o, err));
-    for (int k = 0; k < media && k < MOST; k++) print_medium(stream, &o, k);
-    return CML_OK;
+    const struct cml_outcome *o = &report->outcome;
+    const int media = report->sums->grid.derivatives ? o->num_layers + o->num_bodies : 0;
+    for (int k = 0; k < media && k < MOST; k++) print_medium(stream, o, k);
 }

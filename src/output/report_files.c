@@ -46,6 +46,7 @@ void cml_report_clear(struct cml_report *report)
 {
     for (int i = 0; i < report->num_files; i++) free(report->files[i]);
     free(report->files);
+    cml_outcome_clear(&report->outcome);
     report->num_files = 0;
     report->files = NULL;
 }
@@ -146,18 +147,17 @@ static void fill_list(struct cml_field_list *list)
 
 /* Values are computed while they are written, so the list of fields is all that is in memory. Its words name
  * files as the scene does. */
-static cml_status write_h5(const struct cml_report *report, struct cml_outcome *outcome, const char *path,
-                           struct cml_error *err)
+static cml_status write_h5(struct cml_report *report, const char *path, struct cml_error *err)
 {
     CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
-    CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
+    CML_TRY(cml_report_words(report, CML_READ_IN_H5, err));
     CML_TRY(cml_field_list_create(report, &list, err));
     fill_list(&list);
     const struct cml_h5_more more = {.input = report->scene->text,
                                      .field = list.fields,
                                      .num_fields = list.num_fields,
                                      .call = {report->command, report->scene->file}};
-    return cml_h5_write(path, outcome, &more, err);
+    return cml_h5_write(path, &report->outcome, &more, err);
 }
 
 /* Fills the fields of maps, with those of facets of planes, which are pixels. */
@@ -220,28 +220,23 @@ static cml_status write_faces(const struct cml_report *report, const struct cml_
     return cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
 }
 
-struct writing {
-    struct cml_report *report;
-    struct cml_outcome *outcome;
-};
-
-static cml_status write_file(const struct writing *w, const struct cml_report_file *file, const char *path,
+static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {
     switch (file->content) {
     case CML_FILE_TABLE:
-        return cml_mco_write(path, w->outcome, err);
+        return cml_mco_write(path, &report->outcome, err);
     case CML_FILE_FIELDS:
-        return write_h5(w->report, w->outcome, path, err);
+        return write_h5(report, path, err);
     case CML_FILE_SAVED:
-        return cml_report_write_saved(w->report, w->outcome, path, err);
+        return cml_report_write_saved(report, path, err);
     case CML_FILE_MAP:
     case CML_FILE_VOLUME:
     case CML_FILE_DETECTOR:
-        return write_image(w->report, file, path, err);
+        return write_image(report, file, path, err);
     case CML_FILE_BOUNDARY:
     case CML_FILE_BODIES:
-        return write_faces(w->report, file, path, err);
+        return write_faces(report, file, path, err);
     }
     return CML_OK;
 }
@@ -250,23 +245,20 @@ static cml_status write_file(const struct writing *w, const struct cml_report_fi
  */
 static cml_status write_next(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
-    const struct writing *w = context;
-    struct cml_report *report = w->report;
+    struct cml_report *report = context;
     CML_TRY(cml_array_grow(&report->files, (size_t)report->num_files, sizeof *report->files,
                            "a list of files", err));
     char **const name = &report->files[report->num_files];
     CML_TRY(cml_text_copy(file->path, name, err));
     report->num_files++;
-    return write_file(w, file, *name, err);
+    return write_file(report, file, *name, err);
 }
 
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
-    CML_AT_END(cml_outcome_clear) struct cml_outcome outcome = {0};
-    struct writing writing = {report, &outcome};
-    CML_TRY(cml_report_outcome(report, &outcome, err));
+    CML_TRY(cml_report_outcome(report, err));
     return cml_report_each_file(report->scene, report->surfaces, report->sums->grid.absorption, path,
-                                write_next, &writing, err);
+                                write_next, report, err);
 }
 
 /* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have

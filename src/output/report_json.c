@@ -189,20 +189,12 @@ static void set_parts(json_t *object, const struct cml_outcome *o, enum cml_quan
 
 /* Numbers of the table that are new to it come last. `residue` is the imbalance of weight in units of 2^-31
  * packets, 0 unless the program is wrong. */
-static cml_status set_results(json_t *object, const struct cml_report *report, struct cml_error *err)
+static void set_results(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
-    struct cml_outcome o = {.photons = result->photons,
-                            .num_layers = report->scene->num_layers,
-                            .num_bodies = report->scene->num_bodies,
-                            .backed = report->scene->backing.kind != CML_BACKING_NONE};
-    cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
-    if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);
-    if (status == CML_OK) status = cml_outcome_take_numbers(&o, result, err);
-    if (status == CML_OK) status = cml_report_body_fluxes(report, &o, err);
-    if (status == CML_OK) status = cml_report_derivatives(report, false, &o, err);
-    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
-    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
+    const struct cml_outcome *o = &report->outcome;
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o->value[i]);
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o->error[i]);
     set_integer(object, "lost", cml_result_lost(result));
     set_integer(object, "trapped", (uint64_t)result->summary.count[CML_COUNT_TRAPPED]);
     set_integer(object, "shading_overruled", (uint64_t)result->summary.count[CML_COUNT_SHADING_OVERRULED]);
@@ -212,12 +204,8 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     set_integer(object, "spent", (uint64_t)result->summary.count[CML_COUNT_SPENT]);
     set_real(object, "residue", cml_result_imbalance(result));
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        if (!(cml_quantities[i].where & CML_IN_JSON)) continue;
-        set_parts(object, &o, (enum cml_quantity)i);
-    }
-    cml_outcome_clear(&o);
-    return status;
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_quantities[i].where & CML_IN_JSON) set_parts(object, o, (enum cml_quantity)i);
 }
 
 /* Seconds. `idle` waited for other ranks, `asking` for photons, `sums` summed and wrote checkpoints. */
@@ -525,8 +513,8 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "boundaries", json_null());
     if (report->scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     json_object_set_new(object, "files", files_json(report));
-    cml_status status = set_results(object, report, err);
-    if (status == CML_OK) status = deal_beams(&subject, report->sums->photons, err);
+    set_results(object, report);
+    cml_status status = deal_beams(&subject, report->sums->photons, err);
     if (status == CML_OK) {
         set_exact_totals(object, report->scene, report->exact);
         set_control(object, report);

@@ -84,9 +84,9 @@ static cml_status fill_control(const struct cml_report *report, struct cml_outco
     return CML_OK;
 }
 
-cml_status cml_report_words(const struct cml_report *report, enum cml_report_reader reader,
-                            struct cml_outcome *o, struct cml_error *err)
+cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
+    struct cml_outcome *o = &report->outcome;
     char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors};
     cml_status status = CML_OK;
     for (int i = 0; i < (int)(sizeof text / sizeof *text); i++) {
@@ -105,14 +105,15 @@ cml_status cml_report_words(const struct cml_report *report, enum cml_report_rea
 }
 
 /* Fills the result; what may fail comes first. */
-static cml_status fill(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+static cml_status fill(struct cml_report *report, struct cml_error *err)
 {
+    struct cml_outcome *o = &report->outcome;
     const char *settings = report->scene->settings;
     o->provenance = *report->provenance;
     memcpy(o->identity, report->identity, sizeof o->identity);
     CML_TRY(cml_text_copy(cml_version(), &o->program, err));
     if (settings) CML_TRY(cml_text_copy(settings, &o->settings, err));
-    CML_TRY(cml_report_words(report, CML_READ_IN_MCO, o, err));
+    CML_TRY(cml_report_words(report, CML_READ_IN_MCO, err));
     CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(fill_input(report, o, err));
     CML_TRY(fill_bodies(report->scene, o, err));
@@ -120,13 +121,13 @@ static cml_status fill(const struct cml_report *report, struct cml_outcome *o, s
     CML_TRY(fill_control(report, o, err));
     CML_TRY(cml_report_body_fluxes(report, o, err));
     CML_TRY(cml_outcome_take(o, report->sums, err));
-    return cml_report_derivatives(report, true, o, err);
+    return cml_report_derivatives(report, o, err);
 }
 
-cml_status cml_report_outcome(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err)
 {
-    *o = (struct cml_outcome){0};
-    const cml_status status = fill(report, o, err);
-    if (status != CML_OK) cml_outcome_clear(o);
+    report->outcome = (struct cml_outcome){0};
+    const cml_status status = fill(report, err);
+    if (status != CML_OK) cml_outcome_clear(&report->outcome);
     return status;
 }

@@ -26,10 +26,14 @@ void cml_report_body_faces_free(struct cml_body_faces *drawn);
  * (cml_saved_covers), so that sums of rows over that number are estimates; 0 where memory runs out. */
 uint64_t cml_report_covers(const struct cml_report *report);
 
-/* Derivatives, where the run has scores; `all`: by bins, too, else those without other axes. The sizes of *o
- * are set. CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report, bool all,
-                                                struct cml_outcome *o, struct cml_error *err);
+/* Derivatives, where the run has scores. The sizes of *o are set. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report, struct cml_outcome *o,
+                                                struct cml_error *err);
+
+/* What came to each body's surface from outside and from inside, and left it to either side; nothing without
+ * facets. */
+CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
+                                                struct cml_error *err);
 
 /* "pencil", "parallel" ... */
 const char *cml_beam_word(enum cml_beam_shape kind);
@@ -124,13 +128,15 @@ void cml_add_facet_fields(struct cml_field_list *list, int b, const char *prefix
  * of facets that are no pixels. */
 void cml_add_outer_plane_fields(struct cml_field_list *list, int b, const char *prefix);
 
-/* What an .mco or .h5 file holds of a run but its fields; the words of the scene as `reader` wants them.
- * *outcome is the caller's to clear. */
-CML_NODISCARD cml_status cml_report_outcome(const struct cml_report *report, struct cml_outcome *outcome,
-                                            struct cml_error *err);
-CML_NODISCARD cml_status cml_report_words(const struct cml_report *report, enum cml_report_reader reader,
-                                          struct cml_outcome *outcome, struct cml_error *err);
+/* Makes report->outcome: what an .mco or .h5 file holds of a run but its fields. On failure it is cleared. */
+CML_NODISCARD cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err);
+
+/* Gives the outcome the words of the scene as `reader` wants them. */
+CML_NODISCARD cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader,
+                                          struct cml_error *err);
 
 /* The packets that were saved, to `path`. */
-CML_NODISCARD cml_status cml_report_write_saved(const struct cml_report *report, struct cml_outcome *outcome,
-                                                const char *path, struct cml_error *err);
+CML_NODISCARD cml_status cml_report_write_saved(struct cml_report *report, const char *path,
+                                                struct cml_error *err);
+
+#endif

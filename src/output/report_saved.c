@@ -72,8 +72,8 @@ static void column_values(const void *context, size_t begin, size_t count, doubl
 }
 
 /* indices: [kept], the axis. */
-static cml_status write(const struct cml_report *report, struct cml_outcome *outcome, const char *path,
-                        const struct cml_saved_sums *kept, double *indices, struct cml_error *err)
+static cml_status write(const struct cml_report *report, const char *path, const struct cml_saved_sums *kept,
+                        double *indices, struct cml_error *err)
 {
     const struct cml_result *sums = report->sums;
     const struct cml_saved_def *saved = &report->scene->saved;
@@ -92,7 +92,7 @@ static cml_status write(const struct cml_report *report, struct cml_outcome *out
     struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + 4];
     struct cml_field fields[NUM_PROPERTIES];
     struct column columns[NUM_PROPERTIES];
-    int n = cml_h5_attributes(outcome, &more, attributes);
+    int n = cml_h5_attributes(&report->outcome, &more, attributes);
     attributes[n++] = (struct cml_attribute){"covers", NULL, (double)cml_report_covers(report)};
     attributes[n++] = (struct cml_attribute){"found", NULL, (double)kept->found};
     attributes[n++] = (struct cml_attribute){"limit", NULL, (double)saved->limit};
@@ -114,16 +114,15 @@ static cml_status write(const struct cml_report *report, struct cml_outcome *out
     return cml_hdf5_write(path, attributes, n, &call, fields, num_fields, err);
 }
 
-cml_status cml_report_write_saved(const struct cml_report *report, struct cml_outcome *outcome,
-                                  const char *path, struct cml_error *err)
+cml_status cml_report_write_saved(struct cml_report *report, const char *path, struct cml_error *err)
 {
     struct cml_saved *saved = report->sums->saved;
     const struct cml_saved_sums kept = cml_saved_sort(saved);
-    CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
+    CML_TRY(cml_report_words(report, CML_READ_IN_H5, err));
     CML_FREED double *indices = malloc((kept.kept + 1) * sizeof *indices);
     if (!indices) return cml_fail_memory(err, (double)kept.kept * sizeof *indices, "saved photons");
     for (size_t i = 0; i < kept.kept; i++) indices[i] = (double)cml_saved_row(saved, i)->index;
-    return write(report, outcome, path, &kept, indices, err);
+    return write(report, path, &kept, indices, err);
 }
 
 cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,

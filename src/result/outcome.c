@@ -387,34 +387,13 @@ static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enu
     return CML_OK;
 }
 
-/* By medium, too: these are few. */
-static bool is_number(enum cml_quantity quantity)
-{
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    return info->axis[cml_quantity_is_of_detector(quantity) ? 1 : 0] == CML_AXIS_NONE ||
-           info->estimator == CML_FROM_LAYERS || info->estimator == CML_FROM_BODIES ||
-           info->estimator == CML_FROM_EXPECTED;
-}
-
-static cml_status take_all(struct cml_outcome *o, const struct cml_result *sums, bool numbers,
-                           struct cml_error *err)
-{
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
-        if (cml_quantities[i].estimator <= CML_FROM_EXPECTED && (!numbers || is_number((enum cml_quantity)i)))
-            CML_TRY(take(o, sums, (enum cml_quantity)i, err));
-    return CML_OK;
-}
-
-cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_result *sums,
-                                    struct cml_error *err)
-{
-    return take_all(o, sums, true, err);
-}
-
 cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
 {
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_quantities[i].estimator <= CML_FROM_EXPECTED)
+            CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     o->lost = sums->summary.lost;
-    return take_all(o, sums, false, err);
+    return CML_OK;
 }
 
 /* ---- where shapes lie ---- */

@@ -119,10 +119,6 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
 
-/* Takes over only the numbers without axes of a result. */
-CML_NODISCARD cml_status cml_outcome_take_numbers(struct cml_outcome *outcome, const struct cml_result *sums,
-                                                  struct cml_error *err);
-
 CML_NODISCARD cml_status cml_outcome_add_stream(struct cml_outcome *outcome, const char *file, uint64_t seed,
                                                 uint64_t run, struct cml_error *err);
 

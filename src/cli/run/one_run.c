@@ -42,14 +42,12 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
 
-static cml_status print_summary(const struct cml_options *options, const struct cml_report *report,
-                                struct cml_error *err)
+static void print_summary(const struct cml_options *options, const struct cml_report *report)
 {
     cml_report_summary(stdout, report);
-    CML_TRY(cml_report_print_derivatives(stdout, report, err));
+    cml_report_print_derivatives(stdout, report);
     if (options->verbose) cml_report_ranks(stdout, report->timing);
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
-    return CML_OK;
 }
 
 /* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
@@ -67,7 +65,7 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
         status = solve_flat(report, &exact, err);
     if (status == CML_OK) status = cml_report_record(report, record, err);
     if (status == CML_OK && call->row == 0 && !options->quiet && !options->json)
-        status = print_summary(options, report, err);
+        print_summary(options, report);
     cml_exact_clear(&exact);
     cml_report_clear(report);
     return status == CML_OK ? cml_run_verdict(report->scene, report->sums, err) : status;

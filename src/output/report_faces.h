@@ -10,5 +10,3 @@
  * frees what they point to. */
 CML_NODISCARD cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                                           size_t *per_facet, struct cml_error *err);
-
-#endif

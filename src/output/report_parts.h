@@ -138,5 +138,3 @@ CML_NODISCARD cml_status cml_report_words(struct cml_report *report, enum cml_re
 /* The packets that were saved, to `path`. */
 CML_NODISCARD cml_status cml_report_write_saved(struct cml_report *report, const char *path,
                                                 struct cml_error *err);
-
-#endif

@@ -1,6 +1,7 @@
 /* The file of saved packets (P18): one array for each of their properties. SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
+#include "base/text.h"
 #include "result/h5.h"
 
 #include <stddef.h>

@@ -2,6 +2,7 @@
 #include "run/checkpoint.h"
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>

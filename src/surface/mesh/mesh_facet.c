@@ -2,6 +2,7 @@
 #include "surface/mesh/mesh_facet.h"
 
 #include "geometry/vec3.h"
+#include "surface/tree/rounding.h"
 
 #include <math.h>
 

@@ -89,13 +89,14 @@ trap 'stop_slurm 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' INT TERM HUP
 start_slurm || { complain "Slurm does not start: $(tail -n 5 "$work"/*.log)"; finish; }
 
-# ---- the undisturbed run: twenty seconds on this machine, as busy as it is now
+# ---- the undisturbed run: twenty-five seconds on this machine, by the fastest of three short ones: other programs may end
 
 scene=$PWD/samples/thick.mci
 script=$PWD/samples/slurm.sh
 mkdir "$work/run" "$work/undisturbed"
-speed=$("$program" "$scene" --threads 2 --photons 1e6 --json -o "$work" | sed 's/.*"photons_per_s": *\([0-9]*\).*/\1/')
-photons=$((speed * 20))
+speed=$(for turn in 1 2 3; do "$program" "$scene" --threads 2 --photons 1e6 --quiet --json -o "$work"; done |
+    sed 's/.*"photons_per_s": *\([0-9]*\).*/\1/' | sort -n | tail -n 1)
+photons=$((speed * 25))
 expect_code 0 "$scene" --threads 2 --photons $photons --quiet -o "$work/undisturbed"
 
 # ---- the job, which is stopped twice

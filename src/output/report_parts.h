@@ -39,8 +39,9 @@ CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report,
 const char *cml_beam_word(enum cml_beam_shape kind);
 const char *cml_light_word(enum cml_light_kind kind);
 
-/* Of which cells value i of a field is the sum, and what it is divided by: an area, a solid angle, or 1. */
 struct cml_field_source;
+
+/* Of which cells value i of a field is the sum, and what it is divided by: an area, a solid angle, or 1. */
 struct cml_field_cells {
     size_t first, count;
     double per;

@@ -61,8 +61,8 @@ struct cml_run_result {
 
 /* Flies all photons. Collective; the result is rank 0's, that of the others is zero. *out is owned by the
  * caller (cml_run_result_free), cleared on failure. Lost packets and an imbalance are no failure here: see
- * cml_run_verdict. CML_E_STOPPED: a signal came, and the checkpoint was
- * written; or the flight took longer than most_seconds. */
+ * cml_run_verdict. CML_E_STOPPED: a signal came, and the checkpoint was written; or the flight took longer
+ * than most_seconds. */
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);

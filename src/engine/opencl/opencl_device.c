@@ -124,8 +124,8 @@ static cml_status append_platform(cl_platform_id platform, struct cml_opencl_dev
 }
 
 /* All devices with their handles; *list is the caller's to free. They are numbered across platforms, in the
- * order in which drivers name them: those are the numbers of
- * --device. Without a driver the loader reports an error, and that is an empty list. */
+ * order in which drivers name them: those are the numbers of --device. Without a driver the loader reports an
+ * error, and that is an empty list. */
 static cml_status find_devices(struct cml_opencl_device **list, int *count, struct cml_error *err)
 {
     cl_platform_id platforms[MOST_PLATFORMS];

@@ -227,7 +227,8 @@ static void note_fewer_threads(void *context, int threads)
 
 static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error *err)
 {
-    return cml_fail(err, CML_E_STOPPED, "%s: packets hardly end: %llu were not flown in %g s",
+    return cml_fail(err, CML_E_STOPPED,
+                    "%s: packets hardly end: %llu were not flown in %g s (plan --photons waits for them)",
                     setup->scene->output, (unsigned long long)setup->photons, setup->most_seconds);
 }
 

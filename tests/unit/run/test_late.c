@@ -5,7 +5,8 @@
 #include "engine/engines.h"
 #include "run/run.h"
 
-/* Light inside a clear layer, 1e5 mean free paths from either side: 1e10 steps to the end of a packet. */
+/* Light inside a layer that absorbs nothing, 1e5 mean free paths from either side: 1e10 steps to the end of a
+ * packet. */
 static const char *const deep =
     "1.0\n1\nx.mco A\nbeam pencil z=1e3\n1000\n.01 .01\n10 10 1\n1\n1.0\n1.0 0 100 0 2e3\n1.0\n";
 static const char *const thin = "1.0\n1\nx.mco A\n1000\n.01 .01\n10 10 1\n1\n1.0\n1.0 1 10 0 .1\n1.0\n";

@@ -55,6 +55,7 @@ struct group {
 static void clear_group(struct group *group)
 {
     for (int i = 0; group->own && i < group->count; i++) cml_scene_clear(&group->own[i]);
+    for (int i = 0; group->record && i < group->count; i++) cml_record_clear(&group->record[i]);
     cml_scene_clear(&group->flown);
     free(group->own);
     free(group->row);
@@ -151,6 +152,7 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
     for (int i = 0; i < group->count; i++) {
         const int row = group->row[i];
         sweep->rows.record[row] = group->record[i];
+        group->record[i].json = NULL;
         sweep->rows.done[row] = true;
         sweep->rows.num_done++;
         cml_sweep_print_row(sweep, row, &sweep->rows.record[row]);

@@ -14,7 +14,8 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
 /* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
  * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
  * other (NULL: not there; an empty text: nothing at all); as what `merge` tells two results apart that differ in its being
- * 0 (NULL: not at all; else the head needs words for 0, too: what it does not say is not known) */
+ * 0 (NULL: not at all; else the head needs words for 0, too, that stand nowhere else in it: what it does not say is not
+ * known) */
 #define CML_OPTIONS_OF_BITS(D)                                                                                       \
     D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f", NULL)                                 \
     D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f", NULL)                                              \

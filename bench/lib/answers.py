@@ -78,7 +78,7 @@ def answers():
     yield ("What does a rough mesh cost?", "%.1f times a plane's step (S6a, 1e5 triangles)" % speed("S6a-rough-1e5", "to_flat"),
            "python3 bench/speed/speed.py --irregular", "9", "")
     yield ("What do bodies cost?", "%s of the speed without (S6a, 1e5 triangles)" % cells(
-        "speed/results/bodies-intel-xeon-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
+        "speed/results/bodies-amd-epyc-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
     yield ("What do sources and phase functions cost?", "%.2f times a parallel packet for lambertian light (no medium), %s times a step for a table" % (
         float(cells(LIGHT, "disk 0.1 light=lambertian")[1].split()[0]) / float(cells(LIGHT, "disk 0.1")[1].split()[0]),
         cells(LIGHT, 'table "law.txt"')[2].split()[0]),

@@ -15,7 +15,7 @@ BENCH = tables.BENCH
 SPEED, PARTS = "speed/results/speed-amd-epyc-2core.csv", "parts/results/parts-intel-xeon-2core.txt"
 # by folder: the scripts with their arguments, to which the README is added; a result alone is put there as it is
 COMMANDS = {
-    "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED], ["speed/results/bodies-intel-xeon-2core.md"]),
+    "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED]),
     "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
                  ["accuracy/frontier_table.py", "accuracy/results/frontier-amd-epyc-2core.csv"],
                  ["accuracy/results/unbiased.md"]),

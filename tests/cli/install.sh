@@ -1,6 +1,7 @@
 #!/bin/sh
 # What `cmake --install` copies: the program flies a sample from there, the manual page renders without a warning, and
 # page and completion know every option, command and text of the help, and every word that an option takes.
+# The recipe of conda asks for the packages that the Python package needs, and samples/wheel.sh for options that the pip of Debian 12 knows.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")
@@ -90,4 +91,14 @@ for option in --engine --boundaries --normals --rings --mesh-search; do
     words=$(sed 's/.*(expected \(one of \)*\(.*\))/\2/; s/, / /g; s/ or / /g' "$work/err" | tr ' ' '\n' | sort)
     test "$(complete a.mci $option "" | sort)" = "$words" || complain "$option completes to $(complete a.mci $option "")"
 done
+
+# the recipe of conda asks for every Python package that pip would install
+run_needs=$(sed -n '/^  run:/,/^$/s/^    - \([a-z0-9-]*\).*/\1/p' src/cli/install/meta.yaml)
+needs=$(sed -n 's/^dependencies = \[\(.*\)\]/\1/p' pyproject.toml | tr -d '",')
+test -n "$needs" || complain "pyproject.toml names no dependencies"
+for package in $needs; do
+    echo "$run_needs" | grep -qx "$package" || complain "src/cli/install/meta.yaml: no $package under run"
+done
+# pip 23.0.1 of Debian 12 knows --config-settings, but not its short form
+grep -nE '(^|[^ ] ) *-C[ a-z]' samples/wheel.sh && complain "samples/wheel.sh: -C is unknown to pip 23.0.1"
 finish

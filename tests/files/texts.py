@@ -120,6 +120,41 @@ def furrows_ratio():
     return up / down, up / down * math.hypot(up_error / up, down_error / down)
 
 
+def over(first, second):
+    """The ratio of two (value, error), and its error."""
+    ratio = first[0] / second[0]
+    return ratio, ratio * math.hypot(first[1] / first[0], second[1] / second[0])
+
+
+def ring(path, first, last):
+    """Light that leaves in the bins first <= i < last of r, times a constant, and its error."""
+    sections = cml.read_sections(path)
+    weights = [2 * i + 1 for i in range(first, last)]
+    return (sum(w * v for w, v in zip(weights, sections["Rd_r"][first:last])),
+            math.hypot(*(w * e for w, e in zip(weights, sections["se_Rd_r"][first:last]))))
+
+
+def mean_of(values, errors, chosen):
+    return values[chosen].mean(), np.linalg.norm(errors[chosen]) / chosen.sum()
+
+
+def bars_contrast():
+    """Brightness of two lit bars over that of two dark ones in the middle of bars.h5, and the mean relative error of their pixels."""
+    values, errors, x = map_of("bars.h5", "Rd_xy")
+    middle = np.abs(0.025 * (np.arange(12) - 5.5))[:, None] < 0.05
+    lit, dark = (middle & (np.abs(x) < 0.1) & (np.floor(x / 0.05) % 2 == parity) for parity in (0, 1))
+    return over(mean_of(values, errors, lit), mean_of(values, errors, dark)), float((errors / values)[lit | dark].mean())
+
+
+def camera_shade():
+    """Brightness of the shaded side of the hill over that of the level ground in camera.h5, and the median relative error of a pixel."""
+    with h5py.File("camera.h5") as file:
+        values, errors, x, y = (file["detector_cam_" + name][:] for name in ("map", "map_se", "x", "y"))
+    x, y = np.meshgrid(x, y)
+    shade, level = (np.abs(x + 0.25) < 0.1) & (np.abs(y) < 0.15), y > 0.35
+    return over(mean_of(values, errors, shade), mean_of(values, errors, level)), float(np.median(errors / values))
+
+
 def tutorial_numbers():
     """(what the text says, the numbers that its groups must be, with what they may be off by). Files are in the folder."""
     lower, higher = change("rough.mco", "level.mco", "A"), change("level.mco", "rough.mco", "Rd")
@@ -158,6 +193,14 @@ def tutorial_numbers():
     patch = objects("check", "rough.mci")[0]
     yield (r"mean height of the patch is (\S+) cm, so that the epidermis is as thick as the level one to (\S+) %",
            ((patch["boundaries"][0]["mean_height"], 0), (100 * (patch["layers"][0]["mean_d"] / patch["layers"][0]["d"] - 1), 0)))
+    near, away = (over(ring("fibre.mco", *bins), ring("wide.mco", *bins)) for bins in ((0, 4), (60, 79)))
+    yield (r"narrow cone brings (\S+) \+- (\S+) times as much light back\. Between 0\.3 and 0\.4 cm it brings (\S+) \+- (\S+) times",
+           (near, (near[1], 0), away, (away[1], 0)))
+    contrast, pixel = bars_contrast()
+    yield r"are only (\S+) \+- (\S+) times as bright in .* A pixel there is known to (\S+) %\.", (contrast, (contrast[1], 0), (100 * pixel, 0))
+    shade, pixel = camera_shade()
+    yield (r"typical one is known to (\S+) % .* are (\S+) \+- (\S+) times as bright as the level ground",
+           ((100 * pixel, 0), shade, (shade[1], 0)))
     fibres = cml.read_sections("fibres.mco")
     far = fibres["detector_far_path"][2], fibres["se_detector_far_path"][2]
     yield r"all of its way, (\S+) \+- (\S+) cm, lies in the dermis", (far, (far[1], 0))
@@ -187,7 +230,7 @@ def thin_loss():
     """Transmittance of the last row of chapter 9 with the dermis of chapter 1, without photons."""
     with open("skin.csv", encoding="utf-8") as file:
         names, *_, last = csv.reader(file, skipinitialspace=True)
-    cells = [word for name, value in zip(names, last) for word in ("--set", f"{name}={value}")]
+    cells = [word for name, value in zip(names, last) if "." in name for word in ("--set", f"{name}={value}")]
     return objects("exact", "flat.mci", *cells)[0]["Tt"]
 
 
@@ -210,6 +253,8 @@ def check_numbers(verdict, folder):
         verdict.check("tutorial.md, ridges", sign * value > 3 * error, f"{key} changes by {value:.2g} +- {error:.2g}")
     value, error = change("level.mco", "rough.mco", "Tt")
     verdict.check("tutorial.md, ridges", abs(value) < 2 * error, f"Tt changes by {value:.2g} +- {error:.2g}")
+    for what, (value, error) in (("fibre", over(ring("fibre.mco", 0, 4), ring("wide.mco", 0, 4))), ("bars", bars_contrast()[0]), ("camera", camera_shade()[0])):
+        verdict.check(f"tutorial.md, {what}", abs(value - 1) > 5 * error, f"a ratio of {value:.3g} +- {error:.2g} is noise")
     off = sorted(abs(value - truth) / error for value, error, truth in measured_points())
     verdict.check("tutorial.md, measured.csv", off[-1] < 4 and off[len(off) // 2] < 1.5, f"lies off by {off} errors")
     with open("spectrum.sweep.csv", encoding="utf-8") as file:

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
-# a note where more are asked for than the process may use, or the system starts fewer; small stacks and huge ones,
-# and one that is too small.
+# a note where more are asked for than the process may use, or the system starts fewer; a mesh where it starts none;
+# small stacks and huge ones, and one that is too small.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
@@ -46,6 +46,16 @@ for refused in 1 2 3; do
     test "$(grep -v ' threads on ' "$work/err")" = "clustermcml: note: $refused of 4 threads: the system starts no more" ||
         complain "thread $refused is refused: $(cat "$work/err")"
     test "$(bits)" = "$expected" || complain "thread $refused is refused: other bytes"
+done
+
+# A mesh needs no thread beside the caller, by any engine. CML_THREADS=0 refuses those of TBB, too.
+without_threads() { # ARGUMENTS
+    LD_PRELOAD="$SYSTEM_FAULT" CML_THREADS=0 "$program" "$@" >"$work/out" 2>"$work/err" ||
+        complain "no thread, $*: exit $?: $(cat "$work/err")"
+}
+without_threads check samples/skinmap.mci
+for option in --threads=1 --threads=4 --engine=reference; do
+    without_threads samples/skinmap.mci $option --photons 100 -o "$work"
 done
 
 # Stacks have a size of their own: neither OpenMP's nor the limit of the process, which may be gigabytes.

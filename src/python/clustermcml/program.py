@@ -200,7 +200,7 @@ def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -
 
 @contextlib.contextmanager
 def exits_on_signals() -> Iterator[None]:
-    """Signals that stop the program would end this process at once, and leave the program flying: here they are an exit (143 of SIGTERM, as
+    """Signals that stop the program would end this process at once, before the program has: here they are an exit (143 of SIGTERM, as
     shells report it). Other threads than the main one cannot say so, and a handler of the caller's stays."""
     ours = [number for number in STOPS if signal.getsignal(number) is signal.SIG_DFL] if threading.current_thread() is threading.main_thread() else []
     for number in ours:
@@ -256,11 +256,16 @@ def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
             raise
 
 
+def environment() -> dict[str, str]:
+    """That of the program: it stops by itself when this process, or the thread that calls and waits, ends in whatever way."""
+    return {**os.environ, "CLUSTERMCML_PARENT": str(os.getpid())}
+
+
 def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
     """The program, whose standard error is `there`, the other end of `here`."""
     try:
         return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True, encoding="utf-8",
-                                errors="replace", start_new_session=True)
+                                errors="replace", start_new_session=True, env=environment())
     except OSError as error:
         os.close(here)
         raise errors.InputError(f"{words[0]}: cannot be run ({error.strerror})") from error

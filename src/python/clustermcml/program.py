@@ -273,11 +273,19 @@ def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
         os.close(there)
 
 
+def _named(path: str) -> str:
+    """The name of a file that the program shows with bytes as \\xNN, where the name is no UTF-8 or has controls of terminals."""
+    if os.path.exists(path):
+        return path
+    return os.fsdecode(re.sub(rb"\\x([0-9a-f]{2})", lambda byte: bytes.fromhex(byte[1].decode()), os.fsencode(path)))
+
+
 def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0,
         notes: bool = True) -> list[dict[str, Any]]:
     """What the program says of every run, as --json does. options: words of its command line. scratch: a folder that will be gone,
     whose files are not named. rows: of a sweep, 0 of none. notes: those of the program are warnings."""
-    return [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
+    told = [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
+    return [{**run, "files": [_named(path) for path in run["files"]]} for run in told]
 
 
 def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int, notes: bool) -> list[str]:
@@ -334,7 +342,7 @@ def _finished(scene: str, folder: str, options: list[str], show: Optional[bool])
     said = "".join(_lines(scene, folder, options, show, "", 0, True))
     names = re.findall(r"^(\S.*): \S+ photons, .*, seed \d+$", said, re.MULTILINE)
     stands = len(names) == 1 and "\n  finished before" in said and not os.path.exists(os.path.join(folder, names[0] + ".checkpoint"))
-    return {"files": re.findall("^  -> (.*)$", said, re.MULTILINE)} if stands else None
+    return {"files": [_named(path) for path in re.findall("^  -> (.*)$", said, re.MULTILINE)]} if stands else None
 
 
 @shown

@@ -28,11 +28,20 @@ static cml_status fail_write(const char *path, const char *reason, struct cml_er
     return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, reason);
 }
 
+cml_status cml_file_check_link(const char *path, struct cml_error *err)
+{
+    struct stat about;
+    const bool foreign =
+        lstat(path, &about) == 0 && S_ISLNK(about.st_mode) && about.st_uid != geteuid() && about.st_uid != 0;
+    return foreign ? fail_write(path, "a link of another user", err) : CML_OK;
+}
+
 /* The name under which the file is to stand: that of a link's target. */
 static cml_status follow_links(const char *path, char **target, struct cml_error *err)
 {
     struct stat about;
     *target = NULL;
+    CML_TRY(cml_file_check_link(path, err));
     if (lstat(path, &about) != 0 || !S_ISLNK(about.st_mode)) return cml_text_copy(path, target, err);
     *target = realpath(path, NULL);
     return *target ? CML_OK : fail_write(path, "a link to nothing", err);
@@ -64,12 +73,12 @@ static int temporary_name(const char *path, int n, char *name, size_t size)
 
 /* A file that did not exist before: of two processes only one gets it, and a link that somebody has put there
  * is not followed. */
-static int open_new(const char *path, char *name, size_t size)
+static int open_new(const char *path, mode_t mode, char *name, size_t size)
 {
     int file = -1;
     for (int n = 0; file < 0 && n < MOST_TRIES; n++) {
         temporary_name(path, n, name, size);
-        file = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        file = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
         if (file < 0 && errno != EEXIST) return -1;
     }
     return file;
@@ -107,17 +116,22 @@ static cml_status open_stream(struct cml_file *file, struct cml_error *err)
     return fail_write(file->path, strerror(ENOMEM), err);
 }
 
+/* The file gets the mode of the one that it replaces, whatever the umask; a file system may know no modes. */
 static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
 {
     const size_t size = strlen(file->path) + 32;
     char *name = malloc(size);
     if (!name) return cml_fail_memory(err, (double)size, "a name");
-    file->descriptor = open_new(file->path, name, size);
+    struct stat old;
+    const bool replaces = stat(file->path, &old) == 0;
+    const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
+    file->descriptor = open_new(file->path, mode, name, size);
     if (file->descriptor < 0) {
         const int reason = errno;
         free(name);
         return fail_write(file->path, strerror(reason), err);
     }
+    if (replaces) (void)!fchmod(file->descriptor, mode);
     file->temporary = name;
     return open_stream(file, err);
 }

@@ -12,9 +12,9 @@
 /* A file that appears under its name only when it is complete: written beside it under a name of its own
  * ("NAME.PID-N.tmp", created by this process and nobody else), synced, read again and compared with what was
  * written, then renamed; then its folder is synced, so that the name lasts. What stood under the name stays
- * until the rename. The file must stay where it is in memory, as its stream knows it. Where the name is a
- * symbolic link, its target is replaced and the link stays. /dev/null and /dev/stdout are written to
- * directly. */
+ * until the rename; the new file has its mode. The file must stay where it is in memory, as its stream knows
+ * it. Where the name is a symbolic link, its target is replaced and the link stays, unless
+ * cml_file_check_link refuses it. /dev/null and /dev/stdout are written to directly. */
 struct cml_file {
     FILE *stream;      /* write here, without seeking; check nothing, cml_file_commit sees every error */
     char *path;        /* final name, links followed */
@@ -30,8 +30,12 @@ struct cml_file {
 /* /dev/null and /dev/stdout: a rename would put a file in their place. */
 bool cml_file_is_device(const char *path);
 
-/* CML_E_IO: the directory cannot be written to; the name is that of a directory, of a device or of a pipe,
- * which would be lost by the rename; or of a link to nothing. */
+/* CML_E_IO: the name is a symbolic link that neither this user nor root has made. In a folder that others may
+ * write to, such a link would have a user replace any file of his own. */
+CML_NODISCARD cml_status cml_file_check_link(const char *path, struct cml_error *err);
+
+/* CML_E_IO: cml_file_check_link; the directory cannot be written to; the name is that of a directory, of a
+ * device or of a pipe, which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
 /* cml_file_create for a file that one call of a command writes: alone, as "PATH.lock" is held until the

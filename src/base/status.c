@@ -11,7 +11,7 @@
 
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
-    char whole[16384]; /* two paths at least */
+    static _Thread_local char whole[16384]; /* two paths at least; a stack may be as small as that */
     va_list args;
     va_start(args, format);
     vsnprintf(whole, sizeof whole, format, args);

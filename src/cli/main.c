@@ -78,6 +78,7 @@ int main(int argc, char **argv)
     struct cml_error err = {CML_OK, ""};
     open_standard_streams();
     cml_stop_ignore();
+    cml_stop_with_parent();
     cml_status status = cml_check_stack(&err);
     if (status == CML_OK) status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {

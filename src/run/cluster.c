@@ -105,7 +105,7 @@ static cml_status join_world(struct cml_error *err)
  * needs no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
-    if (!cml_launcher_found()) return CML_OK;
+    if (!cml_launcher_found()) return cml_launcher_check(1, err);
     int level = 0;
     if (MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
         return cml_fail(err, CML_E_DEVICE, "MPI cannot start");

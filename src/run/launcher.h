@@ -11,7 +11,7 @@
 bool cml_launcher_found(void);
 
 /* CML_E_INPUT when the launcher started several processes of which each sees only itself: they would write
- * the same files. `size` is how many see each other. */
+ * the same files. `size` is how many see each other: 1 without MPI, as under srun without a plugin. */
 CML_NODISCARD cml_status cml_launcher_check(int size, struct cml_error *err);
 
 struct cml_cores {

@@ -3,10 +3,13 @@
 
 #include "base/clock.h"
 #include "base/status.h"
+#include "base/text.h"
 
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdlib.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 /* Written by a signal handler, which any thread may be interrupted for, and read by all threads between two
@@ -43,6 +46,16 @@ void cml_stop_without_reader(void)
 {
     signal(SIGPIPE, SIG_DFL);
     raise(SIGPIPE);
+}
+
+/* A parent that ended before prctl sends no signal. */
+void cml_stop_with_parent(void)
+{
+    const char *text = getenv("CLUSTERMCML_PARENT");
+    int parent = 0;
+    if (!text || !cml_parse_int(text, &parent) || getppid() != parent) return;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) raise(SIGTERM);
 }
 
 /* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Folders that cannot be written to are found before the flight; one that goes during it is no silent loss.
+# Folders that cannot be written to are found before the flight; one that goes during it is no silent loss. File systems
+# without locks (NFS): results are written, and --resume reads them.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 work=$(realpath "$work")
@@ -32,6 +33,18 @@ if test -n "$reason"; then
     test "$(cat "$work/err")" = "clustermcml: $work/folder/hihill.mco: cannot be written ($reason)" ||
         complain "read-only: $(cat "$work/err")"
 fi
+
+# Errno 37 ENOLCK, 95 EOPNOTSUPP, 524 ENOTSUPP of the kernel. A result that stands is not flown again.
+sed 's/^hihill.mco A/hihill.h5 B/' $scene >"$work/binary.mci"
+for reason in 37 95 524; do
+    mkdir "$work/nfs"
+    for turn in 1 2; do
+        LD_PRELOAD="$SYSTEM_FAULT" CML_LOCKS=$reason "$program" "$work/binary.mci" --photons 1e3 --resume -o "$work/nfs" \
+            >"$work/out" 2>"$work/err" || complain "no locks, $reason: exit $?: $(cat "$work/err")"
+    done
+    grep -q '^  finished before' "$work/out" || complain "no locks, $reason: flown again: $(cat "$work/err")"
+    rm -r "$work/nfs"
+done
 
 # The folder goes when the first checkpoint is due: the program stops itself there and waits.
 vanish() { # ARGUMENTS

@@ -82,6 +82,34 @@ scene link.mco >c.mci
 expect_code 0 c.mci --quiet
 test -L link.mco && grep -q '^RAT' target.mco || complain "the link's target was not written"
 
+# but not where another user has made it; a link is no lock either
+if test "$(id -u)" -eq 0; then
+    ln -s target.mco others.mco && chown -h 65534 others.mco
+    scene others.mco >c.mci
+    refused 5 'others.mco: cannot be written (a link of another user)' c.mci
+    ln -s target.mco d.map.vti && chown -h 65534 d.map.vti
+    scene d.mco 'map 2 2 0.1 0.1
+' >c.mci
+    refused 5 'd.map.vti: cannot be written (a link of another user)' c.mci
+    rm others.mco d.map.vti
+else
+    echo "no links of another user: only root can make them"
+fi
+: >empty && ln -s empty d.lock
+scene d.mco >c.mci
+refused 5 "$PWD/d.lock: Too many levels of symbolic links" c.mci
+test -e empty || complain "a lock's link: its target was removed"
+rm d.lock empty
+
+# the mode of what is replaced stays, whatever the umask
+scene mode.mco >c.mci
+: >mode.mco
+for mode in 600 664; do
+    chmod $mode mode.mco
+    expect_code 0 c.mci --quiet
+    test -s mode.mco && test "$(stat -c %a mode.mco)" = $mode || complain "mode $mode: now $(stat -c %a mode.mco)"
+done
+
 # a name that leaves -o is allowed, and noted
 scene ../elsewhere.mco >c.mci
 expect_code 0 c.mci --quiet -o folder

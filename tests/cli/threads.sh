@@ -1,7 +1,7 @@
 #!/bin/sh
 # Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
-# a note where more are asked for than the process may use, or the system starts fewer; small stacks and huge ones,
-# and one that is too small.
+# a note where more are asked for than the process may use, or the system starts fewer; a mesh where it starts none;
+# small stacks and huge ones, and one that is too small.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
@@ -48,6 +48,16 @@ for refused in 1 2 3; do
     test "$(bits)" = "$expected" || complain "thread $refused is refused: other bytes"
 done
 
+# A mesh needs no thread beside the caller, by any engine. CML_THREADS=0 refuses those of TBB, too.
+without_threads() { # ARGUMENTS
+    LD_PRELOAD="$SYSTEM_FAULT" CML_THREADS=0 "$program" "$@" >"$work/out" 2>"$work/err" ||
+        complain "no thread, $*: exit $?: $(cat "$work/err")"
+}
+without_threads check samples/skinmap.mci
+for option in --threads=1 --threads=4 --engine=reference; do
+    without_threads samples/skinmap.mci $option --photons 100 -o "$work"
+done
+
 # Stacks have a size of their own: neither OpenMP's nor the limit of the process, which may be gigabytes.
 for limit in 256 1000000 unlimited; do
     (
@@ -58,9 +68,9 @@ for limit in 256 1000000 unlimited; do
     ) || complain "ulimit -s $limit"
     test "$(bits)" = "$expected" || complain "ulimit -s $limit: other bytes"
 done
-for limit in 64 128 255; do
+for limit in 16 64 128 255; do # an environment needs some of the stack, too
     code=0
-    (ulimit -s $limit && exec "$program" samples/fig5.mci --photons 1e3 --quiet -o "$work") 2>"$work/err" || code=$?
+    (ulimit -s $limit && exec env -i "$program" samples/fig5.mci --photons 1e3 --quiet -o "$work") 2>"$work/err" || code=$?
     test $code -eq 2 && test "$(cat "$work/err")" = "clustermcml: ulimit -s is $limit KiB (expected 256 or more)" ||
         complain "ulimit -s $limit: exit $code: $(cat "$work/err")"
 done

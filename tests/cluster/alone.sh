@@ -1,7 +1,7 @@
 #!/bin/sh
 # A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE; run.sh gives the thread sanitizer's build, by another
 # compiler, which is slow: few packets): the same bits, checkpoints and resume; refused where
-# several copies were started, which would all write the same files.
+# several copies were started, which would all write the same files; srun without PMI starts such copies of any build.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 alone=${CLUSTERMCML_ALONE:?names no program}
@@ -9,6 +9,16 @@ scene=samples/shapes/hinoise.mci
 
 expect_code 0 $scene --photons 5e3 --quiet -o "$work"
 mv "$work/hinoise.mco" "$work/expected"
+expected="processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)"
+(
+    export SLURM_NTASKS=4 SLURM_STEP_NUM_TASKS=4
+    expect_error 2 "SLURM_STEP_NUM_TASKS = 4 $expected" $scene --photons 100 -o "$work"
+    SLURM_STEP_NUM_TASKS=1
+    expect_code 0 $scene --photons 100 --quiet -o "$work"
+    unset SLURM_STEP_NUM_TASKS # within a batch script
+    expect_code 0 $scene --photons 100 --quiet -o "$work"
+    finish
+) || complain "srun without PMI"
 program=$alone
 expect_code 0 $scene --photons 5e3 --quiet -o "$work" --threads 2
 sed '/^# clustermcml/d' "$work/hinoise.mco" >"$work/a"
@@ -20,7 +30,7 @@ code=0
 mpiexec -n 2 $mpi_options sh -c 'exec "$0" "$1" 2>"$2/copy.$$"' "$program" $scene "$work" >"$work/out" 2>&1 </dev/null || code=$?
 test $code -eq 2 || complain "two copies without MPI: exit $code"
 said=$(cat "$work"/copy.* | sort -u)
-test "$said" = "clustermcml: OMPI_COMM_WORLD_SIZE = 2 processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)" ||
+test "$said" = "clustermcml: OMPI_COMM_WORLD_SIZE = 2 $expected" ||
     complain "two copies without MPI said: $said"
 
 rm -f "$work"/thick*

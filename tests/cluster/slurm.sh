@@ -1,7 +1,7 @@
 #!/bin/sh
 # samples/slurm.sh under a real Slurm of one node, which this test starts and stops: the time limit's signal stops the
 # job and it has itself requeued; `scontrol requeue` stops it once more; at the end it has the bytes of an undisturbed
-# run.
+# run. srun without PMI is refused.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 for tool in munged slurmctld slurmd sbatch scontrol; do
@@ -88,6 +88,18 @@ stop_slurm() {
 trap 'stop_slurm 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' INT TERM HUP
 start_slurm || { complain "Slurm does not start: $(tail -n 5 "$work"/*.log)"; finish; }
+
+# ---- srun without PMI
+
+expect_none() { # CODE WHAT COMMAND...: two tasks that do not see each other
+    wanted=$1 what=$2 code=0
+    shift 2
+    srun --quiet --mpi=none --ntasks=2 "$@" --version >"$work/out" 2>"$work/err" </dev/null || code=$?
+    test $code -eq "$wanted" || complain "srun --mpi=none, $what: exit $code: $(cat "$work/err")"
+}
+expect_none 2 "two tasks" "$program"
+grep -q '^clustermcml: SLURM_STEP_NUM_TASKS = 2 processes were started' "$work/err" || complain "srun --mpi=none: $(cat "$work/err")"
+expect_none 0 "tasks that are meant to be alone" env -u SLURM_STEP_NUM_TASKS "$program"
 
 # ---- the undisturbed run: twenty-five seconds on this machine, by the fastest of three short ones: other programs may end
 

@@ -73,6 +73,7 @@ FOREIGN = {
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
     "sys/mman.h": "src/plot/gnuplot src/tally/tally",
     "sys/wait.h": "src/plot/gnuplot",
+    "sys/prctl.h": "src/run/stop",
     "dirent.h": "src/base/atomic_file",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h

@@ -1,19 +1,28 @@
-/* Preloaded: clocks that jump, and a system that starts no threads.
- *   CML_CLOCK=tick            the monotonic clock goes on by one second whenever somebody looks at it, so
- * that what depends on time depends on the work that was done, and not on the machine CML_CLOCK="jump
- * SECONDS"  the date jumps by so many seconds at every tenth look, to and fro: forwards first CML_CLOCK_LOG
- * a file to which a line is appended at every jump CML_THREADS=N             the N-th thread and all later
- * ones that the program itself starts (no library of it) are refused with EAGAIN SPDX-License-Identifier: MIT
- */
+/* Preloaded: clocks that jump, a system that starts no threads, and file systems without locks. Variables:
+ *
+ * CML_CLOCK=tick: the monotonic clock goes on by one second at every look. What depends on time then depends
+ * on the work that was done, and not on the machine.
+ * CML_CLOCK="jump SECONDS": the date jumps by so many seconds at every tenth look, to and fro, forwards
+ * first. CML_CLOCK_LOG: a file to which a line is appended at every jump.
+ *
+ * CML_THREADS=N: the N-th thread and all later ones that the program itself starts (no library) are refused
+ * with EAGAIN. 0: all threads are refused, those of libraries, too.
+ *
+ * CML_LOCKS=ERRNO: every lock of a file is refused with this errno.
+ *
+ * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/auxv.h>
+#include <sys/file.h>
 #include <sys/time.h>
 #include <time.h>
 
@@ -80,7 +89,38 @@ int pthread_create(pthread_t *id, const pthread_attr_t *attributes, void *(*body
 {
     static atomic_int threads;
     const char *first = getenv("CML_THREADS");
+    if (first && atoi(first) == 0) return EAGAIN;
     if (first && is_program(__builtin_return_address(0)) && atomic_fetch_add(&threads, 1) + 1 >= atoi(first))
         return EAGAIN;
     return REAL(pthread_create)(id, attributes, body, argument);
 }
+
+static int refuses_locks(void)
+{
+    const char *reason = getenv("CML_LOCKS");
+    if (!reason) return 0;
+    errno = atoi(reason);
+    return 1;
+}
+
+int flock(int file, int operation)
+{
+    return refuses_locks() ? -1 : REAL(flock)(file, operation);
+}
+
+static int is_lock(int command)
+{
+    return command == F_SETLK || command == F_SETLKW || command == F_OFD_SETLK || command == F_OFD_SETLKW;
+}
+
+#define FCNTL(name)                                                                                          \
+    int name(int file, int command, ...)                                                                     \
+    {                                                                                                        \
+        va_list rest;                                                                                        \
+        va_start(rest, command);                                                                             \
+        void *argument = va_arg(rest, void *);                                                               \
+        va_end(rest);                                                                                        \
+        return is_lock(command) && refuses_locks() ? -1 : REAL(name)(file, command, argument);               \
+    }
+FCNTL(fcntl)
+FCNTL(fcntl64)

@@ -14,6 +14,10 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from python_package import TOP, mc, xr  # noqa: E402
 from clustermcml.program import _start  # noqa: E402
 
+BEGINNING = ("import sys, threading; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
+             "def fly(): mc.run(sys.argv[2], photons=8e5, threads=1, checkpoint=0.1, output_dir=sys.argv[3])\n")
+FLIGHT, IN_A_THREAD = BEGINNING + "fly()", BEGINNING + "thread = threading.Thread(target=fly); thread.start(); thread.join()"
+
 
 class Stops(unittest.TestCase):
     def setUp(self):
@@ -21,18 +25,18 @@ class Stops(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
-    def interrupted(self, number, deaf=False):
+    def interrupted(self, number, deaf=False, script=FLIGHT):
         """Exit code and words of a Python process that gets this signal behind the first checkpoint of a run that it flies. deaf: to
         SIGINT, as one that a script starts with &."""
-        script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
-                  "mc.run(sys.argv[2], photons=8e5, threads=1, checkpoint=0.1, output_dir=sys.argv[3])")
         process = subprocess.Popen([sys.executable, "-c", script, sys.path[0], os.path.join(TOP, "samples", "thick.mci"), self.folder],
                                    stderr=subprocess.PIPE, text=True, preexec_fn=lambda: deaf and signal.signal(signal.SIGINT, signal.SIG_IGN))
-        checkpoint = os.path.join(self.folder, "thick.mco.checkpoint")
+        checkpoint, lock = (os.path.join(self.folder, name) for name in ("thick.mco.checkpoint", "thick.lock"))
         while not os.path.exists(checkpoint) and process.poll() is None:
             time.sleep(0.02)
         process.send_signal(number)
         _, said = process.communicate()
+        while os.path.exists(lock):  # the program has not ended, where Python did not wait for it
+            time.sleep(0.02)
         self.assertTrue(os.path.exists(checkpoint))
         self.assertFalse(os.path.exists(os.path.join(self.folder, "thick.mco")))
         return process.returncode, said
@@ -48,6 +52,13 @@ class Stops(unittest.TestCase):
         self.assertEqual(started.call_count, 1, started.call_args_list)  # so a large scene is loaded once
         self.assertEqual(resumed.photons, 800000)
         xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=8e5))
+
+    def test_python_ends_first(self):
+        """Python is killed, or flies in a thread, and tells the program nothing: the kernel does, and the program stops."""
+        for number in (signal.SIGTERM, signal.SIGKILL, signal.SIGABRT):
+            with self.subTest(number):
+                self.assertEqual(self.interrupted(number, script=IN_A_THREAD)[0], -number)
+                os.remove(os.path.join(self.folder, "thick.mco.checkpoint"))
 
     def test_commands_end_with_python(self):
         """Those that fly without a checkpoint."""

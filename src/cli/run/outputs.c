@@ -20,18 +20,23 @@
 
 /* ---- names of files ---- */
 
-/* The name of a file that need not exist yet: its directory without links and dots, then its own. A directory
- * that is not there leaves the name as it is; that it cannot be written to is found later. */
-static cml_status resolve(const char *path, char **name, struct cml_error *err)
+/* The name of a file: its directory without links and dots, then its own. A directory that is not there
+ * leaves the name as it is; that it cannot be written to is found later. */
+static cml_status resolve_folder(const char *path, char **name, struct cml_error *err)
 {
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     char folder[PATH_MAX];
-    *name = realpath(path, NULL);
-    if (*name) return CML_OK;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
     CML_FREED char *real = realpath(folder, NULL);
     if (!real) return cml_text_copy(path, name, err);
     return cml_text_format(name, "a path", err, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
+}
+
+/* The name of a file without links and dots; where there is no such file, resolve_folder. */
+static cml_status resolve(const char *path, char **name, struct cml_error *err)
+{
+    *name = realpath(path, NULL);
+    return *name ? CML_OK : resolve_folder(path, name, err);
 }
 
 cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs, int num_inputs,
@@ -54,6 +59,7 @@ cml_status cml_check_overwrite(const char *command, const char *output, char *co
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
+    CML_TRY(cml_file_check_link(path, err));
     CML_TRY(
         cml_array_grow(&outputs->file, outputs->count, sizeof *outputs->file, "the names of outputs", err));
     struct cml_output_file *file = &outputs->file[outputs->count];
@@ -166,7 +172,7 @@ static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struc
     CML_FREED char *beside = NULL, *name = NULL;
     if (cml_file_is_device(path)) return CML_OK;
     CML_TRY(cml_report_path(path, ".lock", &beside, err));
-    CML_TRY(resolve(beside, &name, err));
+    CML_TRY(resolve_folder(beside, &name, err)); /* a link is no lock */
     return add_lock(outputs, name, err);
 }
 

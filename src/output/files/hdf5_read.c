@@ -37,6 +37,19 @@ static cml_status refuse(const struct cml_hdf5 *file, const char *name, const ch
 
 /* ---- the file ---- */
 
+/* H5Fopen without a lock: results are read-only here, and some file systems know no locks (NFS). HDF5 before
+ * 1.10.7 and 1.12.0 lock always. Returns a negative number on failure. */
+static hid_t open_unlocked(const char *path)
+{
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
+    (void)H5Pset_file_locking(access, false, true);
+#endif
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, access);
+    H5Pclose(access);
+    return file;
+}
+
 /* The library prints nothing and loads no filters from other places; what failed, our line says. O_NONBLOCK:
  * a FIFO would be waited for. */
 cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_error *err)
@@ -50,7 +63,7 @@ cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_err
         return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected an .h5 file)", path,
                         strerror(errno));
     const bool regular = fstat(file->descriptor, &status) == 0 && S_ISREG(status.st_mode);
-    file->id = regular ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
+    file->id = regular ? open_unlocked(path) : -1;
     file->bytes = regular ? (size_t)status.st_size : 0;
     if (file->id >= 0) return CML_OK;
     (void)close(file->descriptor);

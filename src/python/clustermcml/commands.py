@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from . import errors
 from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
-from .program import PREFIX, exits_on_signals, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
+from .program import PREFIX, environment, exits_on_signals, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
 from .results import read
 from .scene import Scene
 from .sweep import write_table
@@ -37,7 +37,7 @@ def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
     command = [find_program(), *words]
     try:
         with exits_on_signals():
-            ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace")
+            ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace", env=environment())
     except OSError as error:
         raise errors.InputError(f"{command[0]}: cannot be run ({error.strerror})") from error
     said = [renamed(line, scratch) for line in ended.stderr.splitlines()]

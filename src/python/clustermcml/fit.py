@@ -142,7 +142,7 @@ def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
     if h5 is None:
         result = read_mco(told["files"][0])
         return {name: result[name].values for name in names if name in result.variables}
-    with h5py.File(h5, "r") as file:
+    with h5py.File(h5, "r", locking=False) as file:
         return {name: file[name][()] for name in names if name in file}
 
 

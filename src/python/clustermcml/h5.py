@@ -125,7 +125,7 @@ class _File:
 
 def _read(path: str, needed: str, what: str) -> xr.Dataset:
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(path, "r", locking=False) as file:
             return _File(file, os.path.getsize(path)).dataset(needed)
     except Exception as error:  # the libraries have many of their own for bytes that are not what they should be
         raise errors.unreadable(path, f"an .h5 file of {what}", error) from error

@@ -200,7 +200,7 @@ def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -
 
 @contextlib.contextmanager
 def exits_on_signals() -> Iterator[None]:
-    """Signals that stop the program would end this process at once, and leave the program flying: here they are an exit (143 of SIGTERM, as
+    """Signals that stop the program would end this process at once, before the program has: here they are an exit (143 of SIGTERM, as
     shells report it). Other threads than the main one cannot say so, and a handler of the caller's stays."""
     ours = [number for number in STOPS if signal.getsignal(number) is signal.SIG_DFL] if threading.current_thread() is threading.main_thread() else []
     for number in ours:
@@ -256,11 +256,16 @@ def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
             raise
 
 
+def environment() -> dict[str, str]:
+    """That of the program: it stops by itself when this process, or the thread that calls and waits, ends in whatever way."""
+    return {**os.environ, "CLUSTERMCML_PARENT": str(os.getpid())}
+
+
 def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
     """The program, whose standard error is `there`, the other end of `here`."""
     try:
         return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True, encoding="utf-8",
-                                errors="replace", start_new_session=True)
+                                errors="replace", start_new_session=True, env=environment())
     except OSError as error:
         os.close(here)
         raise errors.InputError(f"{words[0]}: cannot be run ({error.strerror})") from error
@@ -268,11 +273,19 @@ def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
         os.close(there)
 
 
+def _named(path: str) -> str:
+    """The name of a file that the program shows with bytes as \\xNN, where the name is no UTF-8 or has controls of terminals."""
+    if os.path.exists(path):
+        return path
+    return os.fsdecode(re.sub(rb"\\x([0-9a-f]{2})", lambda byte: bytes.fromhex(byte[1].decode()), os.fsencode(path)))
+
+
 def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0,
         notes: bool = True) -> list[dict[str, Any]]:
     """What the program says of every run, as --json does. options: words of its command line. scratch: a folder that will be gone,
     whose files are not named. rows: of a sweep, 0 of none. notes: those of the program are warnings."""
-    return [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
+    told = [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
+    return [{**run, "files": [_named(path) for path in run["files"]]} for run in told]
 
 
 def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int, notes: bool) -> list[str]:
@@ -329,7 +342,7 @@ def _finished(scene: str, folder: str, options: list[str], show: Optional[bool])
     said = "".join(_lines(scene, folder, options, show, "", 0, True))
     names = re.findall(r"^(\S.*): \S+ photons, .*, seed \d+$", said, re.MULTILINE)
     stands = len(names) == 1 and "\n  finished before" in said and not os.path.exists(os.path.join(folder, names[0] + ".checkpoint"))
-    return {"files": re.findall("^  -> (.*)$", said, re.MULTILINE)} if stands else None
+    return {"files": [_named(path) for path in re.findall("^  -> (.*)$", said, re.MULTILINE)]} if stands else None
 
 
 @shown

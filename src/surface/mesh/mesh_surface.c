@@ -412,8 +412,11 @@ const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface 
     return cml_grid_mesh_slots(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
 }
 
-/* One for all, kept to the end: Embree takes a pthread key for each, of which a process has 1024. */
+/* One for all, kept to the end: Embree takes a pthread key for each, of which a process has 1024.
+ * Embree builds in the calling thread alone: TBB aborts the process where the system refuses a thread.
+ * Embree's part of loading a mesh is a sixth. */
 static RTCDevice device;
+static const char only_the_caller[] = "threads=1,start_threads=0";
 
 static bool count_memory(void *context, ssize_t bytes, bool post)
 {
@@ -443,7 +446,7 @@ static void build_boxes(struct cml_mesh_surface *surface)
 
 static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
-    if (!device && !(device = rtcNewDevice(NULL)))
+    if (!device && !(device = rtcNewDevice(only_the_caller)))
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceMemoryMonitorFunction(device, count_memory, surface);
     build_boxes(surface);

@@ -252,6 +252,12 @@ struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l);
 /* Whether any body lies in layer l; the media above and below, 0 and L + 1, have none. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
 
+/* How many packets a run of so many photons saves at most: each photon is one packet. */
+static inline uint64_t cml_most_saved(const struct cml_scene *scene, uint64_t photons)
+{
+    return scene->saved.limit < photons ? scene->saved.limit : photons;
+}
+
 /* Leaves out what only some scenes ask for: map, volume, facets, time, directions, fluence, detectors,
  * photons. Of a copy, which is not to be cleared. */
 void cml_scene_ask_nothing(struct cml_scene *scene);

@@ -163,8 +163,9 @@ static void print_map(const struct cml_scene *scene)
     if (scene->directions.nt > 0)
         printf("  directions: %d angles, %d azimuths\n", scene->directions.nt, scene->directions.np);
     if (scene->saved.limit) {
-        const struct cml_saved_kind kind = {
-            .limit = scene->saved.limit, .media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies};
+        const struct cml_saved_kind kind = {.limit = cml_most_saved(scene, scene->photons),
+                                            .media =
+                                                (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies};
         printf("  photons: %s.photons.h5, at most %.0f row%s%s, %.3g MiB\n", scene->saved.name,
                (double)kind.limit, kind.limit == 1 ? "" : "s",
                scene->saved.detected ? " of what detectors see" : "", cml_saved_file_bytes(&kind) / 1048576);

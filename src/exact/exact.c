@@ -13,7 +13,7 @@
 
 static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362};
 
-enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2 };
+enum { NUM_ORDERS = sizeof orders / sizeof *orders, LEAST_ORDERS = 3, TERMS_PER_NODE = 2 };
 
 /* Products of matrices in power series and doublings are nearly all of it (layer_response.c). */
 static double work(const struct cml_medium_def *media, const struct cml_directions *directions)
@@ -138,12 +138,28 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
+/* Whether the orders without which there is no estimate are too much work, before any of it is done. */
+static cml_status look_ahead(struct search *search, struct cml_error *err)
+{
+    double sum = 0;
+    for (int k = 0; k < LEAST_ORDERS; k++) {
+        struct cml_directions directions;
+        CML_TRY(cml_directions_create(search->media, search->num_layers, is_diffuse(search->options->backing),
+                                      search->light, orders[k], &directions, err));
+        sum += work(search->media, &directions);
+        cml_directions_clear(&directions);
+    }
+    search->enough = sum > search->options->most_work;
+    return CML_OK;
+}
+
 static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
 {
-    for (int k = 0; k < NUM_ORDERS && !exact->converged; k++) {
+    CML_TRY(look_ahead(search, err));
+    for (int k = 0; !search->enough && k < NUM_ORDERS && !exact->converged; k++) {
         CML_TRY(raise_order(search, orders[k], err));
         if (search->enough) break;
-        if (k < 2) continue;
+        if (k < LEAST_ORDERS - 1) continue;
         estimate(search, exact);
         exact->order = orders[k];
         exact->converged = cml_exact_worst(exact) <= search->options->tolerance;

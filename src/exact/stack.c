@@ -10,14 +10,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Shares of more layers than this go into several blocks: so time and memory grow with the number of layers,
+ * not with its square. */
+#define BLOCK_LAYERS 64
+
+/* Some layers with the boundaries below them; the uppermost block has boundary 0, too. share: [passed +
+ * layers][n], by what comes down into the block in each of n directions: what leaves it downwards in each
+ * direction, of the lowest block what is transmitted in all, and what each layer absorbs. */
+struct block {
+    int first, layers; /* the uppermost layer; how many */
+    int passed, n;
+    double *share;
+};
+
 /* Everything below a level, seen from above it. `below`: [n + rows][n]: n rows of what comes back, then
- * shares. */
+ * shares of the uppermost block. */
 struct stack {
     struct cml_arrays arrays;
     int n, rows, most; /* directions here; shares; the most directions of any medium */
     double *below;
     double *other, *matrix; /* [most + rows][most] scratch */
     double *mirror;         /* [most] reflectances of a boundary */
+    double *light;          /* [2 most] what comes down */
+    int num_blocks;
+    struct block *block; /* [num_blocks] the lowest first */
+    double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] of the blocks */
 };
 
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
@@ -27,13 +44,19 @@ double cml_stack_fresnel(double n1, double c1, double n2, double c2)
     return (s * s + p * p) / 2;
 }
 
-static cml_status allocate(struct stack *stack, struct cml_error *err)
+static cml_status allocate(struct stack *stack, const struct cml_directions *directions,
+                           struct cml_error *err)
 {
-    const size_t most = (size_t)stack->most, size = most * (most + (size_t)stack->rows);
+    const size_t most = (size_t)directions->count, shares = most * (most + BLOCK_LAYERS),
+                 size = most * most + shares, blocks = (size_t)(directions->num_media - 2) / BLOCK_LAYERS + 1;
+    stack->most = directions->count;
     stack->below = cml_arrays_add(&stack->arrays, size, sizeof(double));
     stack->other = cml_arrays_add(&stack->arrays, size, sizeof(double));
     stack->matrix = cml_arrays_add(&stack->arrays, size, sizeof(double));
     stack->mirror = cml_arrays_add(&stack->arrays, most, sizeof(double));
+    stack->light = cml_arrays_add(&stack->arrays, 2 * most, sizeof(double));
+    stack->block = cml_arrays_add(&stack->arrays, blocks, sizeof *stack->block);
+    stack->share = cml_arrays_add(&stack->arrays, blocks * shares, sizeof(double));
     return cml_arrays_check(&stack->arrays, "layers", err);
 }
 
@@ -112,6 +135,31 @@ static void begin_backed(struct stack *stack, const struct cml_backing_def *back
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
 }
 
+/* Another block, of layers up to layer `last`. What comes down into those below leaves this one. */
+static void begin_block(struct stack *stack, int last)
+{
+    struct block *block = &stack->block[stack->num_blocks];
+    double *shares = stack->below + (size_t)stack->n * (size_t)stack->n;
+    const size_t size = (size_t)stack->most * ((size_t)stack->most + BLOCK_LAYERS);
+    *block = (struct block){.layers = last < BLOCK_LAYERS ? last : BLOCK_LAYERS,
+                            .passed = stack->num_blocks > 0 ? stack->n : 1,
+                            .share = stack->share + (size_t)stack->num_blocks * size};
+    block->first = last - block->layers + 1;
+    stack->rows = block->passed + block->layers;
+    if (stack->num_blocks++ == 0) return;
+    memset(shares, 0, (size_t)stack->rows * (size_t)stack->n * sizeof *shares);
+    for (int i = 0; i < stack->n; i++) shares[i * stack->n + i] = 1;
+}
+
+/* Keeps the shares of the block that is complete. */
+static void end_block(struct stack *stack)
+{
+    struct block *block = &stack->block[stack->num_blocks - 1];
+    block->n = stack->n;
+    memcpy(block->share, stack->below + (size_t)stack->n * (size_t)stack->n,
+           (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
+}
+
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_directions *directions, int terms, struct stack *stack,
                         struct cml_error *err)
@@ -121,38 +169,61 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
         begin_backed(stack, backing, directions, media[num_layers].n, directions->live[num_layers]);
     else
         begin(stack, directions->live[num_layers + 1]);
+    begin_block(stack, num_layers);
     for (int b = num_layers; b >= 0; b--) {
+        const struct block *block = &stack->block[stack->num_blocks - 1];
         struct cml_layer_response layer;
+        if (b > 0 && b < block->first) {
+            end_block(stack);
+            begin_block(stack, b);
+            block++;
+        }
         if (b < num_layers || !backing)
             add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
         if (b == 0) break;
         CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
-        add_layer(stack, directions, &layer, b);
+        add_layer(stack, directions, &layer, block->passed + b - block->first);
         cml_layer_response_clear(&layer);
     }
+    end_block(stack);
     return CML_OK;
 }
 
-/* The share of the incident light that a row of the stack takes. */
-static double share(const struct stack *stack, int row, const double *light)
+/* The share of light in n directions that a row of a matrix [][n] takes. */
+static double share(const double *matrix, int n, int row, const double *light)
 {
     double sum = 0;
-    for (int j = 0; j < stack->n; j++) sum += stack->below[row * stack->n + j] * light[j];
+    for (int j = 0; j < n; j++) sum += matrix[row * n + j] * light[j];
     return sum;
+}
+
+/* From block to block downwards: the shares of `light` that are transmitted, and that layer l absorbs,
+ * absorbed[(l - 1) step]. */
+static void share_out(const struct stack *stack, const double *light, int step, double *transmitted,
+                      double *absorbed)
+{
+    for (int k = stack->num_blocks - 1; k >= 0; k--) {
+        const struct block *block = &stack->block[k];
+        double *next = stack->light + (k % 2) * stack->most;
+        for (int i = 0; i < block->layers; i++)
+            absorbed[(block->first - 1 + i) * step] = share(block->share, block->n, block->passed + i, light);
+        for (int i = 0; i < block->passed; i++) next[i] = share(block->share, block->n, i, light);
+        light = next;
+    }
+    *transmitted = light[0];
 }
 
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                             const struct cml_directions *directions, int terms, double *reflected,
                             double *transmitted, double *absorbed, struct cml_error *err)
 {
-    struct stack stack = {.rows = directions->num_media - 1, .most = directions->count};
-    cml_status status = allocate(&stack, err);
+    struct stack stack = {.n = 0};
+    cml_status status = allocate(&stack, directions, err);
     if (status == CML_OK) status = build(media, backing, directions, terms, &stack, err);
     if (status == CML_OK) {
         *reflected = 0;
-        for (int i = 0; i < stack.n; i++) *reflected += share(&stack, i, directions->light);
-        *transmitted = share(&stack, stack.n, directions->light);
-        for (int l = 1; l < stack.rows; l++) absorbed[l - 1] = share(&stack, stack.n + l, directions->light);
+        for (int i = 0; i < stack.n; i++) *reflected += share(stack.below, stack.n, i, directions->light);
+        share_out(&stack, directions->light, 1, transmitted, absorbed);
     }
     cml_arrays_free(&stack.arrays);
     return status;
@@ -161,14 +232,18 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {
-    struct stack stack = {.rows = directions->num_media - 1, .most = directions->count};
-    cml_status status = allocate(&stack, err);
+    struct stack stack = {.n = 0};
+    CML_FREED double *light = calloc((size_t)directions->count, sizeof *light);
+    cml_status status =
+        light ? allocate(&stack, directions, err) : cml_fail_memory(err, 8.0 * directions->count, "layers");
     if (status == CML_OK) status = build(media, NULL, directions, terms, &stack, err);
-    for (int j = 0, at = 0; status == CML_OK && j < stack.n; j++)
-        for (int row = 0; directions->etendue[j] == 0 && row < stack.rows; row++) {
-            response[row * count + at] = stack.below[(stack.n + row) * stack.n + j];
-            at += row == stack.rows - 1;
-        }
+    for (int j = 0, at = 0; status == CML_OK && j < stack.n; j++) {
+        if (directions->etendue[j] != 0) continue;
+        light[j] = 1;
+        share_out(&stack, light, count, response + at, response + count + at);
+        at++;
+        light[j] = 0;
+    }
     cml_arrays_free(&stack.arrays);
     return status;
 }

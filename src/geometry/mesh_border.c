@@ -106,8 +106,7 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     return status;
 }
 
-/* What the tolerance of the border's depth is relative to. */
-static double largest_extent(const struct cml_mesh *mesh)
+double cml_mesh_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
     for (int k = 0; k < 3; k++) extent = fmax(extent, mesh->upper[k] - mesh->lower[k]);
@@ -144,7 +143,7 @@ static struct depths measure_border(const struct cml_mesh *mesh)
 static cml_status level_border(struct cml_mesh_work *work, struct depths depths, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    if (depths.span > err_level * largest_extent(mesh)) work->notes.levelled = depths.span;
+    if (depths.span > err_level * cml_mesh_extent(mesh)) work->notes.levelled = depths.span;
     mesh->z_border = depths.mean;
     for (size_t i = 0; i < mesh->num_border; i++) mesh->vertex[mesh->border[i]][2] = mesh->z_border;
     /* Only a mesh with faces smaller than that tolerance can lose one by it. */
@@ -166,7 +165,7 @@ static char level_axis(const struct cml_mesh *mesh)
             low = fmin(low, mesh->vertex[mesh->border[i]][axis]);
             high = fmax(high, mesh->vertex[mesh->border[i]][axis]);
         }
-        if (high - low <= nearly_level * largest_extent(mesh)) return (char)('x' + axis);
+        if (high - low <= nearly_level * cml_mesh_extent(mesh)) return (char)('x' + axis);
     }
     return 0;
 }
@@ -242,7 +241,7 @@ static void flip_sheet(struct cml_mesh_work *work)
 static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leaving, struct cml_error *err)
 {
     const struct depths depths = measure_border(work->mesh);
-    if (depths.span <= nearly_level * largest_extent(work->mesh)) {
+    if (depths.span <= nearly_level * cml_mesh_extent(work->mesh)) {
         CML_TRY(level_border(work, depths, err));
     } else {
         if (work->mesh->skirt <= 0) return refuse_slope(work, leaving, depths, err);

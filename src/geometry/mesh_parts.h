@@ -46,6 +46,14 @@ CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, stru
  * date. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
+/* Adds to the refusal in *err how many corners of edges with one face nearly meet others, and how far apart
+ * these are; nothing where none do. num_triangles: as many as cml_mesh_pair_edges has seen. */
+void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles,
+                                struct cml_error *err);
+
+/* The largest side of the mesh's box, cm. */
+double cml_mesh_extent(const struct cml_mesh *mesh);
+
 /* mesh->vertex_normal from triangles and border. */
 CML_NODISCARD cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err);
 

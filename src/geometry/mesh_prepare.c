@@ -17,6 +17,14 @@ static void find_box(struct cml_mesh *mesh)
     }
 }
 
+/* The steps that ask for faces which hang together. */
+static cml_status join_faces(struct cml_mesh_work *work, struct cml_error *err)
+{
+    CML_TRY(cml_mesh_orient(work, err));
+    CML_TRY(cml_mesh_check_fans(work, err));
+    return work->mesh->closed ? cml_mesh_turn_outwards(work, err) : cml_mesh_find_border(work, err);
+}
+
 /* The order matters: each step relies on what those before it have refused (mesh_parts.h). */
 static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
 {
@@ -24,9 +32,10 @@ static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *er
     CML_TRY(cml_mesh_clean(work, err));
     find_box(mesh);
     CML_TRY(cml_mesh_pair_edges(work, err));
-    CML_TRY(cml_mesh_orient(work, err));
-    CML_TRY(cml_mesh_check_fans(work, err));
-    CML_TRY(mesh->closed ? cml_mesh_turn_outwards(work, err) : cml_mesh_find_border(work, err));
+    const size_t num_triangles = mesh->num_triangles;
+    const cml_status status = join_faces(work, err);
+    if (status != CML_OK) cml_mesh_tell_near_corners(work, num_triangles, err);
+    CML_TRY(status);
     find_box(mesh); /* the border has moved onto its plane */
     return cml_mesh_find_normals(mesh, err);
 }

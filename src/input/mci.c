@@ -363,8 +363,20 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
     return fail_misplaced(reader, kind, "the end of the run");
 }
 
-/* Original MCML does not look at the version: any number will do. MCML 2 describes media, sources and grids
- * in another way. */
+/* Input of MCML 2 and 3 begins with mcmli2.0 or mcmli3.0, and describes media, sources and grids in another
+ * way. */
+static cml_status refuse_version(const struct cml_mci_reader *reader, const char *version)
+{
+    static const char later[] = "mcmli";
+    const size_t size = strlen(later);
+    char expected[100] = "a number: 1.0";
+    if (strncmp(version, later, size) == 0 && version[size] >= '2' && version[size] <= '9')
+        snprintf(expected, sizeof expected,
+                 "1.0, the format of MCML 1; this is input of MCML %c, which is not read", version[size]);
+    return cml_mci_fail(reader, "file version", version, expected);
+}
+
+/* Original MCML does not look at the version: any number will do. */
 static cml_status read_version(struct cml_mci_reader *reader)
 {
     double number;
@@ -378,10 +390,7 @@ static cml_status read_version(struct cml_mci_reader *reader)
     if (cml_file_ends_in(reader->text.path, ".obj"))
         return cml_mci_fail(reader, "file version", version,
                             "1.0; this is a mesh, which an m line of a scene names");
-    return cml_mci_fail(reader, "file version", version,
-                        strncmp(version, "mcmli2", strlen("mcmli2")) == 0
-                            ? "1.0, the format of MCML 1; this is input of MCML 2, which is not read"
-                            : "a number: 1.0");
+    return refuse_version(reader, version);
 }
 
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)

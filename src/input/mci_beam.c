@@ -203,10 +203,12 @@ static cml_status read_beam_shape(const struct cml_mci_line_options *options, st
     if (!shape)
         return cml_mci_fail_option(
             options, "shape", word,
-            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H or image \"FILE.gsf\"");
+            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\"");
     beam->shape = shape->shape;
     for (int i = 0; i < shape->numbers; i++) {
         word = cml_text_word(&options->reader->cursor);
+        beam->of_tile = beam->shape == CML_BEAM_RECTANGLE && i == 0 && word && strcmp(word, "tile") == 0;
+        if (beam->of_tile) break;
         if (!word || !cml_mci_parse(&shape->field[i], word, &beam->size[i]))
             return cml_mci_fail_option(options, shape->field[i].name, word, shape->field[i].expected);
     }
@@ -337,8 +339,8 @@ struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const 
                    {true, {&beam->azimuth, &azimuth, degree}},
                    {beam->light.kind == CML_LIGHT_OF_NA, {&beam->light.na, &aperture, 1}},
                    {scene->num_beams > 1, {&scene->shares[k], &share, 1}},
-                   {shape->numbers > 0, {&beam->size[0], &shape->field[0], 1}},
-                   {shape->numbers > 1, {&beam->size[1], &shape->field[1], 1}}};
+                   {shape->numbers > 0 && !beam->of_tile, {&beam->size[0], &shape->field[0], 1}},
+                   {shape->numbers > 1 && !beam->of_tile, {&beam->size[1], &shape->field[1], 1}}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (numbers[i].there && strcmp(numbers[i].number.field->name, member) == 0) return numbers[i].number;
     return (struct cml_mci_number){0};
@@ -376,6 +378,51 @@ static cml_status check_light(const struct cml_mci_reader *reader, const struct 
                          : "less than 90 degrees together: light from above all surfaces goes down; or z=");
 }
 
+/* The period of all tiles, cm. */
+static cml_status find_period(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
+                              const double **period)
+{
+    char value[160];
+    int first = -1;
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const double *own = scene->boundaries[b].period;
+        if (own[0] == 0) continue;
+        if (first < 0) {
+            first = b;
+            *period = own;
+        }
+        if (fabs(own[0] / (*period)[0] - 1) < 1e-9 && fabs(own[1] / (*period)[1] - 1) < 1e-9) continue;
+        snprintf(value, sizeof value, "tile, with %g x %g cm at boundary %d, %g x %g cm at boundary %d",
+                 (*period)[0], (*period)[1], first, own[0], own[1], b);
+        return fail_beam(reader, scene, k, "beam: rectangle", value, "tiles of one period, or W H");
+    }
+    if (first >= 0) return CML_OK;
+    return fail_beam(reader, scene, k, "beam: rectangle", "tile",
+                     "a boundary with `tile` in its line, or W H");
+}
+
+/* Seen along the axis a period is 1 / cos(angle) times as short. Directions other than the axis would light
+ * another area, and so would packets that start at different depths. */
+static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+{
+    struct cml_beam *beam = &scene->beams[k];
+    const double *period = NULL;
+    char value[40];
+    int axis[2];
+    CML_TRY(find_period(reader, scene, k, &period));
+    snprintf(value, sizeof value, "%g", beam->azimuth / degree);
+    if (!cml_beam_axes(beam, axis))
+        return fail_beam(reader, scene, k, "beam: azimuth", value,
+                         "a multiple of 90 degrees beside rectangle tile, whose sides lie along x and y");
+    snprintf(value, sizeof value, "%g", beam->angle / degree);
+    if (beam->angle != 0 && (beam->inside || beam->light.kind != CML_LIGHT_OF_PARALLEL))
+        return fail_beam(reader, scene, k, "beam: angle", value,
+                         "0 beside rectangle tile with z= or light=: other light is not even over a period");
+    beam->size[0] = period[axis[0]] * cos(beam->angle);
+    beam->size[1] = period[axis[1]];
+    return CML_OK;
+}
+
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -390,8 +437,11 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
     return beam->inside ? CML_OK : check_light(reader, scene, k);
 }
 
-cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    for (int k = 0; k < scene->num_beams; k++) CML_TRY(check_beam(reader, scene, k));
+    for (int k = 0; k < scene->num_beams; k++) {
+        if (scene->beams[k].of_tile) CML_TRY(fit_to_tile(reader, scene, k));
+        CML_TRY(check_beam(reader, scene, k));
+    }
     return CML_OK;
 }

@@ -15,6 +15,6 @@ CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_
  */
 struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const char *member);
 
-/* After all numbers are there: checks what lines and media have to do with each other. CML_E_INPUT. */
-CML_NODISCARD cml_status cml_mci_check_beams(const struct cml_mci_reader *reader,
-                                             const struct cml_scene *scene);
+/* After all numbers are there: gives rectangles of tiles their size, and checks what lines and media have to
+ * do with each other. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene);

@@ -322,6 +322,8 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
     boundary->scale = boundary->height = 1;
     CML_TRY(cml_share_begin(&boundary->users, reader->err));
     CML_TRY(read_boundary(reader, kind, index, boundary));
+    for (int axis = 0; boundary->form == CML_FORM_TILE && axis < 2; axis++)
+        boundary->period[axis] = cml_tile_period(&boundary->tile, axis);
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
 }

@@ -140,8 +140,9 @@ static void write_beams(FILE *out, const struct cml_scene *scene)
         const struct cml_beam *beam = &scene->beams[k];
         fputs(", beam", out);
         if (scene->num_beams > 1) fprintf(out, "%d", k + 1);
-        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "", of_shape[beam->shape],
-                beam->light.kind == CML_LIGHT_OF_NA ? " .na" : "", scene->num_beams > 1 ? " .share" : "");
+        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "",
+                beam->of_tile ? "" : of_shape[beam->shape], beam->light.kind == CML_LIGHT_OF_NA ? " .na" : "",
+                scene->num_beams > 1 ? " .share" : "");
     }
 }
 

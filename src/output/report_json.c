@@ -385,7 +385,7 @@ static json_t *detector_json(const struct subject *subject, int k)
 static json_t *saved_json(const struct cml_scene *scene)
 {
     const struct cml_saved_def *saved = &scene->saved;
-    const struct cml_saved_kind kind = {.limit = saved->limit,
+    const struct cml_saved_kind kind = {.limit = cml_most_saved(scene, scene->photons),
                                         .media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies};
     return json_pack("{s:o, s:I, s:b, s:I}", "name", cml_json_name(saved->name), "limit",
                      (json_int_t)saved->limit, "detected", saved->detected, "bytes",

@@ -508,7 +508,8 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
 /* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
-    const struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
+    struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
+    if (!(setup->target_error > 0)) grid.saved.limit = cml_most_saved(setup->scene, setup->photons);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
     pthread_mutex_init(&flight.hand.lock, NULL);

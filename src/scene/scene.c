@@ -194,6 +194,14 @@ double cml_beam_height(const struct cml_beam *beam)
     return reach[beam->shape] * fabs(sin(beam->angle));
 }
 
+bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
+{
+    const double quarters = beam->azimuth / (CML_PI / 2), whole = round(quarters);
+    axis[0] = fmod(whole, 2) != 0;
+    axis[1] = 1 - axis[0];
+    return fabs(quarters - whole) < 1e-9;
+}
+
 struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
 {
     return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};

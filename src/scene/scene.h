@@ -59,6 +59,7 @@ struct cml_boundary {
     struct cml_heightmap tile;            /* CML_FORM_TILE: one period; heights count up from z */
     enum cml_normals tile_normals;
     struct cml_tile_notes tile_notes;
+    double period[2]; /* of a tile, cm along x and y, also once it has become a plane; 0: it was none */
     double scale,
         height; /* factors that the shape was read with, on all coordinates and on heights besides */
     char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
@@ -121,6 +122,7 @@ struct cml_beam {
     int columns, rows; /* of an image */
     double *pixel;     /* [rows][columns] >= 0, not all 0; the first row at the largest own y */
     int *users;        /* beams that share pixels and the table of their light */
+    bool of_tile;      /* a rectangle whose size is one period of the tiles, as seen from above */
     bool radial;       /* results count r from x, y instead of from the z axis */
     bool given;        /* a `beam` line stands in the file */
     int line;          /* of the .mci */
@@ -243,6 +245,10 @@ bool cml_scene_starts_inside(const struct cml_scene *scene);
  * five of its radii. */
 double cml_beam_height(const struct cml_beam *beam);
 
+/* The axes of the scene, 0 for x and 1 for y, along which the own x and y of a beam run seen from above.
+ * False when the azimuth is no multiple of 90 degrees. */
+bool cml_beam_axes(const struct cml_beam *beam, int axis[2]);
+
 /* The bodies of layer l, at whatever depth of nesting: those from number `first` to before `end`. */
 struct cml_body_range {
     int first, end;
@@ -251,6 +257,12 @@ struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l);
 
 /* Whether any body lies in layer l; the media above and below, 0 and L + 1, have none. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
+
+/* How many packets a run of so many photons saves at most: each photon is one packet. */
+static inline uint64_t cml_most_saved(const struct cml_scene *scene, uint64_t photons)
+{
+    return scene->saved.limit < photons ? scene->saved.limit : photons;
+}
 
 /* Leaves out what only some scenes ask for: map, volume, facets, time, directions, fluence, detectors,
  * photons. Of a copy, which is not to be cleared. */

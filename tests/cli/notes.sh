@@ -163,7 +163,7 @@ no_pencil check "$work/scene.mci" --boundaries plane
 scene n.mco 'm "roof.obj" units=cm' 'beam pencil at=0.25,0.05 angle=45 azimuth=180'
 pencil 10 0 0.05 check "$work/scene.mci"
 scene n.mco 'm "roof.asc" units=cm tile' 'beam pencil at=0.8,0.02'
-wide="one period, beam rectangle 0.4 0.2" pencil 10 0 0.075 check "$work/scene.mci"
+wide="one period, beam rectangle tile" pencil 10 0 0.075 check "$work/scene.mci"
 scene n.mco 'm "roof.asc" units=cm tile' 'beam disk 0.1'
 no_pencil check "$work/scene.mci"
 scene n.mco 'b 2 0.1 0.1 0 0.1' 'beam pencil at=0.1,0.05'

@@ -113,4 +113,50 @@ expect_code 0 check "$work/seam.mci"
 test ! -s "$work/err" || complain "tile=as-is: $(cat "$work/err")"
 grep -q 'largest step across the seam 0.4 cm along x' "$work/out" || complain "tile=as-is: $(cat "$work/out")"
 
+# A rectangle of the tile is as large as the period is at its angle, which may be set; one that lights no whole periods is noted.
+lit() { # BEAM LINE [LAYER AND LINE]: a scene with that light and that boundary
+    printf '1.0\n1\nlit.mco A\n1000\n0.01 0.01\n20 20 5\nbeam %s\n%s\n1\n%s\n1.4 1 50 0.8 0.3\n1\n' "$1" "$(test $# -eq 2 && echo 1 || echo 2)" \
+        "$2${3:+
+$3}" >"$work/lit.mci"
+}
+tile='m "lit.asc" units=cm tile'
+lights() { # SIZE BEAM ARGUMENTS...: what check says of it, without a note
+    size=$1
+    lit "$2" "$tile"
+    shift 2
+    expect_code 0 check "$work/lit.mci" "$@"
+    grep -q "^  beam rectangle of $size cm at " "$work/out" && test ! -s "$work/err" || complain "$size: $(grep beam "$work/out") $(cat "$work/err")"
+}
+printf 'ncols 4 nrows 2 cellsize 0.1\n0 0.05 0.1 0.05\n0 0.05 0.1 0.05\n' >"$work/lit.asc"
+lights '0.4 x 0.2' 'rectangle tile'
+lights '0.2 x 0.2' 'rectangle tile angle=60 azimuth=180'
+lights '0.1 x 0.4' 'rectangle tile angle=60 azimuth=-90 at=1,2'
+lights '0.4 x 0.4' 'rectangle tile' --set beam.angle=60 --set boundary0.scale=2
+lights '0.2 x 0.2' 'rectangle tile angle=60' --ignore-heightfields
+lights '0.4 x 0.2' 'rectangle tile light=lambertian'
+lights '0.8 x 0.2' 'rectangle 0.8 0.2'
+lit 'rectangle 0.4 0.2 angle=45' "$tile"
+expect_code 0 check "$work/lit.mci"
+test "$(cat "$work/err")" = "clustermcml: note: $work/lit.mci:7: beam 1 lights 1.414 x 1 periods of the tile of boundary 0, not evenly (for whole \
+periods at any angle: beam rectangle tile)" || complain "1.4 periods: $(cat "$work/err")"
+lit 'rectangle 0.4 0.2 azimuth=30' "$tile"
+expect_code 0 check "$work/lit.mci"
+grep -q 'a rectangle at azimuth 30 degrees, lights the tile of boundary 0 unevenly' "$work/err" || complain "aslant: $(cat "$work/err")"
+
+refused() { # VALUE (EXPECTED), then as lit
+    message=$1
+    shift
+    lit "$@"
+    expect_error 2 "$work/lit.mci:7: beam: $message" check "$work/lit.mci"
+}
+refused 'azimuth = 30 (expected a multiple of 90 degrees beside rectangle tile, whose sides lie along x and y)' 'rectangle tile azimuth=30' "$tile"
+refused 'angle = 45 (expected 0 beside rectangle tile with z= or light=: other light is not even over a period)' \
+    'rectangle tile angle=45 light=na:0.1' "$tile"
+refused 'rectangle = tile (expected a boundary with `tile` in its line, or W H)' 'rectangle tile' '# a plane'
+refused 'rectangle = tile, with 0.4 x 0.2 cm at boundary 0, 0.2 x 0.1 cm at boundary 1 (expected tiles of one period, or W H)' \
+    'rectangle tile' "$tile" '1.4 1 50 0.8 0.3
+m "lit.asc" units=cm tile scale=0.5'
+lit 'rectangle tile' "$tile"
+expect_code 2 check "$work/lit.mci" --set beam.w=0.5
+
 exit "$failures"

@@ -164,6 +164,23 @@ def check_refusal(verdict):
         verdict.check("refusal", done.returncode == 2 and "2.3e+09, 51.5 GiB" in done.stderr, done.stderr)
 
 
+def check_saved(verdict):
+    """Few photons need little memory however large limit= is; --more counts those flown before, too."""
+    text = cml.mci(["1.4 1 10 0.8 1"], photons=100, extra=['photons "out" limit=1000000000'])
+    with tempfile.TemporaryDirectory() as keep:
+        done, _ = run(text, keep, "check")
+        most = printed(verdict, "saved", done)
+        verdict.check("saved", most < 100 and "at most 100 rows" in done.stdout, done.stdout)
+        done, peak = run(text, keep, more=["--keep"])
+        verdict.check("saved", done.returncode == 0 and peak <= printed(verdict, "saved", done) < 100, done.stderr)
+        for photons in (200, 300):
+            done, peak = run(text, keep, more=["--more", "100"])
+            verdict.check("saved, more", done.returncode == 0 and peak <= printed(verdict, "saved, more", done) < 100, done.stderr)
+            with h5py.File(os.path.join(keep, "out.photons.h5")) as file:
+                rows, covers = len(file["index"]), file.attrs["covers"]
+            verdict.check("saved, more", covers == photons and 0.2 * photons < rows <= photons, f"{rows} rows, {covers} covered")
+
+
 def main():
     verdict = cml.Verdict("memory")
     check(verdict, "volume", "map 200 200 0.02 0.02 volume", 200, 150, "A_xyz", (200, 200, 200))
@@ -171,6 +188,7 @@ def main():
     check_scenes(verdict)
     check_rows(verdict)
     check_refusal(verdict)
+    check_saved(verdict)
     verdict.finish()
 
 

@@ -1,8 +1,11 @@
-"""A tile of straight waves along x against one along y: the same scene, turned by 90 degrees.
+"""A tile of straight waves along x against one along y: the same scene, turned by 90 degrees. And half-flat grooves in slanted light.
 
 Light at normal incidence, so that the beam turns with it. N = 4e5 each, totals Rsp, Rd, A and Tt, other random numbers;
 level 1e-4 over the four differences. With the periods of x and y exchanged in one place, or the slopes of one axis taken
-twice, they differ: a wave of twice the height is told apart, too, as the last line shows."""
+twice, they differ: a wave of twice the height is told apart, too, as the last line shows.
+
+In slanted light Rsp of `beam rectangle tile` is the same wherever the beam stands, along x and along y: N = 4e5 at each of four places,
+level 1e-4 over six differences from the first. A rectangle as wide as the period is 1.41 periods long at 45 degrees, and is told apart."""
 import math
 import os
 import sys
@@ -25,6 +28,37 @@ def write_waves(path, height, along_x):
     return f'm "{path}" units=cm tile'
 
 
+def write_grooves(path, along_x):
+    """Half of the period is flat, half a groove of slopes up to 1."""
+    heights = [-0.25 * SPACING * CELLS / math.pi * max(0, math.sin(2 * math.pi * i / CELLS)) for i in range(CELLS)]
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"ncols {CELLS if along_x else 8}\nnrows {8 if along_x else CELLS}\ncellsize {SPACING!r}\n")
+        for j in range(8 if along_x else CELLS):
+            file.write(" ".join(map(repr, heights if along_x else [heights[j]] * 8)) + "\n")
+    return f'm "{path}" units=cm tile'
+
+
+def check_slanted(verdict, folder):
+    """A medium that absorbs all that enters it: Rsp is what the surface reflects."""
+    period, short = CELLS * SPACING, 8 * SPACING
+    for axis, azimuth in (("x", 0), ("y", 270)):
+        line = write_grooves(os.path.join(folder, "grooves" + axis + ".asc"), axis == "x")
+
+        def places(shape, line=line, axis=axis, azimuth=azimuth):
+            beams = [f"beam {shape} angle=45 azimuth={azimuth} at={f'{at},0' if axis == 'x' else f'0,{at}'}"
+                     for at in (0, 0.2 * period, 0.4 * period, 0.7 * period)]
+            return [cml.run(cml.mci(["1.4 1e4 0 0 0.5"], photons=PHOTONS, surfaces={0: line}, extra=[beam]), "--seed", seed)[0]
+                    for seed, beam in enumerate(beams, 1)]
+
+        even = places("rectangle tile")
+        for other in even[1:]:
+            verdict.z("slanted, grooves along " + axis, other["Rsp"], other["Rsp_se"], even[0]["Rsp"], even[0]["Rsp_se"])
+        uneven = places(f"rectangle {period} {short}")
+        most = max(abs(a["Rsp"] - b["Rsp"]) / math.hypot(a["Rsp_se"], b["Rsp_se"]) for a in uneven for b in uneven)
+        print(axis, [r["Rsp"] for r in even], [r["Rsp"] for r in uneven])
+        verdict.check("a rectangle that is no period is seen", most > 6, f"{most:.1f} errors")
+
+
 def main():
     verdict = cml.Verdict("tiles")
     with tempfile.TemporaryDirectory() as folder:
@@ -34,6 +68,7 @@ def main():
             text = cml.mci(["1.4 0.5 20 0.8 0.5"], photons=PHOTONS, surfaces={0: line}, extra=["beam disk 0.05"])
             records.append(cml.run(text, "--seed", seed)[0])
             cml.check_balance(verdict, name, records[-1])
+        check_slanted(verdict, folder)
     x, y, high = records
     for key in ("Rsp", "Rd", "A", "Tt"):
         verdict.z(key, x[key], x[key + "_se"], y[key], y[key + "_se"])

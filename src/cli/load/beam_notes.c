@@ -79,16 +79,47 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
     struct cml_mesh_crossing at;
     if (!cml_mesh_surface_hit(def->mesh, p, u, 0, 4 * room / u[2], -1, 0, 1, 0, &at)) return;
     if (at.primitive == CML_OUTER_PLANE) return;
-    char advice[64] = "whole periods, beam rectangle W H";
-    const struct cml_heightmap *tile = &scene->boundaries[b].tile;
-    if (scene->boundaries[b].form == CML_FORM_TILE && beam->azimuth == 0)
-        snprintf(advice, sizeof advice, "one period, beam rectangle %.6g %.6g",
-                 cml_tile_period(tile, 0) * u[2], cml_tile_period(tile, 1));
+    const bool tile = scene->boundaries[b].form == CML_FORM_TILE;
+    const char *advice = tile ? "one period, beam rectangle tile" : "whole periods, beam rectangle W H";
     note(scene, b,
          "a pencil meets boundary %d at one point: height %.3g cm, slope %.3g (for what the whole surface "
          "does: a beam over %s)",
          b, scene->boundaries[b].z - def->depth - at.point[2],
          hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]), advice);
+}
+
+/* How many periods of a tile the rectangle of a beam lights along its own x and y: on a level plane it is
+ * 1 / cos(angle) times as long. Each is whole, or part of the tile has more light than the rest. */
+static void note_periods(const struct cml_scene *scene, int k, int b)
+{
+    const struct cml_beam *beam = &scene->beams[k];
+    const double *period = scene->boundaries[b].period, to = 180 / CML_PI;
+    int axis[2];
+    const bool along = cml_beam_axes(beam, axis);
+    const double lit[2] = {beam->size[0] / cos(beam->angle) / period[axis[0]],
+                           beam->size[1] / period[axis[1]]};
+    bool even = along;
+    for (int i = 0; i < 2; i++) even = even && round(lit[i]) >= 1 && fabs(lit[i] / round(lit[i]) - 1) < 1e-6;
+    if (even) return;
+    if (along)
+        note_line(scene, beam->line,
+                  "beam %d lights %.4g x %.4g periods of the tile of boundary %d, not evenly (for whole "
+                  "periods at any angle: beam rectangle tile)",
+                  k + 1, lit[0], lit[1], b);
+    else
+        note_line(scene, beam->line,
+                  "beam %d, a rectangle at azimuth %g degrees, lights the tile of boundary %d unevenly (for "
+                  "whole periods: an azimuth of 0 or 90, and beam rectangle tile)",
+                  k + 1, beam->azimuth * to, b);
+}
+
+/* Rectangles from above that were meant to light a tile evenly. */
+static void note_rectangles(const struct cml_scene *scene)
+{
+    int b = 0;
+    while (b <= scene->num_layers && scene->boundaries[b].form != CML_FORM_TILE) b++;
+    for (int k = 0; b <= scene->num_layers && k < scene->num_beams; k++)
+        if (scene->beams[k].shape == CML_BEAM_RECTANGLE && !scene->beams[k].inside) note_periods(scene, k, b);
 }
 
 /* Whether light about the axis has rays between the angles t and pi - t to the vertical, on either side. */
@@ -147,6 +178,7 @@ cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) CML_TRY(note_reach(scene, b, err));
     note_pencil(scene, surfaces);
+    note_rectangles(scene);
     CML_TRY(cml_source_media(scene, surfaces, &medium, err));
     for (int k = 0; k < scene->num_beams; k++) {
         if (!scene->beams[k].inside) continue;

@@ -244,12 +244,20 @@ static void find_held(double *now, double *most)
     if (file) fclose(file);
 }
 
+/* How many photons fly at most; of a run that --more extends those flown before are not known here. */
+static uint64_t most_photons(const struct cml_options *options, const struct cml_scene *scene)
+{
+    if (options->target_error > 0) return UINT64_MAX;
+    return (options->photons ? options->photons : scene->photons) + options->more;
+}
+
 /* What reading took for a while is given back before the flight, and what the engine took before results are
  * written. */
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
 {
-    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
+    struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
+    grid.saved.limit = cml_most_saved(scene, most_photons(options, scene));
     const int asked = options->engine_options.threads;
     const int threads = asked > 0 ? asked : options->engine->threads(NULL);
     const double ranks = cml_cluster_local_size(),

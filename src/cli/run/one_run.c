@@ -71,6 +71,15 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
     return status == CML_OK ? cml_run_verdict(report->scene, report->sums, err) : status;
 }
 
+/* The same options for a run of as many photons as this one has: with --more those flown before, too. */
+static struct cml_options all_photons(const struct cml_options *options, const struct cml_run_setup *setup)
+{
+    struct cml_options all = *options;
+    all.photons = setup->photons;
+    all.more = 0;
+    return all;
+}
+
 /* Before the run, so that a wrong input shows in its first second and not after hours. */
 static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
 {
@@ -86,7 +95,8 @@ static void announce(const struct cml_options *options, const struct cml_run_set
         printf("  no .h5 file: this program was built without HDF5\n");
     if (scene->saved.limit && !cml_hdf5_available())
         printf("  no file of saved photons: this program was built without HDF5\n");
-    cml_print_memory(options, scene, setup->surfaces);
+    const struct cml_options all = all_photons(options, setup);
+    cml_print_memory(&all, scene, setup->surfaces);
     fflush(stdout);
 }
 
@@ -405,8 +415,9 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     struct cml_options options = *call->options;
     struct cml_run_setup *setup = &run->setup;
     options.surface.shared = call->shared;
+    const struct cml_options all = all_photons(&options, setup);
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
-    CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
+    CML_TRY(cml_check_memory(&all, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
     CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
     cml_aim_use(&run->aim, &setup->options);

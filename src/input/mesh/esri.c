@@ -73,12 +73,17 @@ static cml_status read_keyword(struct grid *g, const char *name)
     return number ? check_value(g, key, word) : fail(g, keywords[key], word, "a number");
 }
 
-/* *height becomes the first word that is none of the header's; NULL at the end of the file. */
+/* *height becomes the first word that is none of the header's; NULL at the end of the file. Some programs
+ * write comments above the header or in it: from a # to the end of the line. */
 static cml_status read_header(struct grid *g, char **height)
 {
     g->value[NODATA] = -9999;
     for (;;) {
         *height = next_word(g);
+        if (*height && **height == '#') {
+            g->cursor = NULL;
+            continue;
+        }
         if (!*height || !isalpha((unsigned char)**height) || strcasecmp(*height, "nan") == 0) return CML_OK;
         CML_TRY(read_keyword(g, *height));
     }
@@ -110,19 +115,30 @@ static cml_status check_size(const struct grid *g)
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 
-/* A height that equals NODATA_value exactly is missing: the same program wrote both. */
+/* Whether a height stands for a missing one. Some programs round NODATA_value and heights to different
+ * numbers of digits: six of them, as printf's %g writes, must agree. */
+static bool is_missing(const struct grid *g, double height)
+{
+    const double rounding = 5e-6, nodata = g->value[NODATA];
+    return fabs(height - nodata) <= rounding * fabs(nodata) || isnan(height);
+}
+
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;
     char name[64];
     for (size_t i = 0; i < cells; i++, word = next_word(g)) {
         double height = 0;
-        if (!word || !parse_height(word, &height)) {
+        const bool number = word && parse_height(word, &height), missing = number && is_missing(g, height);
+        if (!number || (!missing && fabs(height * unit) > CML_HIGHEST_SAMPLE)) {
             snprintf(name, sizeof name, "height in row %zu, column %zu", i / (size_t)map->nx + 1,
                      i % (size_t)map->nx + 1);
-            return fail(g, name, word, word ? "a number" : "ncols x nrows numbers, the file ends before");
+            return fail(g, name, word,
+                        !word     ? "ncols x nrows numbers, the file ends before"
+                        : !number ? "a number"
+                                  : "-1e30..1e30 cm, or NODATA_value");
         }
-        map->h[i] = height == g->value[NODATA] ? NAN : height * unit;
+        map->h[i] = missing ? NAN : height * unit;
     }
     return word ? fail(g, "word behind the last height", word, "the end of the file") : CML_OK;
 }

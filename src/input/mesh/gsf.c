@@ -1,6 +1,7 @@
 /* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
 #include "input/mesh/gsf.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char magic[] = "Gwyddion Simple Field 1.0\n";
@@ -149,28 +150,70 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     text->path, found, values_of(f), *begin, expected, f->xres, f->yres);
 }
 
-/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. */
-static double float_at(const char *data)
+/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. reversed:
+ * as if the byte with the highest digits came first. */
+static double float_at(const char *data, bool reversed)
 {
     const unsigned char *byte = (const unsigned char *)data;
     uint32_t word = 0;
-    for (int i = 3; i >= 0; i--) word = word << 8 | byte[i];
+    for (int i = 3; i >= 0; i--) word = word << 8 | byte[reversed ? 3 - i : i];
     float value = 0;
     memcpy(&value, &word, sizeof value);
     return (double)value;
 }
 
+/* Whether no length in any unit is so large or so small. */
+static bool is_absurd(double value)
+{
+    return fabs(value) > 1e30 || (value != 0 && fabs(value) < 1e-30);
+}
+
+/* Floats with their bytes reversed lie anywhere between 1e-45 and 1e38. Some of them are absurd, and none is
+ * so once its bytes are put right. */
+static cml_status check_order(const struct field *f, const char *data, size_t count)
+{
+    size_t first = count;
+    char name[64], value[80];
+    for (size_t i = 0; i < count; i++) {
+        if (is_absurd(float_at(data + 4 * i, true))) return CML_OK;
+        if (first == count && is_absurd(float_at(data + 4 * i, false))) first = i;
+    }
+    if (first == count) return CML_OK;
+    const char *at = data + 4 * first;
+    snprintf(name, sizeof name, "row %zu, column %zu", first / (size_t)f->xres + 1,
+             first % (size_t)f->xres + 1);
+    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed", float_at(at, false),
+             float_at(at, true));
+    return cml_fail_field(f->err, f->text.path, 0, name, value,
+                          "floats with the lowest byte first; these look big-endian");
+}
+
+static cml_status check_heights(const struct field *f, const struct cml_heightmap *map)
+{
+    const size_t nx = (size_t)map->nx;
+    char name[64], value[40];
+    CML_TRY(cml_heightmap_check(f->text.path, map, f->err));
+    for (size_t i = 0; i < nx * (size_t)map->ny; i++) {
+        if (fabs(map->h[i]) <= CML_HIGHEST_SAMPLE) continue;
+        snprintf(name, sizeof name, "height in row %zu, column %zu", i / nx + 1, i % nx + 1);
+        snprintf(value, sizeof value, "%.7g cm", map->h[i]);
+        return cml_fail_field(f->err, f->text.path, 0, name, value, "-1e30..1e30 cm");
+    }
+    return CML_OK;
+}
+
 /* XReal is the width of XRes pixels, each of which has one height. */
 static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
 {
+    const size_t count = (size_t)f->xres * (size_t)f->yres;
     size_t begin = 0;
     CML_TRY(find_heights(f, &begin));
+    CML_TRY(check_order(f, f->text.data + begin, count));
     CML_TRY(cml_heightmap_allocate(f->text.path, f->xres, f->yres, map, f->err));
     map->dx = f->xreal / f->xres * f->xy_unit;
     map->dy = f->yreal / f->yres * f->xy_unit;
-    for (size_t i = 0; i < (size_t)f->xres * (size_t)f->yres; i++)
-        map->h[i] = float_at(f->text.data + begin + 4 * i) * f->z_unit;
-    return f->pixels ? CML_OK : cml_heightmap_check(f->text.path, map, f->err);
+    for (size_t i = 0; i < count; i++) map->h[i] = float_at(f->text.data + begin + 4 * i, false) * f->z_unit;
+    return f->pixels ? CML_OK : check_heights(f, map);
 }
 
 static cml_status read_file(const struct cml_text_source *source, const char *path, double unit, bool pixels,

@@ -64,15 +64,17 @@ LIGHT_EXPECTED = ", ".join(LIGHTS) + ", na:N or the path of a file that is there
 @dataclass
 class Beam:
     """How light arrives. kind: "pencil", "disk" (of `radius` cm), "gaussian" (1/e2 radius), "ring" (between `r1` and `r2`), "rectangle"
-    (`width` by `height`) or "image" (of a .gsf `file`). at: x, y [cm] where the axis meets z = 0. z: None, light starts above all
-    surfaces; or the depth [cm] where it starts. angle: degrees between the axis and z; azimuth: degrees from x towards y. light: "parallel",
-    "lambertian", "isotropic", "na:0.22", or the path of a table of angles and intensities. share: of the light of several beams.
-    radial: r in results counts from `at`.
+    (`width` by `height`, or with tile=True as large as one period of the scene's tiles is at its angle) or "image" (of a .gsf `file`).
+    at: x, y [cm] where the axis meets z = 0. z: None, light starts above all surfaces; or the depth [cm] where it starts. angle: degrees
+    between the axis and z; azimuth: degrees from x towards y. light: "parallel", "lambertian", "isotropic", "na:0.22", or the path of a
+    table of angles and intensities. share: of the light of several beams. radial: r in results counts from `at`.
 
     >>> Beam("disk", 0.5, angle=60).line()
     'beam disk 0.5 angle=60'
     >>> Beam("ring", r1=0.1, r2=0.2, z=0.05, light="isotropic").line()
     'beam ring 0.1 0.2 z=0.05 light=isotropic'
+    >>> Beam("rectangle", tile=True, angle=45).line()
+    'beam rectangle tile angle=45'
     """
 
     kind: str = "pencil"
@@ -89,14 +91,18 @@ class Beam:
     height: Optional[float] = None
     file: Optional[Union[str, os.PathLike[str]]] = None
     radial: bool = False
+    tile: bool = False
 
     def __post_init__(self) -> None:
         errors.choice("Beam.kind", self.kind, *SHAPES)
+        errors.flag("Beam.tile", self.tile)
+        if self.tile and self.kind != "rectangle":
+            raise errors.refuse("Beam.tile", self.tile, f"False for a {self.kind} beam")
         for name in ("radius", "r1", "r2", "width", "height"):
             value = getattr(self, name)
-            if name not in SHAPES[self.kind] and value is not None:
-                raise errors.refuse("Beam." + name, value, f"None for a {self.kind} beam")
-            if name in SHAPES[self.kind]:
+            if name not in self._numbers() and value is not None:
+                raise errors.refuse("Beam." + name, value, f"None for a {self.kind} beam" + (" of a tile" if self.tile else ""))
+            if name in self._numbers():
                 (errors.at_least_zero if name == "r1" else errors.above_zero)("Beam." + name, value)
         if (self.kind == "image") != (self.file is not None):
             raise errors.refuse("Beam.file", self.file, "the path of a .gsf file for an image, else None")
@@ -113,6 +119,10 @@ class Beam:
         errors.above_zero("Beam.share", self.share)
         errors.flag("Beam.radial", self.radial)
 
+    def _numbers(self) -> Sequence[str]:
+        """Names of the numbers behind the kind."""
+        return () if self.tile else SHAPES[self.kind]
+
     def _light_word(self) -> str:
         """A word as it is, a file by its absolute path."""
         if isinstance(self.light, str) and (self.light in LIGHTS or re.fullmatch(r"na:\S+", self.light)):
@@ -121,7 +131,7 @@ class Beam:
 
     def line(self) -> str:
         """The line of the `.mci`; files by absolute paths."""
-        words = ["beam", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
+        words = ["beam", self.kind] + ["tile"] * self.tile + [shortest(getattr(self, name)) for name in self._numbers()]
         words += [errors.quoted_file("Beam.file", self.file)] if self.file is not None else []
         if tuple(self.at) != (0.0, 0.0):
             words.append("at=" + ",".join(shortest(value) for value in self.at))

@@ -16,6 +16,8 @@
 
 #define CML_RIM_CELLS 4
 
+#define CML_HIGHEST_SAMPLE 1e30 /* cm, as for all lengths of .mci files */
+
 struct cml_heightmap {
     int nx, ny;    /* samples, each 2 or more */
     double x0, y0; /* of the first sample, cm */

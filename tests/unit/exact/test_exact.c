@@ -293,6 +293,37 @@ static void a_layer_in_two_parts_is_the_same(void **state)
 /* Light that cannot be anywhere must not make a matrix singular: glass in which light would be trapped,
  * layers without thickness, a beam that is reflected totally, indices that differ by rounding, a half space
  * that absorbs nothing. */
+/* Cut into more layers than one block of the stack has, in slanted light that is refracted between blocks. */
+static void layers_in_many_parts_absorb_the_same(void **state)
+{
+    (void)state;
+    enum { PARTS = 150 };
+    static const struct cml_medium_def layer[2] = {{.n = 1.5, .mua = 2, .mus = 3, .g = 0.5, .d = 0.3},
+                                                   {.n = 1.3, .mua = 1, .mus = 9, .g = 0.8, .d = 0.6}};
+    struct stack whole = stack_of(1, 1.2);
+    struct cml_medium_def media[2 * PARTS + 2] = {{.n = 1}};
+    struct cml_exact_ray beam = {cos(0.7), 1};
+    const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
+    const struct cml_exact_options options = {1e-4, 1e11, NULL};
+    for (int i = 0; i < 2 * PARTS; i++) {
+        media[i + 1] = layer[i / PARTS];
+        media[i + 1].d /= PARTS;
+    }
+    media[2 * PARTS + 1].n = 1.2;
+    for (int i = 0; i < 2; i++) add(&whole, layer[i].n, layer[i].mua, layer[i].mus, layer[i].g, layer[i].d);
+    struct cml_exact expected = solve(&whole, false, 0.7, 1e-6), parts;
+    struct cml_error err;
+    require_ok(cml_exact_solve(media, 2 * PARTS, &light, &options, &parts, &err), &err);
+    for (int i = 0; i < CML_EXACT_LAYERS; i++) assert_near("share", parts.value[i], expected.value[i], 1e-4);
+    for (int k = 0; k < 2; k++) {
+        double sum = 0;
+        for (int i = 0; i < PARTS; i++) sum += parts.value[CML_EXACT_LAYERS + k * PARTS + i];
+        assert_near("absorbed", sum, expected.value[CML_EXACT_LAYERS + k], 1e-4);
+    }
+    cml_exact_clear(&expected);
+    cml_exact_clear(&parts);
+}
+
 static void limits_are_finite_and_keep_all_light(void **state)
 {
     (void)state;
@@ -551,6 +582,7 @@ int main(void)
         cmocka_unit_test(extreme_anisotropy_has_closed_forms),
         cmocka_unit_test(transmission_is_reciprocal),
         cmocka_unit_test(a_layer_in_two_parts_is_the_same),
+        cmocka_unit_test(layers_in_many_parts_absorb_the_same),
         cmocka_unit_test(limits_are_finite_and_keep_all_light),
         cmocka_unit_test(thick_slabs_lose_light_as_in_the_milne_problem),
         cmocka_unit_test(thick_slabs_are_two_halves),

@@ -290,9 +290,9 @@ static void beams_that_are_none(void **state)
 {
     static const struct refusal table[] = {
         {NAME "beam\n", "x.mci:4: beam: shape is missing (expected pencil, disk R, gaussian R, ring R1 R2, "
-                        "rectangle W H or image \"FILE.gsf\")"},
+                        "rectangle W H, rectangle tile or image \"FILE.gsf\")"},
         {NAME "beam square 1\n", "x.mci:4: beam: shape = square (expected pencil, disk R, gaussian R, ring "
-                                 "R1 R2, rectangle W H or image \"FILE.gsf\")"},
+                                 "R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\")"},
         {NAME "beam disk\n", "x.mci:4: beam: radius is missing (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam disk 0\n", "x.mci:4: beam: radius = 0 (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam gaussian angle=3\n",

@@ -101,6 +101,7 @@ static void a_grid_is_read_in_the_units_of_the_line(void **state)
         "NROWS 2\r\nNCOLS 3\r\nCELLSIZE 2\r\nXLLCENTER 0\r\nYLLCENTER 0\r\n0 1\r\n2 3 4\r\n5",
         "ncols 3 nrows 2 dx 2 dy 2 nodata_value nan 0 1 2 3 4 5",
         "ncols 3\nnrows 2\ncellsize 2.0\n\n  0.0 1e0 +2\n30e-1 4. 5\n\n",
+        "# by a scanner\n\n#ncols 9\n" GRID "NODATA_value -9999 # none\n0 1 2\n3 4 5\n",
     };
     for (size_t i = 0; i < sizeof grids / sizeof *grids; i++) {
         struct cml_heightmap map;
@@ -199,6 +200,32 @@ static void heights_that_are_refused(void **state)
     assert_refused(state, "x.gsf", bytes, size, &refusals[4]);
 }
 
+static void a_field_with_its_bytes_reversed_is_called_that(void **state)
+{
+    static const struct refusal reversed = {"",
+                                            "x.gsf: row 1, column 2 = 4.601e-41, or 1 with its bytes "
+                                            "reversed (expected floats with the lowest byte first; these "
+                                            "look big-endian)",
+                                            0},
+                                high = {"",
+                                        "x.gsf: height in row 2, column 2 = 1e+33 cm (expected -1e30..1e30 "
+                                        "cm)",
+                                        0};
+    char bytes[1024];
+    size_t size = field(HEAD, 6, bytes);
+    for (size_t begin = size - 24; begin < size; begin += 4)
+        for (size_t k = 0; k < 2; k++) {
+            const char kept = bytes[begin + k];
+            bytes[begin + k] = bytes[begin + 3 - k];
+            bytes[begin + 3 - k] = kept;
+        }
+    assert_refused(state, "x.gsf", bytes, size, &reversed);
+    size = field(HEAD, 6, bytes);
+    const float huge = 1e31f;
+    memcpy(bytes + size - 8, &huge, sizeof huge);
+    assert_refused(state, "x.gsf", bytes, size, &high);
+}
+
 static void grids_that_are_refused(void **state)
 {
     static const struct refusal table[] = {
@@ -248,6 +275,28 @@ static void grids_that_are_refused(void **state)
     assert_refused(state, "x.asc", "ncols\0 3", 8, &binary);
 }
 
+static void missing_heights_of_other_digits_are_refused(void **state)
+{
+    static const struct refusal table[] = {
+        {GRID "NODATA_value -3.402823466e+38\n0 1 2\n3 4 -3.402823e+38\n",
+         "x.asc: 1 of 6 heights are missing, the first in row 2, column 3 (expected a height in every cell: "
+         "fill the holes first)",
+         1},
+        {GRID "NODATA_value -3.40282e+38\n0 1 2\n3 4 -3.4028234663852886e+38\n",
+         "x.asc: 1 of 6 heights are missing, the first in row 2, column 3 (expected a height in every cell: "
+         "fill the holes first)",
+         1},
+        {GRID "0 1 2\n3 -3.402823e+38 5\n",
+         "x.asc:7: height in row 2, column 2 = -3.402823e+38 (expected -1e30..1e30 cm, or NODATA_value)", 1},
+        {GRID "NODATA_value nan\n0 1 2\n3 nan 5\n",
+         "x.asc: 1 of 6 heights are missing, the first in row 2, column 2 (expected a height in every cell: "
+         "fill the holes first)",
+         1},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        assert_refused(state, "x.asc", table[i].text, strlen(table[i].text), &table[i]);
+}
+
 /* Whatever bytes come: a sound map or one line, nothing else. The sanitizers look on. */
 static void mangled_files_end_in_one_line(void **state)
 {
@@ -279,7 +328,9 @@ int main(void)
         cmocka_unit_test(a_grid_is_read_in_the_units_of_the_line),
         cmocka_unit_test(fields_that_are_refused),
         cmocka_unit_test(heights_that_are_refused),
+        cmocka_unit_test(a_field_with_its_bytes_reversed_is_called_that),
         cmocka_unit_test(grids_that_are_refused),
+        cmocka_unit_test(missing_heights_of_other_digits_are_refused),
         cmocka_unit_test(mangled_files_end_in_one_line),
     };
     return cmocka_run_group_tests_name("heightmap_files", tests, case_setup, case_teardown);

@@ -1,0 +1,78 @@
+/* Corners that nearly meet, which keep faces apart that were meant to join: a refused mesh says so.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+#include "geometry/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double nearly = 1e-5; /* of the mesh's extent: exporters write five digits or more */
+
+/* A corner of an edge that belongs to one face only. */
+struct corner {
+    uint32_t vertex, next; /* the edge's other end */
+    double along;          /* its place on the line by which corners are sorted, cm */
+    double nearest;        /* cm: how far the nearest other corner is, up to `nearly` of the extent */
+};
+
+static int compare_corners(const void *left, const void *right)
+{
+    const struct corner *a = left, *b = right;
+    return (a->along > b->along) - (a->along < b->along);
+}
+
+/* Points that are near each other are near each other on any line. This one is aslant to grids, so that few
+ * of their points lie at the same place of it. */
+static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, struct corner *corner)
+{
+    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector */
+    const struct cml_mesh *mesh = work->mesh;
+    size_t count = 0;
+    for (uint32_t e = 0; e < num_edges; e++) {
+        if (work->opposite[e] != CML_NO_OPPOSITE) continue;
+        const uint32_t vertex = cml_half_edge_from(mesh, e);
+        corner[count++] = (struct corner){vertex, cml_half_edge_to(mesh, e),
+                                          cml_vec3_dot(mesh->vertex[vertex], line), INFINITY};
+    }
+    qsort(corner, count, sizeof *corner, compare_corners);
+    return count;
+}
+
+/* The ends of one edge may be as near as they are. */
+static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct corner *b, double most)
+{
+    double way[3];
+    if (a->vertex == b->vertex || a->next == b->vertex || b->next == a->vertex) return;
+    cml_vec3_subtract(mesh->vertex[a->vertex], mesh->vertex[b->vertex], way);
+    const double distance = cml_vec3_length(way);
+    if (distance > most) return;
+    a->nearest = fmin(a->nearest, distance);
+    b->nearest = fmin(b->nearest, distance);
+}
+
+void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    const struct cml_error refusal = *err;
+    const double most = nearly * cml_mesh_extent(mesh);
+    CML_FREED struct corner *corner = malloc(3 * num_triangles * sizeof *corner);
+    if (!corner) return;
+    const size_t count = list_corners(work, 3 * num_triangles, corner);
+    size_t near = 0, widest = 0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = i + 1; k < count && corner[k].along - corner[i].along <= most; k++)
+            compare_pair(mesh, &corner[i], &corner[k], most);
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(corner[i].nearest)) continue;
+        if (near++ == 0 || corner[i].nearest > corner[widest].nearest) widest = i;
+    }
+    if (near == 0) return;
+    char place[112];
+    const cml_status status =
+        cml_fail(err, refusal.status,
+                 "%s; %zu corners nearly meet others, up to %.3g cm away at %s: merge vertices by distance "
+                 "in a mesh editor",
+                 refusal.text, near, corner[widest].nearest,
+                 cml_mesh_place(mesh->vertex[corner[widest].vertex], place));
+    (void)status;
+}

@@ -288,6 +288,22 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
     return read_ambient(reader, scene, false);
 }
 
+/* Where light is absorbed SWAPPED times as often as it is scattered, the two numbers may have changed places:
+ * tissue, paint and paper scatter far more than they absorb. Media that do not scatter are meant so. */
+#define SWAPPED 20
+
+static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
+        const struct cml_medium_def *medium = &scene->media[m];
+        const bool body = m > scene->num_layers + 1;
+        if (medium->mus > 0 && medium->mua > SWAPPED * medium->mus)
+            cml_mci_note(reader, medium->line, "%s %d: mua = %g and mus = %g 1/cm (were the two swapped?)",
+                         body ? "body" : "layer", body ? m - scene->num_layers - 1 : m, medium->mua,
+                         medium->mus);
+    }
+}
+
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -305,6 +321,7 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
     for (int layer = 1; layer <= scene->num_layers; layer++)
         scene->boundaries[layer].z = scene->boundaries[layer - 1].z + scene->media[layer].d;
     note_thickness(reader, scene);
+    note_swapped(reader, scene);
     CML_TRY(cml_mci_check_media(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
     CML_TRY(cml_mci_check_fluence(reader, scene));

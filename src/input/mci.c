@@ -272,6 +272,7 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     if (numbers_alone(reader->cursor) == 1)
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
                             "n mua mus g d; is the number of layers too large?");
+    CML_TRY(cml_mci_layer_name(reader, owner, layer, scene));
     memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
     fields[CML_MCI_MEDIUM_FIELDS] = cml_mci_thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));

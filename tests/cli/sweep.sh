@@ -103,6 +103,61 @@ wrong ":1: label = a_b (expected a name that no other column has, with _ for /)"
 wrong ":1: label = a/b (expected a name that no other column has, with _ for /)" '"a_b",layer1.mua,"a/b"\n1,2,3\n'
 wrong ":2: label = . (expected a name other than .)" '# names\nlayer1.mua,"."\n1,2\n'
 wrong ":1: label = detector/1 (expected a name that the table of results has not already)" '"detector/1",layer1.mua\n1,2\n'
+# A label must have a name that nothing in the scene has: who quotes layer1.mua means to set it. A name without marks that is far
+# from all that is set is a label, and a note says so; one that is near is refused, and the way out named.
+label="the name without quotation marks, if it is to be set; a label has a name that nothing in the scene has"
+wrong ":1: column 1 = layer1.mua (expected $label)" '"layer1.mua",layer1.mus\n.5,20\n5,20\n'
+wrong ":1: column 2 = boundary0.height (expected $label)" 'layer1.mua,"boundary0.height"\n1,1\n'
+wrong ":1: column 2 = seed (expected $label)" 'layer1.mua,"seed"\n1,1\n'
+wrong ":1: column 2 = photons (expected $label)" 'layer1.mua,"photons"\n1,100\n'
+for near in mua layer2.mua layer1_mua photon angel; do
+    printf "layer1.mus,$near\n20,1\n" >"$work/wrong.csv"
+    expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
+    grep -q "column 2, $near = 1 (expected a name that the run in line [0-9]* knows: .*; a label stands in quotation marks)$" "$work/err" ||
+        complain "a name near one that is set: $(cat "$work/err")"
+done
+mkdir "$work/labels"
+printf 'wavelength,layer1.mua\n500,1\n600,2\n' >"$work/plain.csv"
+sed 's/wavelength/"wavelength"/' "$work/plain.csv" >"$work/quoted.csv"
+for file in quoted plain; do
+    expect_code 0 "$work/ridges.mci" --sweep "$work/$file.csv" --photons 300 --quiet -o "$work/labels"
+    cp "$work/labels/ridges.sweep.csv" "$work/$file.out"
+done
+cmp -s "$work/quoted.out" "$work/plain.out" || complain "a label without marks: $(diff "$work/quoted.out" "$work/plain.out")"
+test "$(cat "$work/err")" = "clustermcml: note: $work/plain.csv:1: column 1, wavelength, is a label: the scene has no number of that name" ||
+    complain "a label without marks: $(cat "$work/err")"
+expect_code 0 check "$work/ridges.mci" --sweep "$work/plain.csv"
+
+# A layer has its name in columns, too. Numbers of layers are noted where others may be meant, not where names say which.
+sed 's/^1.4 0.1 5 .*/& name=gel/' "$work/bodies.mci" >"$work/gel.mci"
+for file in layer1 gel; do
+    printf "$file.mua,$file.d\n2,0.1\n3,0.1\n" >"$work/named.csv"
+    mkdir "$work/$file"
+    expect_code 0 "$work/gel.mci" --sweep "$work/named.csv" --photons 300 --quiet -o "$work/$file"
+    test ! -s "$work/err" || complain "a layer with a name: $(cat "$work/err")"
+    grep -v -e '^# User time' -e '^# set' "$work/$file/bodies-0002.mco" >"$work/$file.out"
+    grep -q "^# set $file.mua = 3$" "$work/$file/bodies-0002.mco" || complain "$file.mua is not in the result"
+done
+cmp -s "$work/layer1.out" "$work/gel.out" || complain "gel.mua: $(diff "$work/layer1.out" "$work/gel.out")"
+printf 'layer1.mua,gel.mua\n1,2\n' >"$work/wrong.csv"
+expect_error 2 "$work/wrong.csv:2: column 2, gel.mua = 2 (expected one value, but layer1.mua of $work/wrong.csv has set it to 1)" \
+    "$work/gel.mci" --sweep "$work/wrong.csv" -o "$work"
+# With --reweight rows in which the first layer is clear are apart, whatever it is called.
+printf 'gel.mua\n0\n1\n2\n' >"$work/clear.csv"
+expect_code 0 check "$work/gel.mci" --sweep "$work/clear.csv" --reweight --json
+grep -q '"sweep":{"rows":3,"flights":2}' "$work/out" || complain "a clear layer with a name: $(cat "$work/out")"
+numbered() { # SCENE NOTES
+    expect_code 0 check "$1" --sweep "$work/named.csv"
+    test "$(cat "$work/err")" = "$2" || complain "layers by number: $(cat "$work/err")"
+}
+behind="name=NAME behind the numbers of a layer lets columns say NAME.mua"
+printf 'layer2.mua\n2\n' >"$work/named.csv"
+numbered "$work/gel.mci" "clustermcml: note: $work/named.csv: layer2 counts from above, in a scene of 2 layers and 2 bodies; $behind"
+sed '/^i /d' "$work/bodies.mci" >"$work/two.mci"
+numbered "$work/two.mci" "clustermcml: note: $work/named.csv: layer2 counts from above, in a scene of 2 layers and 0 bodies; $behind"
+printf 'layer2.mua,layer1.mua\n2,1\n' >"$work/named.csv"
+numbered "$work/two.mci" ""
+
 printf 'layer1.x\n1\n' >"$work/wrong.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
 grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that the run in line [0-9]* knows: photons, " "$work/err" ||

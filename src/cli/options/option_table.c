@@ -154,7 +154,7 @@ const struct cml_option cml_option_table[] = {
      "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_number,
      SECONDS(timeout)},
 
-    {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
+    {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory; a folder that is not there is made",
      TEXT(directory), .title = "output"},
     {"output", 'o', "FILE", RUN | MERGE | COMPARE | PLOT | CHECK, NULL,
      "of run: the result's name in place of the file's, .mco or .h5, written out, as -o is --output-dir "

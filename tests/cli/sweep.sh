@@ -215,6 +215,45 @@ expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (ex
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"
+# --resume of a sweep that was flown without it flies all rows anew, and says so once; results of more photons stay, unless --replace
+# is given, also of rows that come of one flight, and of one run.
+anew() { # PHOTONS ARGUMENTS... : rows in $work/anew
+    photons=$1
+    shift
+    rm -f "$work/anew"/*.checkpoint
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons $photons --quiet -o "$work/anew" "$@"
+}
+better() { # ARGUMENTS: nothing is replaced
+    md5sum "$work/anew"/* >"$work/before"
+    expect_code 2 "$work/two.mci" --photons 299 --resume --quiet -o "$work/anew" "$@"
+    grep -q "^clustermcml: .*--resume: $work/anew/bodies.*\.mco of 300 photons is of another run, and would be replaced by 299 photons (expected --photons of as many, or --replace)$" \
+        "$work/err" || complain "results of more photons: $(cat "$work/err")"
+    md5sum "$work/anew"/* | cmp -s - "$work/before" || complain "results of more photons: $(ls -l "$work/anew")"
+}
+mkdir "$work/anew"
+printf 'layer2.mua,layer1.mua\n2,1\n3,1\n4,1\n' >"$work/named.csv"
+anew 300
+expect_code 0 "$work/two.mci" --photons 300 --quiet -o "$work/anew"
+better --sweep "$work/named.csv"
+better --sweep "$work/named.csv" --reweight
+better
+begins="they begin anew; replaces $work/anew/bodies-0001.mco of 300 photons"
+for more in "--resume" "--resume --replace" "--resume --reweight --replace"; do
+    photons=300
+    test "$more" = --resume || photons=299
+    anew 300
+    anew $photons $more
+    test "$(grep -v effective "$work/err")" = "clustermcml: note: --resume finds no checkpoint of 3 of 3 rows whose results are there: $begins, and others" ||
+        complain "$more: $(cat "$work/err")"
+    anew 300
+    rm -f "$work/anew"/bodies-000[23].mco
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons 400 --quiet -o "$work/anew" --resume
+    test "$(cat "$work/err")" = "clustermcml: note: --resume finds no checkpoint of 1 of 3 rows whose results are there: $begins" || complain "one row: $(cat "$work/err")"
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons 400 --quiet -o "$work/anew" --resume
+    test ! -s "$work/err" || complain "rows that are finished: $(cat "$work/err")"
+done
+expect_code 0 "$work/two.mci" --photons 299 --resume --replace --quiet -o "$work/anew"
+grep -q '^299 ' "$work/anew/bodies.mco" || complain "--replace: $(sed -n 1,20p "$work/anew/bodies.mco")"
 # What detectors have seen stands in both tables, behind the names of the scene, as the rows' own records say, also of rows that were finished before.
 printf '1.0\n1\nseen.mco A\n2000\n0.1 0.1\n5 5 5\ndetector disk 0.2\ndetector ring 0.2 1 name=far\n1\n1\n1.4 1 50 0.8 0.2\n1\n' >"$work/seen.mci"
 printf 'detector1.x,layer1.mua\n0,1\n0.3,1\n0.3,2\n' >"$work/seen.csv"

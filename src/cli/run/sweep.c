@@ -20,6 +20,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* "NAME.sweep.csv" and the like, in the directory of results. */
 static cml_status table_path(const struct cml_sweep_run *sweep, const char *suffix, char **path,
@@ -32,7 +33,40 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 /* ---- before the first row flies ---- */
 
-static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct cml_error *err)
+/* The number of the row whose checkpoint speaks for a row: its own, or that of its flight. */
+static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
+{
+    int first = 0;
+    if (!sweep->group) return row;
+    while (sweep->group[first] != sweep->group[row]) first++;
+    return first;
+}
+
+/* A row whose result has no checkpoint is flown anew, though --resume was given: the sweep that left the
+ * result was flown without. A result with more photons than the row would have stays, and ends the sweep; of
+ * --target-error nobody knows the photons before. */
+static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const struct cml_scene *scene,
+                                 struct cml_error *err)
+{
+    const struct cml_options *options = sweep->options;
+    const uint64_t photons = options->target_error > 0 ? UINT64_MAX
+                             : options->photons > 0    ? options->photons
+                                                       : scene->photons;
+    struct cml_scene other = {.output = NULL};
+    uint64_t found;
+    CML_FREED char *path = NULL, *name = NULL, *checkpoint = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    if (access(path, F_OK) != 0) return CML_OK;
+    CML_TRY(cml_sweep_row_output(sweep, row_of_checkpoint(sweep, row), &name, err));
+    other.output = name;
+    CML_TRY(cml_run_checkpoint(options, &other, &checkpoint, err));
+    if (cml_has_checkpoint(checkpoint)) return CML_OK;
+    CML_TRY(cml_before_keep_better(options, path, photons, &found, err));
+    if (sweep->num_anew++ == 0) (void)cml_describe_replaced(path, sweep->replaced);
+    return CML_OK;
+}
+
+static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
     struct cml_scene scene;
     uint64_t seed;
@@ -43,6 +77,7 @@ static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct c
     cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
     if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
     if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
+    if (status == CML_OK && sweep->options->resume) status = look_at_result(sweep, row, &scene, err);
     cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
@@ -388,11 +423,22 @@ static void note_replaced(const struct cml_sweep_run *sweep)
     free(csv);
 }
 
+static void note_anew(const struct cml_sweep_run *sweep)
+{
+    char text[CML_REPLACED + 200];
+    snprintf(text, sizeof text,
+             "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
+             sweep->num_anew, sweep->table.num_rows, sweep->replaced,
+             sweep->num_anew > 1 ? ", and others" : "");
+    cml_show_note(NULL, text);
+}
+
 static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error why = {CML_OK, ""};
     if (cml_cluster_rank() == 0 && !options->quiet && !options->resume) note_replaced(sweep);
+    if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     cml_pending_begin(&sweep->pending);

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "cli/run/before.h"
 #include "cli/run/outputs.h"
 #include "cli/run/pending.h"
 #include "cli/run/sweep_rows.h"
@@ -19,7 +20,9 @@ struct cml_sweep_run {
     int num_groups, *group;           /* with --reweight: flights, and the one of each row; else NULL */
     char *identity;                   /* lines of the identity: the files but for the table */
     struct cml_surface_set surfaces;  /* of the scene without rows: their trees are built once */
-    struct cml_outputs outputs;       /* rank 0's */
+    int num_anew; /* with --resume: rows whose results have no checkpoint, and are flown anew */
+    char replaced[CML_REPLACED]; /* the first of them, in words */
+    struct cml_outputs outputs;  /* rank 0's */
     struct cml_sweep_rows rows;
     struct cml_pending pending; /* of this rank */
     int digits;                 /* of a row's number in names */

@@ -185,7 +185,7 @@ static cml_status read_table(struct cml_mci_reader *reader, const char *owner, s
     if (!name || name[0] == '"' || name[0] == '\0')
         return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
     CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
-    cml_status status = cml_text_read(reader->options->source, phase->file, &file, reader->err);
+    cml_status status = cml_text_read_table(reader->options->source, phase->file, &file, reader->err);
     if (status == CML_OK) status = read_rows(reader, &file, phase);
     cml_text_clear(&file);
     return cml_mci_name_line(reader, owner, phase->file, status);

@@ -212,6 +212,22 @@ expect_code 2 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --
 grep -q '^clustermcml: --no-clobber: .* is there (expected no result that would be replaced)$' "$work/err" || complain "rows without checkpoints: $(cat "$work/err")"
 test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
+# A table that is too large is refused before it is read: so of sweeps, and of what a line of the scene names.
+truncate -s 20G "$work/large.csv"
+large="cannot be read: it has 21474836480 bytes (expected a table of at most 268435456 bytes)"
+expect_error 2 "$work/large.csv: $large" "$work/ridges.mci" --sweep "$work/large.csv"
+for line in 'beam pencil light="large.csv"' 'detector table "large.csv"' 'phase table "large.csv"' 'b "large.csv"'; do
+    { sed -n 1,4p "$work/two.mci"; case $line in beam* | det*) echo "$line" ;; esac; sed -n 5,8p "$work/two.mci"
+        case $line in b\ *) echo "$line" ;; esac; sed -n 9p "$work/two.mci"; case $line in phase*) echo "$line" ;; esac
+        sed -n '10,$p' "$work/two.mci"; } >"$work/names_large.mci"
+    (ulimit -v 4000000 && exec "$program" check "$work/names_large.mci") >"$work/out" 2>"$work/err" && complain "$line: not refused"
+    grep -q "$work/large.csv: $large\$" "$work/err" || complain "$line: $(cat "$work/err")"
+done
+rm "$work/large.csv"
+code=0
+yes 1,2 | head -c 268435457 | "$program" "$work/ridges.mci" --sweep - >"$work/out" 2>"$work/err" || code=$?
+test $code = 2 && grep -q '^clustermcml: standard input: cannot be read: it has more than 268435456 bytes (expected a table of at most 268435456 bytes)$' "$work/err" ||
+    complain "a large table through a pipe: $(cat "$work/err")"
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"

@@ -13,7 +13,7 @@ import unittest.mock
 import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
-from python_package import mc, np  # noqa: E402
+from python_package import TOP, mc, np  # noqa: E402
 from clustermcml.__main__ import main  # noqa: E402
 
 BOUNDS = {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}
@@ -160,6 +160,15 @@ class Shell(unittest.TestCase):
             with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err, \
                     warnings.catch_warnings(), unittest.mock.patch.object(sys, "argv", ["", *words]):
                 return main(), out.getvalue() + err.getvalue().replace(folder, "")
+
+    def test_a_table_that_is_too_large_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "large.csv")
+            with open(path, "wb") as file:
+                file.truncate(20 * 2**30)
+            ended = subprocess.run([sys.executable, "-m", "clustermcml", "fit", "samples/thick.mci", path, "layer1.mua=1:2"], capture_output=True, text=True,
+                                   cwd=TOP, env={**os.environ, "PYTHONPATH": os.path.join(TOP, "src", "python")})
+        self.assertEqual((ended.returncode, ended.stderr), (2, f"clustermcml: {path}: cannot be read: it has 21474836480 bytes (expected a table of at most 268435456 bytes)\n"))
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
         code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n", started='"$@"')

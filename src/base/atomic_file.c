@@ -52,6 +52,27 @@ bool cml_file_is_device(const char *path)
     return strcmp(path, "/dev/null") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
+static cml_status make_one(const char *path, struct cml_error *err)
+{
+    struct stat about;
+    if (mkdir(path, 0777) == 0 || (stat(path, &about) == 0 && S_ISDIR(about.st_mode))) return CML_OK;
+    return cml_fail(err, CML_E_IO, "%.400s: cannot be made (%s; expected a folder)", path, strerror(errno));
+}
+
+cml_status cml_folder_make(const char *path, struct cml_error *err)
+{
+    struct stat about;
+    CML_FREED char *part = NULL;
+    if (stat(path, &about) == 0 && S_ISDIR(about.st_mode)) return CML_OK;
+    CML_TRY(cml_text_copy(path, &part, err));
+    for (char *slash = part; (slash = strchr(slash + 1, '/'));) {
+        *slash = '\0';
+        CML_TRY(make_one(part, err));
+        *slash = '/';
+    }
+    return make_one(part, err);
+}
+
 static cml_status check_target(const char *path, struct cml_error *err)
 {
     struct stat about;

@@ -44,6 +44,9 @@ CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file
 CML_NODISCARD cml_status cml_file_create_alone(const char *path, struct cml_file *file,
                                                struct cml_error *err);
 
+/* Makes a folder, and those that it lies in, where they are not there. CML_E_IO. */
+CML_NODISCARD cml_status cml_folder_make(const char *path, struct cml_error *err);
+
 /* Removes the temporary files of killed processes from a folder, the first `folder` bytes of `path` with the
  * slash at their end, 0: the current one. is_ours: whether nobody writes the file NAME of which the temporary
  * file LEFT was one; both begin with the folder. */

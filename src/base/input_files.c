@@ -44,16 +44,19 @@ static cml_status give_copy(const struct cml_input *input, char **data, size_t *
 }
 
 /* A file that is asked for again, as the mesh of many bodies is, is kept once. */
-static cml_status record(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
+static cml_status record(void *context, const char *path, size_t most, char **data, size_t *size,
+                         struct cml_error *err)
 {
     const struct cml_input *known = find(context, path);
     if (known) return give_copy(known, data, size, err);
-    CML_TRY(cml_text_read_file(path, data, size, err));
+    CML_TRY(cml_text_read_file(path, most, data, size, err));
     return append(context, path, *data, *size, err);
 }
 
-static cml_status replay(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
+static cml_status replay(void *context, const char *path, size_t most, char **data, size_t *size,
+                         struct cml_error *err)
 {
+    (void)most; /* the recorder has looked at it */
     const struct cml_input *known = find(context, path);
     if (known) return give_copy(known, data, size, err);
     return cml_fail(err, CML_E_INPUT, "%s: rank 0 did not read this file", cml_text_name(path));

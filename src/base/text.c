@@ -23,8 +23,26 @@ static cml_status fail_reading(const char *path, const char *reason, const char 
     return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected %s)", path, reason, expected);
 }
 
+static cml_status fail_large(const char *path, const char *more, unsigned long long size, size_t most,
+                             struct cml_error *err)
+{
+    char reason[60], expected[60];
+    snprintf(reason, sizeof reason, "it has %s%llu bytes", more, size);
+    snprintf(expected, sizeof expected, "a table of at most %zu bytes", most);
+    return fail_reading(cml_text_name(path), reason, expected, err);
+}
+
+/* Of a regular file the size is known before it is read. */
+static cml_status check_size(FILE *stream, const char *path, size_t most, struct cml_error *err)
+{
+    struct stat about;
+    if (fstat(fileno(stream), &about) != 0 || !S_ISREG(about.st_mode)) return CML_OK;
+    if ((unsigned long long)about.st_size <= most) return CML_OK;
+    return fail_large(path, "", (unsigned long long)about.st_size, most, err);
+}
+
 /* In growing pieces: standard input has no length to ask for. One byte stays free for the final NUL. */
-static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
+static cml_status read_stream(FILE *stream, const char *path, size_t most, char **data, size_t *size,
                               struct cml_error *err)
 {
     size_t capacity = 1 << 16;
@@ -32,6 +50,11 @@ static cml_status read_stream(FILE *stream, const char *path, char **data, size_
     *size = 0;
     while (*data) {
         *size += fread(*data + *size, 1, capacity - 1 - *size, stream);
+        if (*size > most) {
+            free(*data);
+            *data = NULL;
+            return fail_large(path, "more than ", most, most, err);
+        }
         if (*size < capacity - 1) break;
         capacity *= 2;
         char *larger = realloc(*data, capacity);
@@ -65,7 +88,7 @@ static bool is_device(int file)
     return fstat(file, &about) == 0 && (S_ISBLK(about.st_mode) || (S_ISCHR(about.st_mode) && !isatty(file)));
 }
 
-cml_status cml_text_read_file(const char *path, char **data, size_t *size, struct cml_error *err)
+cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t *size, struct cml_error *err)
 {
     *data = NULL;
     const bool standard = strcmp(path, "-") == 0;
@@ -75,26 +98,34 @@ cml_status cml_text_read_file(const char *path, char **data, size_t *size, struc
         fclose(stream);
         return fail_reading(path, "it is a device", "a file", err);
     }
-    const cml_status status = read_stream(stream, path, data, size, err);
+    cml_status status = check_size(stream, path, most, err);
+    if (status == CML_OK) status = read_stream(stream, path, most, data, size, err);
     if (!standard) fclose(stream);
+    return status;
+}
+
+static cml_status read_bytes(const struct cml_text_source *source, const char *path, size_t most,
+                             struct cml_text *text, struct cml_error *err)
+{
+    *text = (struct cml_text){0};
+    CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
+    const cml_status status = source
+                                  ? source->read(source->context, path, most, &text->data, &text->size, err)
+                                  : cml_text_read_file(path, most, &text->data, &text->size, err);
+    if (status != CML_OK) cml_text_clear(text);
     return status;
 }
 
 cml_status cml_text_read_bytes(const struct cml_text_source *source, const char *path, struct cml_text *text,
                                struct cml_error *err)
 {
-    *text = (struct cml_text){0};
-    CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
-    const cml_status status = source ? source->read(source->context, path, &text->data, &text->size, err)
-                                     : cml_text_read_file(path, &text->data, &text->size, err);
-    if (status != CML_OK) cml_text_clear(text);
-    return status;
+    return read_bytes(source, path, SIZE_MAX, text, err);
 }
 
-cml_status cml_text_read(const struct cml_text_source *source, const char *path, struct cml_text *text,
-                         struct cml_error *err)
+static cml_status read_text(const struct cml_text_source *source, const char *path, size_t most,
+                            struct cml_text *text, struct cml_error *err)
 {
-    CML_TRY(cml_text_read_bytes(source, path, text, err));
+    CML_TRY(read_bytes(source, path, most, text, err));
     /* Editors on Windows write a byte order mark; before a comment it would make that line a number. */
     if (strncmp(text->data, "\xEF\xBB\xBF", 3) == 0) {
         text->size -= 3;
@@ -113,6 +144,18 @@ cml_status cml_text_read(const struct cml_text_source *source, const char *path,
                                            err);
     cml_text_clear(text);
     return status;
+}
+
+cml_status cml_text_read(const struct cml_text_source *source, const char *path, struct cml_text *text,
+                         struct cml_error *err)
+{
+    return read_text(source, path, SIZE_MAX, text, err);
+}
+
+cml_status cml_text_read_table(const struct cml_text_source *source, const char *path, struct cml_text *text,
+                               struct cml_error *err)
+{
+    return read_text(source, path, CML_MOST_TABLE, text, err);
 }
 
 void cml_text_clear(struct cml_text *text)

@@ -19,10 +19,15 @@ struct cml_text {
     int line;      /* number of the line handed out last, from 1 */
 };
 
+/* Bytes that a table may have: all of it is in memory, beside what is made of it. */
+#define CML_MOST_TABLE ((size_t)256 << 20)
+
 /* Where files come from. `read` makes *data the *size bytes of a file and a final NUL; also after a failure
- * it is NULL or the caller's to free. A NULL pointer to a source stands for cml_text_read_file. */
+ * it is NULL or the caller's to free. A file of more than `most` bytes is refused. A NULL pointer to a source
+ * stands for cml_text_read_file. */
 struct cml_text_source {
-    cml_status (*read)(void *context, const char *path, char **data, size_t *size, struct cml_error *err);
+    cml_status (*read)(void *context, const char *path, size_t most, char **data, size_t *size,
+                       struct cml_error *err);
     void *context;
 };
 
@@ -32,12 +37,17 @@ struct cml_text_source {
 CML_NODISCARD cml_status cml_text_read(const struct cml_text_source *source, const char *path,
                                        struct cml_text *text, struct cml_error *err);
 
+/* cml_text_read for a table: one of more than CML_MOST_TABLE bytes is refused with its size. */
+CML_NODISCARD cml_status cml_text_read_table(const struct cml_text_source *source, const char *path,
+                                             struct cml_text *text, struct cml_error *err);
+
 /* cml_text_read for a file that is not text: NUL bytes are data. */
 CML_NODISCARD cml_status cml_text_read_bytes(const struct cml_text_source *source, const char *path,
                                              struct cml_text *text, struct cml_error *err);
 
-/* A whole file of the file system, or standard input: *size bytes and a final NUL, the caller's to free. */
-CML_NODISCARD cml_status cml_text_read_file(const char *path, char **data, size_t *size,
+/* A whole file of the file system, or standard input, of at most `most` bytes: *size bytes and a final NUL,
+ * the caller's to free. */
+CML_NODISCARD cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t *size,
                                             struct cml_error *err);
 
 void cml_text_clear(struct cml_text *text);

@@ -26,8 +26,9 @@ static void print_media(const struct cml_scene *scene)
             printf("  %-8s %10g\n", m == 0 ? "above" : "below", medium->n);
             continue;
         }
-        printf("  %-8d %10g %10g %10g %10g %10g %12g\n", m, medium->n, medium->mua, medium->mus, medium->g,
+        printf("  %-8d %10g %10g %10g %10g %10g %12g", m, medium->n, medium->mua, medium->mus, medium->g,
                medium->d, 1 / cml_medium_mut(medium));
+        printf("%s%s\n", *cml_layer_name(scene, m) ? "  " : "", cml_layer_name(scene, m));
     }
     for (int k = 0; k < scene->num_bodies && k < MOST_BODIES; k++) {
         const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];

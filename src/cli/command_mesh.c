@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "base/atomic_file.h"
 #include "input/mesh/obj.h"
 #include "scene/body/body_shape.h"
 
@@ -63,6 +64,7 @@ cml_status cml_command_mesh(const struct cml_options *options, struct cml_error 
 {
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     CML_TRY(cml_load_scenes(options, &list, err));
+    if (options->directory) CML_TRY(cml_folder_make(options->directory, err));
     for (int i = 0; i < list.count; i++) CML_TRY(write_scene(options, &list.scenes[i], err));
     return CML_OK;
 }

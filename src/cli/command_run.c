@@ -162,9 +162,10 @@ static cml_status describe(const struct cml_options *options, char **text, struc
     char rest[4 * PATH_MAX] = "";
     if (options->sweep)
         snprintf(rest, sizeof rest,
-                 "more %" PRIu64 ", keep %d, resume %d, json %d, reweight %d\n%s\n%s\n%s\n", options->more,
-                 options->keep, options->resume, options->json, options->reweight, options->sweep,
-                 options->output ? options->output : "", options->directory ? options->directory : "");
+                 "more %" PRIu64 ", keep %d, resume %d, replace %d, json %d, reweight %d\n%s\n%s\n%s\n",
+                 options->more, options->keep, options->resume, options->replace, options->json,
+                 options->reweight, options->sweep, options->output ? options->output : "",
+                 options->directory ? options->directory : "");
     CML_TRY(cml_settings_text(&options->settings, &settings, err));
     struct cml_provenance provenance =
         cml_run_provenance(&setup, &options->surface, options->ignore_heightfields);

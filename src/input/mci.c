@@ -272,6 +272,7 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     if (numbers_alone(reader->cursor) == 1)
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
                             "n mua mus g d; is the number of layers too large?");
+    CML_TRY(cml_mci_layer_name(reader, owner, layer, scene));
     memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
     fields[CML_MCI_MEDIUM_FIELDS] = cml_mci_thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
@@ -286,6 +287,22 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
     CML_TRY(read_ambient(reader, scene, true));
     for (int layer = 1; layer <= scene->num_layers; layer++) CML_TRY(read_layer(reader, scene, layer));
     return read_ambient(reader, scene, false);
+}
+
+/* Where light is absorbed SWAPPED times as often as it is scattered, the two numbers may have changed places:
+ * tissue, paint and paper scatter far more than they absorb. Media that do not scatter are meant so. */
+#define SWAPPED 20
+
+static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
+        const struct cml_medium_def *medium = &scene->media[m];
+        const bool body = m > scene->num_layers + 1;
+        if (medium->mus > 0 && medium->mua > SWAPPED * medium->mus)
+            cml_mci_note(reader, medium->line, "%s %d: mua = %g and mus = %g 1/cm (were the two swapped?)",
+                         body ? "body" : "layer", body ? m - scene->num_layers - 1 : m, medium->mua,
+                         medium->mus);
+    }
 }
 
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
@@ -305,6 +322,7 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
     for (int layer = 1; layer <= scene->num_layers; layer++)
         scene->boundaries[layer].z = scene->boundaries[layer - 1].z + scene->media[layer].d;
     note_thickness(reader, scene);
+    note_swapped(reader, scene);
     CML_TRY(cml_mci_check_media(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
     CML_TRY(cml_mci_check_fluence(reader, scene));

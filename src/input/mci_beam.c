@@ -120,7 +120,7 @@ static cml_status read_light_table(struct cml_mci_reader *reader, const char *na
     char *path = NULL;
     light->kind = CML_LIGHT_OF_TABLE;
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read(reader->options->source, path, &table.text, reader->err);
+    cml_status status = cml_text_read_table(reader->options->source, path, &table.text, reader->err);
     if (status == CML_OK) status = read_table(&table);
     status = cml_mci_name_line(reader, "beam", path, status);
     cml_text_clear(&table.text);

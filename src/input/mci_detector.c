@@ -237,7 +237,7 @@ static cml_status read_table(struct cml_mci_reader *reader, struct cml_scene *sc
         return cml_mci_fail(reader, "detector: text after the file", more,
                             "the end of the line or a # comment");
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read(reader->options->source, path, &rows.text, reader->err);
+    cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
     if (status == CML_OK) status = read_rows(&rows, reader, scene);
     status = cml_mci_name_line(reader, "detector", path, status);
     cml_text_clear(&rows.text);

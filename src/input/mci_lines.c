@@ -234,8 +234,28 @@ cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *ow
     return CML_OK;
 }
 
+/* Whether the word is a unit of lengths that is not cm, or of coefficients that is not 1/cm: mm, [um], 1/mm,
+ * mm-1, mm^-1. */
+static bool is_other_unit(const char *word)
+{
+    static const char *const units[] = {"nm", "um", "\u00b5m", "\u03bcm", "micron", "microns", "mm",  "dm",
+                                        "m",  "km", "metre",   "metres",  "meter",  "meters",  "inch"};
+    word += strspn(word, "([");
+    if (strncmp(word, "1/", 2) == 0) word++;
+    word += strspn(word, "/");
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        const size_t length = strlen(units[i]);
+        if (strncmp(word, units[i], length) != 0) continue;
+        const char *behind = word + length;
+        behind += strspn(behind, "^");
+        if (strncmp(behind, "-1", 2) == 0) behind += 2;
+        if (behind[strspn(behind, ")],.;:")] == '\0') return true;
+    }
+    return false;
+}
+
 /* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
- * number was probably meant for something. */
+ * number was probably meant for something, and a unit that is not ours was meant for the numbers. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                            const struct cml_mci_field *fields, int count, double *values)
 {
@@ -243,8 +263,12 @@ cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
     CML_TRY(cml_mci_leading_numbers(reader, owner, fields, count, values));
     double surplus = 0;
     const char *word = cml_text_word(&reader->cursor);
-    if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
     char name[80];
+    if (word && is_other_unit(word)) {
+        snprintf(name, sizeof name, "%s%sunit", owner ? owner : "", owner ? ": " : "");
+        return cml_mci_fail(reader, name, word, "none: lengths are in cm, coefficients in 1/cm");
+    }
+    if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
     snprintf(name, sizeof name, "%s%snumber after %s", owner ? owner : "", owner ? ": " : "",
              fields[count - 1].name);
     return cml_mci_fail(reader, name, word, "the end of the line or a comment");

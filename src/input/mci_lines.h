@@ -98,9 +98,9 @@ CML_PRINTF(3, 4) void cml_mci_note(const struct cml_mci_reader *reader, int line
 /* True when the entire word is a number in the field's range. */
 bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value);
 
-/* Reads `count` numbers from the current data line. Short line, word for a number, number out of range, and a
- * number too many are errors; text behind the fields is a comment. Messages name a field "OWNER: NAME", or
- * "NAME" when owner is NULL. */
+/* Reads `count` numbers from the current data line. Short line, word for a number, number out of range, a
+ * number too many, and a unit of another size are errors; other text behind the fields is a comment. Messages
+ * name a field "OWNER: NAME", or "NAME" when owner is NULL. */
 CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                                          const struct cml_mci_field *fields, int count, double *values);
 

@@ -33,6 +33,69 @@ struct cml_medium_def cml_mci_medium(const struct cml_mci_reader *reader,
         .n = line[0], .mua = line[1], .mus = line[2], .g = line[3], .line = reader->text.line};
 }
 
+/* ---- the name of a layer ---- */
+
+/* Where name= begins, as a word of its own; NULL: nowhere. */
+static char *find_name(char *line)
+{
+    static const char key[] = "name=";
+    char *found = strstr(line, key);
+    while (found && found > line && !strchr(" \t", found[-1])) found = strstr(found + 1, key);
+    return found;
+}
+
+/* Words that `--set` and columns of a sweep have for something else: photons, above, layer2 ... */
+static bool is_taken(const char *name)
+{
+    static const char *const single[] = {"photons", "seed", "above", "below", "backing", NULL},
+                             *const counted[] = {"layer", "body", "boundary", "beam", "detector", NULL};
+    for (int i = 0; single[i]; i++)
+        if (strcmp(name, single[i]) == 0) return true;
+    for (int i = 0; counted[i]; i++) {
+        const size_t length = strlen(counted[i]);
+        if (strncmp(name, counted[i], length) != 0) continue;
+        if (name[length + strspn(name + length, "0123456789")] == '\0') return true;
+    }
+    return false;
+}
+
+/* What the name was expected to be; NULL: it is one. */
+static const char *why_no_layer_name(const struct cml_scene *scene, int layer, const char *name)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    const size_t length = strlen(name);
+    if (length == 0 || length >= CML_LAYER_NAME || name[strspn(name, letters)] != '\0' ||
+        strchr("0123456789", *name))
+        return "1 to 24 letters, digits and underscores, the first of them no digit";
+    if (is_taken(name)) return "a name that no other part of a scene has";
+    for (int l = 1; l < layer; l++)
+        if (strcmp(cml_layer_name(scene, l), name) == 0) return "a name that no layer before has";
+    return NULL;
+}
+
+cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
+                              struct cml_scene *scene)
+{
+    char field[64];
+    cml_mci_cut_comment(reader->cursor);
+    char *word = find_name(reader->cursor);
+    if (!word) return CML_OK;
+    *word = '\0'; /* the numbers end here */
+    const char *name = word += strlen("name=");
+    word += strcspn(word, " \t\v\f\r");
+    const bool again = *word && find_name(word + 1);
+    *word = '\0';
+    const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
+    snprintf(field, sizeof field, "%s: name", owner);
+    if (expected) return cml_mci_fail(reader, field, name, expected);
+    const size_t layers = (size_t)scene->num_layers + 1;
+    if (!scene->layer_names) scene->layer_names = calloc(layers, sizeof *scene->layer_names);
+    if (!scene->layer_names)
+        return cml_fail_memory(reader->err, (double)(layers * sizeof *scene->layer_names), "the layers");
+    strcpy(scene->layer_names[layer], name);
+    return CML_OK;
+}
+
 /* ---- phase: how the medium scatters ---- */
 
 #define MOST_ROWS 1000000
@@ -122,7 +185,7 @@ static cml_status read_table(struct cml_mci_reader *reader, const char *owner, s
     if (!name || name[0] == '"' || name[0] == '\0')
         return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
     CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
-    cml_status status = cml_text_read(reader->options->source, phase->file, &file, reader->err);
+    cml_status status = cml_text_read_table(reader->options->source, phase->file, &file, reader->err);
     if (status == CML_OK) status = read_rows(reader, &file, phase);
     cml_text_clear(&file);
     return cml_mci_name_line(reader, owner, phase->file, status);
@@ -242,13 +305,17 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
     char name[CML_SETTING_NAME], field[48], value[32];
+    const struct cml_settings *settings = reader->options->settings;
     const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
     snprintf(name, sizeof name, "%s%d.mua", kind, number);
     snprintf(field, sizeof field, "%s %d: mua", kind, number);
     snprintf(value, sizeof value, "%g", medium->mua);
-    const struct cml_setting *mua =
-        reader->options->settings ? cml_settings_find(reader->options->settings, name) : NULL;
+    const struct cml_setting *mua = settings ? cml_settings_find(settings, name) : NULL;
+    if (settings && !mua && strcmp(kind, "layer") == 0) {
+        snprintf(name, sizeof name, "%s.mua", cml_layer_name(scene, number));
+        mua = cml_settings_find(settings, name);
+    }
     return mua ? cml_setting_fail(mua, expected, reader->err)
                : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
 }

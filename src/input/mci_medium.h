@@ -16,6 +16,11 @@ extern const struct cml_mci_field cml_mci_thickness; /* d, of a layer */
 struct cml_medium_def cml_mci_medium(const struct cml_mci_reader *reader,
                                      const double line[CML_MCI_MEDIUM_FIELDS]);
 
+/* Takes name=NAME, which may stand behind the numbers of layer `layer`, off the current line. The name is the
+ * scene's from then on. CML_E_INPUT: a word that is no name, or one that something else has. */
+CML_NODISCARD cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
+                                            struct cml_scene *scene);
+
 /* A line `phase` behind layer `layer`, or behind the last body in it. The medium shares its function with the
  * media before it that have an equal one. */
 CML_NODISCARD cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 const struct cml_mci_field cml_mci_photons_field = {"photons", 1, 281474976710656.0, true,
                                                     "a whole number of 1..2^48"};
@@ -41,21 +42,26 @@ cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, doubl
 
 /* "beam2.na" is "na" of number 2 of "beam"; number -1: without one. */
 struct name {
-    char owner[16];
+    char whole[CML_LAYER_NAME]; /* "beam2", which may be the name of a layer; "" where it is too long */
+    char owner[16];             /* "" where what stands before the dot is no word with a number */
     int number;
     const char *member;
 };
 
-/* False where the text is no such name; numbers are written as people write them, without a 0 before them. */
+/* False where the text has no dot; numbers are written as people write them, without a 0 before them. */
 static bool split(const char *text, struct name *name)
 {
-    const size_t letters = strcspn(text, "0123456789."), digits = strspn(text + letters, "0123456789");
-    const char *dot = text + letters + digits;
-    if (letters >= sizeof name->owner || digits > 9 || (digits > 1 && text[letters] == '0') || *dot != '.')
-        return false;
+    const char *dot = strchr(text, '.');
+    if (!dot) return false;
+    const size_t length = (size_t)(dot - text), letters = strcspn(text, "0123456789."),
+                 digits = strspn(text + letters, "0123456789");
+    *name = (struct name){.number = -1, .member = dot + 1};
+    if (length < sizeof name->whole) snprintf(name->whole, sizeof name->whole, "%.*s", (int)length, text);
+    if (letters >= sizeof name->owner || letters + digits != length || digits > 9 ||
+        (digits > 1 && text[letters] == '0'))
+        return true;
     snprintf(name->owner, sizeof name->owner, "%.*s", (int)letters, text);
-    name->number = digits ? (int)strtol(text + letters, NULL, 10) : -1;
-    name->member = dot + 1;
+    if (digits) name->number = (int)strtol(text + letters, NULL, 10);
     return true;
 }
 
@@ -75,6 +81,8 @@ static int medium_of(const struct cml_scene *scene, const struct name *name)
     if (strcmp(name->owner, "layer") == 0 && n >= 1 && n <= scene->num_layers) return n;
     if (strcmp(name->owner, "body") == 0 && n >= 1 && n <= scene->num_bodies)
         return cml_body_medium(scene, n - 1);
+    for (int l = 1; *name->whole && scene->layer_names && l <= scene->num_layers; l++)
+        if (strcmp(scene->layer_names[l], name->whole) == 0) return l;
     return -1;
 }
 
@@ -118,6 +126,17 @@ static void write_media(FILE *out, const char *kind, int count, const char *fiel
     fprintf(out, " with %s", fields);
 }
 
+/* ", as gel and vessel": the layers that have a name. */
+static void write_layer_names(FILE *out, const struct cml_scene *scene)
+{
+    const char *before = ", also named";
+    for (int l = 1; l <= scene->num_layers; l++) {
+        if (!*cml_layer_name(scene, l)) continue;
+        fprintf(out, "%s %s", before, cml_layer_name(scene, l));
+        before = "";
+    }
+}
+
 static void write_phase(FILE *out, const char *kind, int number, const struct cml_phase *phase)
 {
     if (!phase || !*cml_phase_numbers(phase->kind)) return;
@@ -158,6 +177,7 @@ static void write_names(FILE *out, const struct cml_scene *scene)
 {
     fputs("photons, above.n, below.n", out);
     write_media(out, "layer", scene->num_layers, ".n .mua .mus .g .d");
+    write_layer_names(out, scene);
     write_media(out, "body", scene->num_bodies, ".n .mua .mus .g");
     for (int l = 1; l <= scene->num_layers; l++) write_phase(out, "layer", l, scene->media[l].phase);
     for (int k = 0; k < scene->num_bodies; k++)
@@ -174,13 +194,14 @@ static void write_names(FILE *out, const struct cml_scene *scene)
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                                const struct cml_scene *scene)
 {
-    char names[600] = "", expected[700];
+    char names[600] = "", expected[750];
     FILE *out = fmemopen(names, sizeof names, "w");
     if (out) {
         write_names(out, scene);
         fclose(out);
     }
-    snprintf(expected, sizeof expected, "a name that the run in line %d knows: %s", scene->line, names);
+    snprintf(expected, sizeof expected, "a name that the run in line %d knows: %s%s", scene->line, names,
+             setting->column > 0 ? "; a label stands in quotation marks" : "");
     return cml_setting_fail(setting, expected, reader->err);
 }
 
@@ -193,9 +214,24 @@ static cml_status set_photons(const struct cml_mci_reader *reader, const struct 
     return CML_OK;
 }
 
+/* Layers may have two names for a number: layer1.mua and gel.mua. place: what the settings before have set.
+ */
+static cml_status check_once(const struct cml_mci_reader *reader, const struct cml_settings *settings, int i,
+                             double *const *place)
+{
+    char expected[256];
+    int k = 0;
+    while (k < i && place[k] != place[i]) k++;
+    if (k == i) return CML_OK;
+    snprintf(expected, sizeof expected, "one value, but %.63s of %.80s has set it to %.30s",
+             settings->item[k].name, settings->item[k].source, settings->item[k].value);
+    return cml_setting_fail(&settings->item[i], expected, reader->err);
+}
+
 cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const struct cml_settings *settings = reader->options->settings;
+    double *place[CML_MOST_SETTINGS] = {NULL};
     for (int i = 0; settings && i < settings->count; i++) {
         const struct cml_setting *setting = &settings->item[i];
         struct cml_mci_number number = {0};
@@ -208,7 +244,54 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
         if (sound && is_of_shape(scene, &name)) continue;
         if (sound) CML_TRY(find_number(reader, scene, &name, &number));
         if (!number.value) return fail_unknown(reader, setting, scene);
+        place[i] = number.value;
+        CML_TRY(check_once(reader, settings, i, place));
         CML_TRY(set(reader, setting, &number));
     }
     return CML_OK;
+}
+
+int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
+{
+    struct name name;
+    const int medium = split(text, &name) ? medium_of(scene, &name) : -1;
+    return medium >= 1 && medium <= scene->num_layers ? medium : 0;
+}
+
+/* A copy is asked, as a medium that is asked for a number of its phase function gets a function of its own.
+ */
+cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, bool *known,
+                              struct cml_error *err)
+{
+    struct cml_mci_reader reader = {.err = err};
+    struct cml_mci_number number = {0};
+    struct cml_scene copy;
+    struct name name;
+    *known = strcmp(text, cml_mci_photons_field.name) == 0;
+    if (*known || !split(text, &name)) return CML_OK;
+    *known = is_of_shape(scene, &name);
+    if (*known) return CML_OK;
+    CML_TRY(cml_scene_copy(scene, &copy, err));
+    const cml_status status = find_number(&reader, &copy, &name, &number);
+    *known = number.value != NULL;
+    cml_scene_clear(&copy);
+    return status;
+}
+
+bool cml_mci_resembles_setting(const char *text)
+{
+    static const char *const begins[] = {"above",    "below",   "layer", "body",
+                                         "boundary", "backing", "beam",  "detector"},
+                             *const short_ones[] = {"n", "g", "d",  "x",  "y",  "z",  "r", "k",
+                                                    "w", "h", "na", "r1", "r2", "dx", "dy"},
+                             *const long_ones[] = {"photons", "seed",   "mua",   "mus",     "radius",
+                                                   "scale",   "height", "angle", "azimuth", "share"};
+    struct cml_guess guess = {.word = text, .length = strlen(text)};
+    if (strchr(text, '.')) return true;
+    for (size_t i = 0; i < sizeof begins / sizeof *begins; i++)
+        if (strncasecmp(text, begins[i], strlen(begins[i])) == 0) return true;
+    for (size_t i = 0; i < sizeof short_ones / sizeof *short_ones; i++)
+        if (strcasecmp(text, short_ones[i]) == 0) return true;
+    for (size_t i = 0; i < sizeof long_ones / sizeof *long_ones; i++) cml_guess_offer(&guess, long_ones[i]);
+    return cml_guess_best(&guess) != NULL;
 }

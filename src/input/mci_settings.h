@@ -2,6 +2,7 @@
  *     photons
  *     above.n  below.n  layerL.n  layerL.mua  layerL.mus  layerL.g  layerL.d     layers from 1
  *     bodyK.n  bodyK.mua  bodyK.mus  bodyK.g                                     bodies from 1
+ *     NAME.n ...                      of a layer that has a name, as gel.mua, beside its number
  *     layerL.phase.g1 .g2 .w .g .a  bodyK.phase...       the numbers of a phase line
  *     backing.r, or of a metal backing.n  backing.k
  *     boundaryB.scale  boundaryB.height       boundaries from 0; of those that have a shape in the file
@@ -25,3 +26,15 @@ extern const struct cml_mci_field cml_mci_photons_field;
 /* Puts all settings in the place of what the file says. CML_E_INPUT when a value is not in the field's range,
  * or the scene has no such number; the message has the names that it knows. */
 CML_NODISCARD cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene);
+
+/* Whether the scene has a number of that name, which a setting may take the place of. *known is false on
+ * failure, which is want of memory. */
+CML_NODISCARD cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *name, bool *known,
+                                            struct cml_error *err);
+
+/* The layer that a setting is of, by number or name; 0: of none. */
+int cml_mci_layer_of(const struct cml_scene *scene, const char *name);
+
+/* Whether a word that is no setting of a scene was perhaps meant for one: it has a dot, begins like the owner
+ * of numbers (layer1_mua), or is nearly the name of a number (mua). */
+bool cml_mci_resembles_setting(const char *name);

@@ -72,7 +72,9 @@ static void print_absorbed(FILE *stream, const struct cml_report *report)
                     layers + bodies - k);
             return;
         }
+        const char *name = k < layers ? cml_layer_name(report->scene, medium) : "";
         fprintf(stream, "  A of %s %d", k < layers ? "layer" : "body", k < layers ? k + 1 : k - layers + 1);
+        if (*name) fprintf(stream, " (%s)", name);
         cml_report_estimate(stream, cml_result_absorbed(report->sums, medium),
                             cml_result_absorbed_error(report->sums, medium));
         fputc('\n', stream);

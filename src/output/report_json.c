@@ -355,10 +355,12 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
 static json_t *layer_json(const struct subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
-    return with_phase(json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus",
-                                medium->mus, "g", medium->g, "d", medium->d, "mean_d",
-                                subject->mean->thickness[l]),
-                      medium->phase);
+    json_t *object =
+        json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus", medium->mus,
+                  "g", medium->g, "d", medium->d, "mean_d", subject->mean->thickness[l]);
+    const char *name = cml_layer_name(subject->scene, l + 1);
+    if (*name) json_object_set_new(object, "name", json_string(name));
+    return with_phase(object, medium->phase);
 }
 
 /* null where the scene asks for no map. */

@@ -78,6 +78,7 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->shares);
     free(scene->boundaries);
     free(scene->media);
+    free(scene->layer_names);
     cml_phases_free(scene->phases);
     free(scene->file);
     free(scene->output);
@@ -133,6 +134,8 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     to->phases = NULL;
     cml_share(to->body_users);
     to->media = cml_array_copy(from->media, media, sizeof *to->media, &failed);
+    to->layer_names = cml_array_copy(from->layer_names, from->layer_names ? layers + 1 : 0,
+                                     sizeof *to->layer_names, &failed);
     to->boundaries = cml_array_copy(from->boundaries, layers + 1, sizeof *to->boundaries, &failed);
     to->beams = cml_array_copy(from->beams, beams, sizeof *to->beams, &failed);
     to->shares = cml_array_copy(from->shares, beams, sizeof *to->shares, &failed);

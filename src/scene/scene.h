@@ -186,6 +186,9 @@ struct cml_detector_def {
 /* The speed of light in vacuum, cm/ps. */
 #define CML_LIGHT_CM_PER_PS 0.0299792458
 
+/* Bytes of a layer's name with its final NUL. */
+enum { CML_LAYER_NAME = 25 };
+
 struct cml_scene {
     char *file;       /* the .mci, for messages and names beside it */
     int line;         /* where the run begins */
@@ -196,6 +199,7 @@ struct cml_scene {
     int nz, nr, na;   /* >= 1 */
     int num_layers;   /* L >= 1 */
     int num_bodies;
+    char (*layer_names)[CML_LAYER_NAME]; /* [L+1] "": layer l has none; NULL: no layer has one */
     struct cml_medium_def *media;    /* [L+2+num_bodies], layers, outer media and bodies: body k is L+2+k */
     struct cml_phase *phases;        /* all that differ, the last one first; at most CML_MOST_PHASES */
     struct cml_boundary *boundaries; /* [L+1] */
@@ -228,6 +232,12 @@ CML_NODISCARD cml_status cml_scene_copy(const struct cml_scene *from, struct cml
 
 void cml_scene_clear(struct cml_scene *scene);
 void cml_scene_list_clear(struct cml_scene_list *list);
+
+/* The name of layer l, 1..L; "": it has none. */
+static inline const char *cml_layer_name(const struct cml_scene *scene, int l)
+{
+    return scene->layer_names ? scene->layer_names[l] : "";
+}
 
 /* Medium of body k. */
 static inline int cml_body_medium(const struct cml_scene *scene, int k)

@@ -68,4 +68,15 @@ test "$(tail -n 1 "$work/err")" = "clustermcml: $work/folder/hihill.mco: cannot 
     complain "vanished: $(cat "$work/err")"
 vanish hihill $scene 1e9 TERM
 test "$(tail -n 1 "$work/err")" = "clustermcml: ${note#*note: }" || complain "vanished and stopped: $(cat "$work/err")"
+
+# A folder for -o that is not there is made, with those that it lies in; where nothing is flown it goes again.
+expect_code 0 $scene --photons 20 --quiet -o "$work/new/one/two"
+test -f "$work/new/one/two/hihill.mco" || complain "a new folder: $(ls -R "$work/new")"
+expect_code 0 mesh $scene -o "$work/new/mesh/"
+test -f "$work/new/mesh/hihill.mco.boundary0.obj" || complain "a new folder for meshes: $(ls "$work/new/mesh")"
+: >"$work/new/file"
+expect_error 5 "$work/new/file: cannot be made (File exists; expected a folder)" $scene -o "$work/new/file/none"
+sed 's/hihill.mco/hihill.lock/' $scene >"$work/locked.mci"
+expect_code 2 "$work/locked.mci" -o "$work/new/none"
+test ! -e "$work/new/none" || complain "a folder of a file that is refused"
 finish

@@ -120,6 +120,15 @@ clustermcml: note: $work/odd.mci:19: layer 3: d = 50.1 cm (lengths are in cm: wa
 clustermcml: note: $work/odd.mci:22: the run second.mco and what follows it is not read: the number of runs is 1
 END
 cmp -s "$work/expected" "$work/err" || complain "notes on the input: $(diff "$work/expected" "$work/err")"
+# mua and mus that may have changed places; media that do not scatter are meant so.
+sed -e 's/^1.4 .* 50 0.8 50$/1.4 410.1 20.5 0.8 50/' -e 's/^1.4 .* 0.1$/1.4 410 20.5 0.8 0.1\ni sphere 0 0 0.05 0.01 1.4 9 0.4 0\ni sphere 1 0 0.05 0.01 1.4 9 0 0/' \
+    -e '/^second/d' -e '/^#/d' -e 's/50.1/50/' "$work/odd.mci" >"$work/swapped.mci"
+expect_code 0 check "$work/swapped.mci"
+cat >"$work/expected" <<END
+clustermcml: note: $work/swapped.mci:12: layer 2: mua = 410.1 and mus = 20.5 1/cm (were the two swapped?)
+clustermcml: note: $work/swapped.mci:10: body 1: mua = 9 and mus = 0.4 1/cm (were the two swapped?)
+END
+cmp -s "$work/expected" "$work/err" || complain "mua and mus swapped: $(diff "$work/expected" "$work/err")"
 sed '/^second/d; /^#/d; s/50.1/50/' "$work/odd.mci" >"$work/even.mci"
 expect_code 0 check "$work/even.mci"
 test ! -s "$work/err" || complain "a number behind the last run, and nothing else, is noted: $(cat "$work/err")"

@@ -92,6 +92,7 @@ expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stoppe
 same_rows "$work/whole" "$work/stopped" "resumed"
 expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
 same_rows "$work/whole" "$work/stopped" "resumed again"
+test -z "$(ls "$work/stopped" | grep 'old$')" || complain "resumed again: left $(ls "$work/stopped")"
 
 # So it is while rows are written, of which the flight's checkpoint holds all.
 sed -e 's/^20000/100/' -e 's/^20 20 5/20 200 90/' "$work/two.mci" >"$work/slow.mci"

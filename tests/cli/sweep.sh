@@ -103,6 +103,61 @@ wrong ":1: label = a_b (expected a name that no other column has, with _ for /)"
 wrong ":1: label = a/b (expected a name that no other column has, with _ for /)" '"a_b",layer1.mua,"a/b"\n1,2,3\n'
 wrong ":2: label = . (expected a name other than .)" '# names\nlayer1.mua,"."\n1,2\n'
 wrong ":1: label = detector/1 (expected a name that the table of results has not already)" '"detector/1",layer1.mua\n1,2\n'
+# A label must have a name that nothing in the scene has: who quotes layer1.mua means to set it. A name without marks that is far
+# from all that is set is a label, and a note says so; one that is near is refused, and the way out named.
+label="the name without quotation marks, if it is to be set; a label has a name that nothing in the scene has"
+wrong ":1: column 1 = layer1.mua (expected $label)" '"layer1.mua",layer1.mus\n.5,20\n5,20\n'
+wrong ":1: column 2 = boundary0.height (expected $label)" 'layer1.mua,"boundary0.height"\n1,1\n'
+wrong ":1: column 2 = seed (expected $label)" 'layer1.mua,"seed"\n1,1\n'
+wrong ":1: column 2 = photons (expected $label)" 'layer1.mua,"photons"\n1,100\n'
+for near in mua layer2.mua layer1_mua photon angel; do
+    printf "layer1.mus,$near\n20,1\n" >"$work/wrong.csv"
+    expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
+    grep -q "column 2, $near = 1 (expected a name that the run in line [0-9]* knows: .*; a label stands in quotation marks)$" "$work/err" ||
+        complain "a name near one that is set: $(cat "$work/err")"
+done
+mkdir "$work/labels"
+printf 'wavelength,layer1.mua\n500,1\n600,2\n' >"$work/plain.csv"
+sed 's/wavelength/"wavelength"/' "$work/plain.csv" >"$work/quoted.csv"
+for file in quoted plain; do
+    expect_code 0 "$work/ridges.mci" --sweep "$work/$file.csv" --photons 300 --quiet -o "$work/labels"
+    cp "$work/labels/ridges.sweep.csv" "$work/$file.out"
+done
+cmp -s "$work/quoted.out" "$work/plain.out" || complain "a label without marks: $(diff "$work/quoted.out" "$work/plain.out")"
+test "$(cat "$work/err")" = "clustermcml: note: $work/plain.csv:1: column 1, wavelength, is a label: the scene has no number of that name" ||
+    complain "a label without marks: $(cat "$work/err")"
+expect_code 0 check "$work/ridges.mci" --sweep "$work/plain.csv"
+
+# A layer has its name in columns, too. Numbers of layers are noted where others may be meant, not where names say which.
+sed 's/^1.4 0.1 5 .*/& name=gel/' "$work/bodies.mci" >"$work/gel.mci"
+for file in layer1 gel; do
+    printf "$file.mua,$file.d\n2,0.1\n3,0.1\n" >"$work/named.csv"
+    mkdir "$work/$file"
+    expect_code 0 "$work/gel.mci" --sweep "$work/named.csv" --photons 300 --quiet -o "$work/$file"
+    test ! -s "$work/err" || complain "a layer with a name: $(cat "$work/err")"
+    grep -v -e '^# User time' -e '^# set' "$work/$file/bodies-0002.mco" >"$work/$file.out"
+    grep -q "^# set $file.mua = 3$" "$work/$file/bodies-0002.mco" || complain "$file.mua is not in the result"
+done
+cmp -s "$work/layer1.out" "$work/gel.out" || complain "gel.mua: $(diff "$work/layer1.out" "$work/gel.out")"
+printf 'layer1.mua,gel.mua\n1,2\n' >"$work/wrong.csv"
+expect_error 2 "$work/wrong.csv:2: column 2, gel.mua = 2 (expected one value, but layer1.mua of $work/wrong.csv has set it to 1)" \
+    "$work/gel.mci" --sweep "$work/wrong.csv" -o "$work"
+# With --reweight rows in which the first layer is clear are apart, whatever it is called.
+printf 'gel.mua\n0\n1\n2\n' >"$work/clear.csv"
+expect_code 0 check "$work/gel.mci" --sweep "$work/clear.csv" --reweight --json
+grep -q '"sweep":{"rows":3,"flights":2}' "$work/out" || complain "a clear layer with a name: $(cat "$work/out")"
+numbered() { # SCENE NOTES
+    expect_code 0 check "$1" --sweep "$work/named.csv"
+    test "$(cat "$work/err")" = "$2" || complain "layers by number: $(cat "$work/err")"
+}
+behind="name=NAME behind the numbers of a layer lets columns say NAME.mua"
+printf 'layer2.mua\n2\n' >"$work/named.csv"
+numbered "$work/gel.mci" "clustermcml: note: $work/named.csv: layer2 counts from above, in a scene of 2 layers and 2 bodies; $behind"
+sed '/^i /d' "$work/bodies.mci" >"$work/two.mci"
+numbered "$work/two.mci" "clustermcml: note: $work/named.csv: layer2 counts from above, in a scene of 2 layers and 0 bodies; $behind"
+printf 'layer2.mua,layer1.mua\n2,1\n' >"$work/named.csv"
+numbered "$work/two.mci" ""
+
 printf 'layer1.x\n1\n' >"$work/wrong.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
 grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that the run in line [0-9]* knows: photons, " "$work/err" ||
@@ -157,9 +212,64 @@ expect_code 2 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --
 grep -q '^clustermcml: --no-clobber: .* is there (expected no result that would be replaced)$' "$work/err" || complain "rows without checkpoints: $(cat "$work/err")"
 test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
+# A table that is too large is refused before it is read: so of sweeps, and of what a line of the scene names.
+truncate -s 20G "$work/large.csv"
+large="cannot be read: it has 21474836480 bytes (expected a table of at most 268435456 bytes)"
+expect_error 2 "$work/large.csv: $large" "$work/ridges.mci" --sweep "$work/large.csv"
+for line in 'beam pencil light="large.csv"' 'detector table "large.csv"' 'phase table "large.csv"' 'b "large.csv"'; do
+    { sed -n 1,4p "$work/two.mci"; case $line in beam* | det*) echo "$line" ;; esac; sed -n 5,8p "$work/two.mci"
+        case $line in b\ *) echo "$line" ;; esac; sed -n 9p "$work/two.mci"; case $line in phase*) echo "$line" ;; esac
+        sed -n '10,$p' "$work/two.mci"; } >"$work/names_large.mci"
+    (ulimit -v 4000000 && exec "$program" check "$work/names_large.mci") >"$work/out" 2>"$work/err" && complain "$line: not refused"
+    grep -q "$work/large.csv: $large\$" "$work/err" || complain "$line: $(cat "$work/err")"
+done
+rm "$work/large.csv"
+code=0
+yes 1,2 | head -c 268435457 | "$program" "$work/ridges.mci" --sweep - >"$work/out" 2>"$work/err" || code=$?
+test $code = 2 && grep -q '^clustermcml: standard input: cannot be read: it has more than 268435456 bytes (expected a table of at most 268435456 bytes)$' "$work/err" ||
+    complain "a large table through a pipe: $(cat "$work/err")"
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"
+# --resume of a sweep that was flown without it flies all rows anew, and says so once; results of more photons stay, unless --replace
+# is given, also of rows that come of one flight, and of one run.
+anew() { # PHOTONS ARGUMENTS... : rows in $work/anew
+    photons=$1
+    shift
+    rm -f "$work/anew"/*.checkpoint
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons $photons --quiet -o "$work/anew" "$@"
+}
+better() { # ARGUMENTS: nothing is replaced
+    md5sum "$work/anew"/* >"$work/before"
+    expect_code 2 "$work/two.mci" --photons 299 --resume --quiet -o "$work/anew" "$@"
+    grep -q "^clustermcml: .*--resume: $work/anew/bodies.*\.mco of 300 photons is of another run, and would be replaced by 299 photons (expected --photons of as many, or --replace)$" \
+        "$work/err" || complain "results of more photons: $(cat "$work/err")"
+    md5sum "$work/anew"/* | cmp -s - "$work/before" || complain "results of more photons: $(ls -l "$work/anew")"
+}
+mkdir "$work/anew"
+printf 'layer2.mua,layer1.mua\n2,1\n3,1\n4,1\n' >"$work/named.csv"
+anew 300
+expect_code 0 "$work/two.mci" --photons 300 --quiet -o "$work/anew"
+better --sweep "$work/named.csv"
+better --sweep "$work/named.csv" --reweight
+better
+begins="they begin anew; replaces $work/anew/bodies-0001.mco of 300 photons"
+for more in "--resume" "--resume --replace" "--resume --reweight --replace"; do
+    photons=300
+    test "$more" = --resume || photons=299
+    anew 300
+    anew $photons $more
+    test "$(grep -v effective "$work/err")" = "clustermcml: note: --resume finds no checkpoint of 3 of 3 rows whose results are there: $begins, and others" ||
+        complain "$more: $(cat "$work/err")"
+    anew 300
+    rm -f "$work/anew"/bodies-000[23].mco
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons 400 --quiet -o "$work/anew" --resume
+    test "$(cat "$work/err")" = "clustermcml: note: --resume finds no checkpoint of 1 of 3 rows whose results are there: $begins" || complain "one row: $(cat "$work/err")"
+    expect_code 0 "$work/two.mci" --sweep "$work/named.csv" --photons 400 --quiet -o "$work/anew" --resume
+    test ! -s "$work/err" || complain "rows that are finished: $(cat "$work/err")"
+done
+expect_code 0 "$work/two.mci" --photons 299 --resume --replace --quiet -o "$work/anew"
+grep -q '^299 ' "$work/anew/bodies.mco" || complain "--replace: $(sed -n 1,20p "$work/anew/bodies.mco")"
 # What detectors have seen stands in both tables, behind the names of the scene, as the rows' own records say, also of rows that were finished before.
 printf '1.0\n1\nseen.mco A\n2000\n0.1 0.1\n5 5 5\ndetector disk 0.2\ndetector ring 0.2 1 name=far\n1\n1\n1.4 1 50 0.8 0.2\n1\n' >"$work/seen.mci"
 printf 'detector1.x,layer1.mua\n0,1\n0.3,1\n0.3,2\n' >"$work/seen.csv"

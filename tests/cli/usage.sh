@@ -79,7 +79,7 @@ expect_code 0 check --resume --help
 
 expect_code 2 "$work/missing.mci"
 expect_code 2 "$work"
-expect_code 5 $sample --photons 10 -o "$work/missing"
+expect_code 5 $sample --photons 10 -o $sample/missing
 
 printf '\377\3761\0.\0000\0\n\0' >"$work/utf16.mci"
 expect_error 2 "$work/utf16.mci: cannot be read: it is UTF-16 (expected a text file in UTF-8)" "$work/utf16.mci"

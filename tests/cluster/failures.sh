@@ -6,7 +6,7 @@ sample=samples/fig5.mci
 
 expect_ranks_error 3 2 "$work/missing.mci: cannot be read: No such file or directory (expected a file)" "$work/missing.mci"
 expect_ranks_error 3 2 "--seed x (expected a whole number from 0 to 9007199254740992)" $sample --seed x
-expect_ranks_error 3 5 "$work/none/fig5.mco: cannot be written (No such file or directory)" $sample -o "$work/none"
+expect_ranks_error 3 5 "$sample: cannot be made (File exists; expected a folder)" $sample -o $sample/none
 printf '1.0\n1\nx.mco A\nten\n' >"$work/wrong.mci"
 expect_ranks_error 3 2 "$work/wrong.mci:4: photons = ten (expected a whole number of 1..2^48)" "$work/wrong.mci"
 

@@ -373,7 +373,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         H5set_free_list_limits(-1, -1, 4 << 20, 256 << 10, 16 << 20,
                                1 << 20); /* regular ones have few sizes */
         write_base(path_of("base"), 2);
-        FUZZ_CHECK(cml_text_read_file(path_of("base"), &base, &base_size, &err) == CML_OK);
+        FUZZ_CHECK(cml_text_read_file(path_of("base"), SIZE_MAX, &base, &base_size, &err) == CML_OK);
         write_base(path_of("base"), 1); /* the other half of what is merged */
         FUZZ_CHECK(H5Fopen(path_of("base"), H5F_ACC_RDONLY, H5P_DEFAULT) >= 0);
         strcpy(path, path_of("changed"));

@@ -65,7 +65,7 @@ static char *written(const struct cml_outcome *mco, size_t *size)
     struct cml_error err = {CML_OK, ""};
     char *bytes = NULL;
     FUZZ_CHECK(cml_mco_write(fuzz_output(), mco, &err) == CML_OK);
-    FUZZ_CHECK(cml_text_read_file(fuzz_output(), &bytes, size, &err) == CML_OK);
+    FUZZ_CHECK(cml_text_read_file(fuzz_output(), SIZE_MAX, &bytes, size, &err) == CML_OK);
     return bytes;
 }
 

@@ -13,7 +13,7 @@ import unittest.mock
 import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
-from python_package import mc, np  # noqa: E402
+from python_package import TOP, mc, np  # noqa: E402
 from clustermcml.__main__ import main  # noqa: E402
 
 BOUNDS = {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}
@@ -93,7 +93,7 @@ class Fits(unittest.TestCase):
             fit.plot(path)
             with open(path, encoding="utf-8") as file:
                 drawn = file.read()
-        for text in (">model<", ">measured<", "Reflectance by radius", f"layer1.mua = {fit.values['layer1.mua']:.4g} ± {fit.errors['layer1.mua']:.2g}",
+        for text in (">model<", ">measured<", "Reflectance by radius", str(fit).splitlines()[0].replace("+-", "±"),
                      f"Tt: model {fit.prediction['Tt']:.4g}, measured"):
             self.assertIn(text, drawn)
         np.testing.assert_allclose(fit.places["Rd_r"], 0.015 + 0.03 * np.arange(6))
@@ -105,6 +105,23 @@ class Fits(unittest.TestCase):
         self.assertRegex(str(fit), "\nno freedom to judge the fit: measured numbers 1, parameters 2, 2 flights\nThe data do not tell layer1.mua and layer1.mus: 1 number for 2 parameters")
         self.assertEqual(fit.errors["layer1.mua"], np.inf)
         self.assertRegex(str(mc.fit(slab(), {"layer1.mua": (1, 2)}, {"Tt": (0.35, 0.001)}, photons=2000)), "A bound stopped layer1.mua at 1:")
+
+    def test_a_layer_is_fitted_by_its_name(self):
+        one = mc.fit(slab(), {"layer1.mua": (0.1, 10), "layer1.mus": (50, 200)}, {"Rd": (0.3, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3)
+        scene = slab()
+        scene.layers[0].name = "gel"
+        other = mc.fit(scene, {"gel.mua": (0.1, 10), "gel.mus": (50, 200)}, {"Rd": (0.3, 0.003), "Tt": (0.36, 0.003)}, photons=2000, flights=3)
+        self.assertEqual([one.values["layer1.mua"], one.values["layer1.mus"]], [other.values["gel.mua"], other.values["gel.mus"]])
+        for bounds, message in (({"oil.mua": (1, 2)}, "parameters = 'oil.mua'"), ({"gel.mua": (1, 2), "layer1.mua": (1, 2)}, "each number once")):
+            with self.assertRaisesRegex(mc.InputError, message):
+                mc.fit(scene, bounds, {"Rd": (0.3, 0.003)})
+
+    def test_values_have_the_digits_of_their_errors(self):
+        fields = dict.fromkeys(("correlation", "correlation_errors", "prediction", "prediction_errors", "measured", "measured_errors", "places"), {})
+        fit = mc.Fit(values={"layer1.mua": 5.21656, "layer1.mus": 123456.0}, errors={"layer1.mua": 1.6, "layer1.mus": 4321.0},
+                     **{**fields, "correlation": np.eye(2), "correlation_errors": np.eye(2)}, chi2=1.0, degrees=2, words="", flights=1)
+        self.assertEqual(str(fit).splitlines()[:2], ["layer1.mua = 5.2 +- 1.6", "layer1.mus = 123500 +- 4300"])
+        self.assertRegex(str(fit), ", 1 flight$")
 
     def test_data_that_no_parameter_explains_are_said_to_be_so(self):
         fit = mc.fit(slab(), {"layer1.mua": (0.1, 2)}, {"Rd": (0.5, 0.002), "Tt": (0.36, 0.002)}, photons=2000)
@@ -160,6 +177,15 @@ class Shell(unittest.TestCase):
             with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err, \
                     warnings.catch_warnings(), unittest.mock.patch.object(sys, "argv", ["", *words]):
                 return main(), out.getvalue() + err.getvalue().replace(folder, "")
+
+    def test_a_table_that_is_too_large_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "large.csv")
+            with open(path, "wb") as file:
+                file.truncate(20 * 2**30)
+            ended = subprocess.run([sys.executable, "-m", "clustermcml", "fit", "samples/thick.mci", path, "layer1.mua=1:2"], capture_output=True, text=True,
+                                   cwd=TOP, env={**os.environ, "PYTHONPATH": os.path.join(TOP, "src", "python")})
+        self.assertEqual((ended.returncode, ended.stderr), (2, f"clustermcml: {path}: cannot be read: it has 21474836480 bytes (expected a table of at most 268435456 bytes)\n"))
 
     def test_a_table_gives_the_fit_of_its_numbers(self):
         code, said = self.fit("\ufeffname,place,value,error\nRd,,0.30,0.003 # sphere\n\nTt,,0.36,0.003\n", started='"$@"')

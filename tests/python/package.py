@@ -358,7 +358,7 @@ class Runs(unittest.TestCase):
         scene = mc.Scene([SLAB], photons=100)
         for options, text in (({"seed": "x"}, r"--seed x \(expected a whole number"), ({"sead": 1}, "unknown option --sead"),
                               ({"json": True}, r"json = True"),
-                              ({"help": True}, r"help = True"), ({"sweep": "a.csv"}, r"sweep = 'a.csv'"), ({"output_dir": "/none"}, r"output_dir = '/none' \(expected a folder")):
+                              ({"help": True}, r"help = True"), ({"sweep": "a.csv"}, r"sweep = 'a.csv'"), ({"output_dir": "/dev/null/none"}, r"output_dir = '/dev/null/none' \(expected a folder")):
             with self.assertRaisesRegex(mc.InputError, text):
                 mc.run(scene, **options)
         with self.assertRaisesRegex(mc.InputError, "scene = 'none.mci'"):

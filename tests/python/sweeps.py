@@ -4,6 +4,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import mc, np, xr  # noqa: E402
@@ -57,6 +58,32 @@ class Tables(unittest.TestCase):
         self.check_rows(indexed, "nm")
         np.testing.assert_array_equal(indexed.nm, NM)
         xr.testing.assert_equal(indexed, mc.sweep(slab(), frame, coords=["nm", "leaf"], dim="nm"))
+
+    def test_a_label_is_nothing_that_is_set(self):
+        for coords in ({"layer1.mua": [1, 2, 3]}, {"seed": [1, 2, 3]}, {"photons": [1, 2, 3]}):
+            with self.assertRaisesRegex(mc.InputError, "^parameters: column 2 = .* .expected the name without quotation marks, if it is to be set"):
+                mc.sweep(slab(), {"layer1.mus": MUS}, coords=coords)
+        with self.assertWarnsRegex(UserWarning, "column 2, wavelength, is a label"):
+            swept = mc.sweep(slab(), pd.DataFrame({"layer1.mus": MUS, "wavelength": NM}))
+        self.assertEqual(swept["wavelength"].values.tolist(), NM)
+
+    def test_a_layer_has_its_name(self):
+        gel, glass = (mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, name=name) for name in ("gel", "glass"))
+        named = mc.Scene([gel, glass], photons=300)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            swept = mc.sweep(named, {"glass.mua": [1, 5]})
+        self.assertEqual(swept.Rd.dims, ("glass.mua",))
+        with self.assertWarnsRegex(UserWarning, "layer2 counts from above, in a scene of 2 layers and 0 bodies"):
+            other = mc.sweep(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)] * 2, photons=300), {"layer2.mua": [1, 5]})
+        self.assertEqual(swept.A_l.values.tolist(), other.A_l.values.tolist())
+        self.assertEqual([layer["name"] for layer in mc.check(named)[0]["layers"]], ["gel", "glass"])
+        for layers, message in (([gel, gel], "layers whose names differ"),):
+            with self.assertRaisesRegex(mc.InputError, message):
+                mc.Scene(layers)
+        for name in ("layer2", "above", "seed", "2x", "a-b", "", "x" * 25, 1):
+            with self.assertRaisesRegex(mc.InputError, "^Layer.name = "):
+                mc.Layer(1.4, 1, 100, 0.9, 0.1, name=name)
 
     def test_labels_reach_the_table(self):
         """Whose own words they are, so that it can be flown again."""

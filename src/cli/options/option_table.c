@@ -143,6 +143,8 @@ const struct cml_option cml_option_table[] = {
      .read = cml_read_checkpoint, SECONDS(checkpoint_interval)},
     {"resume", 0, NULL, RUN, NULL, "continue from the checkpoint, on any number of ranks and threads",
      FLAG(resume)},
+    {"replace", 0, NULL, RUN, NULL,
+     "with --resume: also replace results of other runs that have more photons", FLAG(replace)},
     {"no-clobber", 0, NULL, RUN, NULL,
      "end where a result would be replaced; with --resume finished ones count", FLAG(no_clobber)},
     {"keep", 0, NULL, RUN, NULL,
@@ -154,8 +156,9 @@ const struct cml_option cml_option_table[] = {
      "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_number,
      SECONDS(timeout)},
 
-    {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
-     TEXT(directory), .title = "output"},
+    {"output-dir", 'o', "DIR", RUN | MESH, NULL,
+     "where results go, default the current directory; a folder that is not there is made", TEXT(directory),
+     .title = "output"},
     {"output", 'o', "FILE", RUN | MERGE | COMPARE | PLOT | CHECK, NULL,
      "of run: the result's name in place of the file's, .mco or .h5, written out, as -o is --output-dir "
      "there; of merge: the result. Else the picture, .svg, .png, .pdf or .eps; of compare and check: none "

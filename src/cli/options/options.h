@@ -25,6 +25,7 @@ struct cml_options {
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool seed_given;            /* by --seed */
     bool resume;
+    bool replace;    /* --resume may replace results with more photons */
     bool no_clobber; /* a result that is there is not replaced */
     bool keep;       /* checkpoints of finished runs stay, with all tallies */
     uint64_t more;   /* photons to be added to finished runs; 0: none */

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static bool has_checkpoint(const char *path)
+bool cml_has_checkpoint(const char *path)
 {
     char older[PATH_MAX];
     snprintf(older, sizeof older, "%s.old", path);
@@ -31,6 +31,28 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
+static uint64_t photons_of(const char *path)
+{
+    struct cml_outcome found;
+    struct cml_error ignored;
+    if (access(path, F_OK) != 0 || cml_file_is_device(path)) return 0;
+    if (cml_result_read(path, &found, &ignored) != CML_OK) return 0;
+    const uint64_t photons = (uint64_t)found.photons;
+    cml_outcome_clear(&found);
+    return photons;
+}
+
+cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
+                                  uint64_t *found, struct cml_error *err)
+{
+    *found = photons_of(path);
+    if (!options->resume || options->replace || *found <= photons) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "--resume: %.400s of %g photons is of another run, and would be replaced by %g photons "
+                    "(expected --photons of as many, or --replace)",
+                    path, (double)*found, (double)photons);
+}
+
 /* What is looked for: whole results of this run, or of the one that it extends, which need not be there, or
  * of either where an extension was stopped: perhaps while it wrote its own. */
 struct looking {
@@ -38,6 +60,8 @@ struct looking {
     bool resumes, extends;
     struct cml_before *before;
 };
+
+static const char of_another[] = "is of another run";
 
 /* What is wrong with a file that should say to be of this run; NULL: nothing. */
 static const char *fault_of_result(const struct looking *looking, const struct cml_report_file *file)
@@ -50,13 +74,13 @@ static const char *fault_of_result(const struct looking *looking, const struct c
     cml_identity_sum(looking->or_identity, or_sum);
     if (file->content > CML_FILE_SAVED && !cml_vtk_has_comment(file->path, sum) &&
         !cml_vtk_has_comment(file->path, or_sum))
-        return "is of another run";
+        return of_another;
     if (file->content > CML_FILE_SAVED) return cml_vtk_is_whole(file->path) ? NULL : "is no whole result";
     if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
         return "is no whole result";
     const bool own = strcmp(found.identity, sum) == 0 || strcmp(found.identity, or_sum) == 0;
     cml_outcome_clear(&found);
-    return own ? NULL : "is of another run";
+    return own ? NULL : of_another;
 }
 
 /* A directory, or a file that a full disk has left empty, is nothing that a run has written. */
@@ -98,7 +122,7 @@ static bool result_stands(const struct cml_options *options, const struct cml_ru
                           const struct cml_before *before)
 {
     return options->resume && !options->json && !options->keep && before->there && !before->gone &&
-           !has_checkpoint(setup->checkpoint);
+           !cml_has_checkpoint(setup->checkpoint);
 }
 
 /* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
@@ -133,6 +157,16 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
                             : "finished run with its tallies (expected --more or --resume, or none)");
 }
 
+static cml_status keep_better(const struct cml_options *options, const struct cml_run_setup *setup,
+                              struct cml_error *err)
+{
+    uint64_t found;
+    CML_FREED char *path = NULL;
+    if (setup->checkpoint && cml_has_checkpoint(setup->checkpoint)) return CML_OK;
+    CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
+    return cml_before_keep_better(options, path, setup->photons, &found, err);
+}
+
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
@@ -147,6 +181,7 @@ cml_status cml_before_look(const struct cml_options *options, const struct cml_r
         return cml_fail(err, CML_E_INPUT,
                         "--no-clobber: %.400s %s (expected that of the run that --more extends)",
                         before->gone, before->how);
+    if (before->how == of_another) CML_TRY(keep_better(options, setup, err));
     before->stands = row == 0 && setup->checkpoint && result_stands(options, setup, before);
     const bool keeps = options->no_clobber && options->resume && !extends && setup->checkpoint;
     return keeps ? check_kept(setup, before, err) : CML_OK;
@@ -166,7 +201,7 @@ void cml_before_clear(struct cml_before *before)
 static void note_no_checkpoint(const char *path, const struct cml_before *before)
 {
     char why[512] = "its files hold less than --json or --keep ask for", text[1200];
-    if (has_checkpoint(path)) return;
+    if (cml_has_checkpoint(path)) return;
     if (before->gone) snprintf(why, sizeof why, "%.400s %s", before->gone, before->how);
     snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew, as %s", path,
              before->there ? why : "none of its files is there");

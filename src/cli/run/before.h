@@ -22,6 +22,15 @@ void cml_before_clear(struct cml_before *before);
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before);
 
+/* Whether there is a checkpoint, or the one before it. */
+bool cml_has_checkpoint(const char *path);
+
+/* Refuses with --resume, unless --replace is given, to replace a result of another run that has more photons:
+ * it took longer to fly. photons: of the new one. *found: of the old one; 0: there is none, or nothing of
+ * ours. */
+CML_NODISCARD cml_status cml_before_keep_better(const struct cml_options *options, const char *path,
+                                                uint64_t photons, uint64_t *found, struct cml_error *err);
+
 /* Refuses with --no-clobber a file that is there. */
 CML_NODISCARD cml_status cml_keep(const char *path, struct cml_error *err);
 

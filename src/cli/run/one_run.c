@@ -256,6 +256,7 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
         if (status == CML_E_NUMERIC) worst = status;
         if (status != CML_OK && status != CML_E_NUMERIC) return status;
     }
+    if (setup->checkpoint && cml_cluster_rank() == 0) cml_checkpoint_remove_older(setup->checkpoint);
     note_poor(call->rows, poor);
     return worst;
 }

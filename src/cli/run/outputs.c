@@ -390,12 +390,15 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
                              void (*note)(void *context, const char *text), struct cml_outputs *outputs,
                              struct cml_error *err)
 {
+    const bool made = options->directory && access(options->directory, F_OK) != 0;
     *outputs = (struct cml_outputs){0};
+    if (made) CML_TRY(cml_folder_make(options->directory, err));
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
         note_elsewhere(options, outputs, note);
     else
         cml_outputs_release(outputs);
+    if (status != CML_OK && made) (void)rmdir(options->directory);
     return status;
 }
 

@@ -23,10 +23,11 @@ struct cml_outputs {
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
 };
 
-/* Claims all files of all runs: they can be written, none of them is an input or that of another run, and no
- * other process writes those of the first num_locks runs. `inputs`: what was read. CML_E_INPUT: a name that
- * cannot be meant, a result that --no-clobber keeps; CML_E_IO: a file that cannot be written or is locked. On
- * failure nothing is held. Notes go to `note`. */
+/* Claims all files of all runs, in the folder of -o, which is made where it is not there: they can be
+ * written, none of them is an input or that of another run, and no other process writes those of the first
+ * num_locks runs. `inputs`: what was read. CML_E_INPUT: a name that cannot be meant, a result that
+ * --no-clobber keeps; CML_E_IO: a file that cannot be written or is locked. On failure nothing is held. Notes
+ * go to `note`. */
 CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            const struct cml_scene_list *list, int num_locks,
                                            const struct cml_inputs *inputs,

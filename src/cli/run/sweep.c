@@ -10,6 +10,7 @@
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep_flights.h"
+#include "input/mci_settings.h"
 #include "input/sweep/sweep_groups.h"
 #include "output/files/hdf5_file.h"
 #include "output/study/sweep_files.h"
@@ -19,6 +20,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* "NAME.sweep.csv" and the like, in the directory of results. */
 static cml_status table_path(const struct cml_sweep_run *sweep, const char *suffix, char **path,
@@ -31,7 +33,40 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 /* ---- before the first row flies ---- */
 
-static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct cml_error *err)
+/* The number of the row whose checkpoint speaks for a row: its own, or that of its flight. */
+static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
+{
+    int first = 0;
+    if (!sweep->group) return row;
+    while (sweep->group[first] != sweep->group[row]) first++;
+    return first;
+}
+
+/* A row whose result has no checkpoint is flown anew, though --resume was given: the sweep that left the
+ * result was flown without. A result with more photons than the row would have stays, and ends the sweep; of
+ * --target-error nobody knows the photons before. */
+static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const struct cml_scene *scene,
+                                 struct cml_error *err)
+{
+    const struct cml_options *options = sweep->options;
+    const uint64_t photons = options->target_error > 0 ? UINT64_MAX
+                             : options->photons > 0    ? options->photons
+                                                       : scene->photons;
+    struct cml_scene other = {.output = NULL};
+    uint64_t found;
+    CML_FREED char *path = NULL, *name = NULL, *checkpoint = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    if (access(path, F_OK) != 0) return CML_OK;
+    CML_TRY(cml_sweep_row_output(sweep, row_of_checkpoint(sweep, row), &name, err));
+    other.output = name;
+    CML_TRY(cml_run_checkpoint(options, &other, &checkpoint, err));
+    if (cml_has_checkpoint(checkpoint)) return CML_OK;
+    CML_TRY(cml_before_keep_better(options, path, photons, &found, err));
+    if (sweep->num_anew++ == 0) (void)cml_describe_replaced(path, sweep->replaced);
+    return CML_OK;
+}
+
+static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
     struct cml_scene scene;
     uint64_t seed;
@@ -42,6 +77,7 @@ static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct c
     cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
     if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
     if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
+    if (status == CML_OK && sweep->options->resume) status = look_at_result(sweep, row, &scene, err);
     cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
@@ -131,29 +167,118 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
     return CML_OK;
 }
 
+/* ---- which columns are set, and which are labels ---- */
+
+static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
+{
+    char field[32];
+    snprintf(field, sizeof field, "column %d", column + 1);
+    return cml_fail_field(err, table->text.path, table->names_line, field, table->name[column],
+                          "the name without quotation marks, if it is to be set; a label has a name that "
+                          "nothing in the scene has");
+}
+
+/* A name in quotation marks is a label, and must be no name of the scene's. Programs that write tables leave
+ * the marks out: a name that is far from all that could be set is a label, too, beside columns that are set.
+ * Any other is left as it is, and the reader of the rows refuses it. */
+static cml_status find_labels(struct cml_sweep_run *sweep, const struct cml_scene *scene,
+                              struct cml_error *err)
+{
+    struct cml_sweep_table *table = &sweep->table;
+    bool known[CML_MOST_SETTINGS];
+    int num_set = 0;
+    for (int c = 0; c < table->num_columns; c++) {
+        CML_TRY(cml_mci_is_setting(scene, table->name[c], &known[c], err));
+        known[c] = known[c] || strcmp(table->name[c], "seed") == 0;
+        if (known[c] && table->label[c]) return fail_label(table, c, err);
+        num_set += known[c];
+    }
+    for (int c = 0; num_set > 0 && c < table->num_columns; c++) {
+        if (known[c] || table->label[c] || cml_mci_resembles_setting(table->name[c])) continue;
+        table->label[c] = sweep->unmarked[c] = true;
+    }
+    return CML_OK;
+}
+
+/* The layer whose number a column sets; 0: of none. */
+static int layer_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
+{
+    return table->label[column] ? 0 : cml_mci_layer_of(scene, table->name[column]);
+}
+
+/* A number is that of another layer once a layer is put above, and bodies have numbers of their own. Said
+ * where a table sets a layer without a name by its number, and the scene has bodies or more layers than the
+ * table. */
+static void note_numbers(const struct cml_sweep_table *table, const struct cml_scene *scene)
+{
+    int count = 0, numbered = 0;
+    char text[512];
+    for (int c = 0; c < table->num_columns; c++) {
+        const int layer = layer_of(table, c, scene);
+        int before = 0;
+        while (before < c && layer_of(table, before, scene) != layer) before++;
+        count += layer > 0 && before == c;
+        if (layer > 0 && !*cml_layer_name(scene, layer)) numbered = layer;
+    }
+    if (!numbered) return;
+    if (scene->num_bodies == 0 && count == scene->num_layers) return;
+    snprintf(text, sizeof text,
+             "%.300s: layer%d counts from above, in a scene of %d layer%s and %d bod%s; name=NAME behind the "
+             "numbers of a layer lets columns say NAME.mua",
+             table->text.path, numbered, scene->num_layers, scene->num_layers == 1 ? "" : "s",
+             scene->num_bodies, scene->num_bodies == 1 ? "y" : "ies");
+    cml_show_note(NULL, text);
+}
+
+/* On rank 0, when all rows are found to be good. */
+static void note_columns(const struct cml_sweep_run *sweep)
+{
+    const struct cml_sweep_table *table = &sweep->table;
+    char text[512];
+    for (int c = 0; c < table->num_columns; c++) {
+        if (!sweep->unmarked[c]) continue;
+        snprintf(text, sizeof text,
+                 "%.300s:%d: column %d, %s, is a label: the scene has no number of that name",
+                 table->text.path, table->names_line, c + 1, table->name[c]);
+        cml_show_note(NULL, text);
+    }
+    note_numbers(table, &sweep->base->scenes[0]);
+}
+
+/* The column of layer 1's absorption, by number or name; -1: there is none. */
+static int first_absorption(const struct cml_sweep_table *table, const struct cml_scene *scene)
+{
+    for (int c = 0; c < table->num_columns; c++)
+        if (layer_of(table, c, scene) == 1 && cml_sweep_is_absorption(table->name[c])) return c;
+    return -1;
+}
+
 /* All that can be said of the table before its rows are read as scenes. */
 static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
     const struct cml_options *options = sweep->options;
+    const struct cml_scene *scene = &sweep->base->scenes[0];
     if (sweep->base->count != 1)
         return cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
                         options->sweep, options->operands[0], sweep->base->count);
-    if (options->reweight && sweep->base->scenes[0].saved.limit)
+    if (options->reweight && scene->saved.limit)
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a photons line and --reweight, whose rows have no packets of their own "
                         "(expected no such line)",
-                        sweep->base->scenes[0].file, sweep->base->scenes[0].saved.line);
+                        scene->file, scene->saved.line);
     CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));
+    CML_TRY(find_labels(sweep, scene, err));
     sweep->seed_column = -1;
     for (int c = 0; c < sweep->table.num_columns; c++)
         if (strcmp(sweep->table.name[c], "seed") == 0 && !sweep->table.label[c]) sweep->seed_column = c;
     CML_TRY(check_labels(&sweep->table, err));
-    if (options->reweight) CML_TRY(cml_sweep_check_reweighted(&sweep->base->scenes[0], err));
+    if (options->reweight) CML_TRY(cml_sweep_check_reweighted(scene, err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
-    return options->reweight ? cml_sweep_group(&sweep->table, &sweep->group, &sweep->num_groups, err)
-                             : CML_OK;
+    if (!options->reweight) return CML_OK;
+    return cml_sweep_group(&sweep->table, first_absorption(&sweep->table, scene), &sweep->group,
+                           &sweep->num_groups, err);
 }
 
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
@@ -163,6 +288,7 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
     CML_TRY(identify(sweep, err));
     CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
     if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
+    if (cml_cluster_rank() == 0) note_columns(sweep);
     if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, NULL, err));
     return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
 }
@@ -297,11 +423,22 @@ static void note_replaced(const struct cml_sweep_run *sweep)
     free(csv);
 }
 
+static void note_anew(const struct cml_sweep_run *sweep)
+{
+    char text[CML_REPLACED + 200];
+    snprintf(text, sizeof text,
+             "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
+             sweep->num_anew, sweep->table.num_rows, sweep->replaced,
+             sweep->num_anew > 1 ? ", and others" : "");
+    cml_show_note(NULL, text);
+}
+
 static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error why = {CML_OK, ""};
     if (cml_cluster_rank() == 0 && !options->quiet && !options->resume) note_replaced(sweep);
+    if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     cml_pending_begin(&sweep->pending);
@@ -346,6 +483,7 @@ cml_status cml_sweep_check(const struct cml_options *options, const struct cml_s
     for (int row = 0; status == CML_OK && row < sweep.table.num_rows; row++)
         status = check_row(&sweep, row, err);
     if (status == CML_OK) status = cml_sweep_check_groups(&sweep, largest, err);
+    if (status == CML_OK) note_columns(&sweep);
     const int rows = sweep.table.num_rows;
     *size = (struct cml_sweep_size){rows, sweep.group ? sweep.num_groups : rows};
     clear_sweep(&sweep);

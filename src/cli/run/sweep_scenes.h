@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "cli/run/before.h"
 #include "cli/run/outputs.h"
 #include "cli/run/pending.h"
 #include "cli/run/sweep_rows.h"
@@ -14,11 +15,14 @@ struct cml_sweep_run {
     const struct cml_scene_list *base;
     struct cml_inputs *inputs;
     struct cml_sweep_table table;
-    int seed_column;                 /* -1: the rows have the seed of the options */
-    int num_groups, *group;          /* with --reweight: flights, and the one of each row; else NULL */
-    char *identity;                  /* lines of the identity: the files but for the table */
-    struct cml_surface_set surfaces; /* of the scene without rows: their trees are built once */
-    struct cml_outputs outputs;      /* rank 0's */
+    bool unmarked[CML_MOST_SETTINGS]; /* columns that are labels without quotation marks */
+    int seed_column;                  /* -1: the rows have the seed of the options */
+    int num_groups, *group;           /* with --reweight: flights, and the one of each row; else NULL */
+    char *identity;                   /* lines of the identity: the files but for the table */
+    struct cml_surface_set surfaces;  /* of the scene without rows: their trees are built once */
+    int num_anew; /* with --resume: rows whose results have no checkpoint, and are flown anew */
+    char replaced[CML_REPLACED]; /* the first of them, in words */
+    struct cml_outputs outputs;  /* rank 0's */
     struct cml_sweep_rows rows;
     struct cml_pending pending; /* of this rank */
     int digits;                 /* of a row's number in names */

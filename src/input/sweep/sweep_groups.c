@@ -10,23 +10,23 @@ bool cml_sweep_is_absorption(const char *name)
     return dot && strcmp(dot, ".mua") == 0;
 }
 
-static bool fit_in(const struct cml_sweep_table *table, int column, const char *a, const char *b)
+static bool fit_in(const struct cml_sweep_table *table, int column, bool first, const char *a, const char *b)
 {
-    const char *name = table->name[column];
     if (table->label[column] || strcmp(a, b) == 0) return true;
-    if (!cml_sweep_is_absorption(name)) return false;
-    return strcmp(name, "layer1.mua") != 0 || (strtod(a, NULL) > 0) == (strtod(b, NULL) > 0);
+    if (!cml_sweep_is_absorption(table->name[column])) return false;
+    return !first || (strtod(a, NULL) > 0) == (strtod(b, NULL) > 0);
 }
 
-static bool fit(const struct cml_sweep_table *table, int a, int b)
+static bool fit(const struct cml_sweep_table *table, int first, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)
-        if (!fit_in(table, c, cml_sweep_cell(table, a, c).value, cml_sweep_cell(table, b, c).value))
+        if (!fit_in(table, c, c == first, cml_sweep_cell(table, a, c).value,
+                    cml_sweep_cell(table, b, c).value))
             return false;
     return true;
 }
 
-cml_status cml_sweep_group(const struct cml_sweep_table *table, int **group, int *num_groups,
+cml_status cml_sweep_group(const struct cml_sweep_table *table, int first_layer, int **group, int *num_groups,
                            struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
@@ -40,7 +40,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, int **group, int
     }
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
-        while (number < count && !fit(table, first[number], row)) number++;
+        while (number < count && !fit(table, first_layer, first[number], row)) number++;
         if (number == count) first[count++] = row;
         (*group)[row] = number;
     }

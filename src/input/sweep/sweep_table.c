@@ -175,7 +175,7 @@ cml_status cml_sweep_table_read(const struct cml_text_source *source, const char
                                 struct cml_sweep_table *table, struct cml_error *err)
 {
     *table = (struct cml_sweep_table){0};
-    CML_TRY(cml_text_read(source, path, &table->text, err));
+    CML_TRY(cml_text_read_table(source, path, &table->text, err));
     const cml_status status = read_table(table, err);
     if (status != CML_OK) cml_sweep_table_clear(table);
     return status;

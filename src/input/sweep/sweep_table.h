@@ -1,7 +1,8 @@
 /* The table of --sweep: names in the first line, one run in every other. Commas part the cells; blanks around
  * them, blank lines and what stands behind # do not count. Cells may stand in quotation marks, in which "" is
- * one: names that do are labels, which are carried along. What the other names mean, and which values they
- * may have, the reader of scenes knows (mci_settings.h). SPDX-License-Identifier: MIT */
+ * one: names that do are labels, which are carried along. What the other names mean, whether one of them is
+ * a label without marks, and which values they may have, the reader of scenes knows (mci_settings.h).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/settings.h"

@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import warnings
 from typing import Any, Iterator
@@ -20,6 +21,8 @@ from .fit import Fit, fit
 from .mco import NUMERAL
 from .measured import PROFILES, check_name, check_number
 from .options import FitOptions
+
+MOST_BYTES = 256 * 2**20  # of a table, as the program has it
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -67,8 +70,11 @@ def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
 
 def _cells(path: str) -> Iterator[tuple[str, str, list[str]]]:
     """Of every line with words: FILE:NUMBER, its text, and the words between the commas."""
+    size = os.path.getsize(errors.existing_file("table", path))
+    if size > MOST_BYTES:
+        raise errors.InputError(f"{path}: cannot be read: it has {size} bytes (expected a table of at most {MOST_BYTES} bytes)")
     try:
-        with open(errors.existing_file("table", path), "rb") as file:
+        with open(path, "rb") as file:
             lines = file.read().splitlines()
     except OSError as error:
         raise errors.unreadable(path, "a table", error) from error

@@ -74,10 +74,10 @@ class Detector:
         for name in ("z", "na"):
             if getattr(self, name) is not None:
                 (errors.finite if name == "z" else errors.above_zero)("Detector." + name, getattr(self, name))
-        if self.na is None and (self.angle != 0 or self.azimuth != 0):
+        angle = errors.number("Detector.angle", self.angle, 0, 90, "degrees, 0 <= angle <= 90")
+        azimuth = errors.number("Detector.azimuth", self.azimuth, -360, 360, "degrees, -360..360")
+        if self.na is None and (angle != 0 or azimuth != 0):
             raise errors.refuse("Detector.angle", self.angle, "0 without na")
-        errors.number("Detector.angle", self.angle, 0, 90, "degrees, 0 <= angle <= 90")
-        errors.number("Detector.azimuth", self.azimuth, -360, 360, "degrees, -360..360")
         errors.flag("Detector.diffuse", self.diffuse)
         if self.name is not None and not (isinstance(self.name, str) and re.fullmatch(r"[A-Za-z0-9_]{1,24}", self.name)):
             raise errors.refuse("Detector.name", self.name, "1 to 24 letters, digits and underscores")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import unicodedata
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,7 @@ def whole(name: str, value: Any, least: int, most: int) -> int:
     """The value as an int, if it is a whole number from `least` to `most`; 1e6 is one."""
     expected = f"a whole number from {least} to {most}"
     as_float = number(name, value, least, most, expected)
-    if as_float != int(as_float):
+    if as_float != int(as_float) or not least <= int(value) <= most:  # a float may be the limit where an int is beyond
         raise refuse(name, value, expected)
     return int(value)
 
@@ -124,7 +125,11 @@ def existing_file(name: str, value: Any, expected: str = "the path of a file tha
     """The path of a file that is there, absolute."""
     if not isinstance(value, (str, os.PathLike)):
         raise refuse(name, value, expected)
-    if not os.path.isfile(value):
+    try:
+        there = os.path.isfile(value)
+    except ValueError:  # a NUL character, or half of a pair
+        there = False
+    if not there:
         raise refuse(name, os.fspath(value), expected)
     return os.path.abspath(os.fspath(value))
 
@@ -138,7 +143,44 @@ def quoted_file(name: str, value: Any, expected: str = "the path of a file that 
 
 
 def folder(name: str, value: Any) -> str:
-    """The path of a folder that is there, absolute."""
-    if not isinstance(value, (str, os.PathLike)) or not os.path.isdir(value):
-        raise refuse(name, value, "a folder that is there")
+    """The path of a folder, absolute, which is made where it is not there."""
+    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
+        raise refuse(name, value, "a folder")
+    try:
+        os.makedirs(value, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise refuse(name, value, f"a folder that is there or can be made; {getattr(error, 'strerror', None) or error}") from None
     return os.path.abspath(os.fspath(value))
+
+
+def is_line(text: str) -> bool:
+    """Whether a file in UTF-8 can hold the text in one line."""
+    return not any(unicodedata.category(sign) in ("Cc", "Cs", "Zl", "Zp") for sign in text)
+
+
+def text(name: str, value: Any) -> str:
+    """The value, if it is a text of one line that a file in UTF-8 can hold.
+
+    >>> text("Saved.name", "a\\nb")
+    Traceback (most recent call last):
+    ...
+    clustermcml.errors.InputError: Saved.name = 'a\\nb' (expected a text of one line)
+    """
+    if not isinstance(value, str) or not is_line(value):
+        raise refuse(name, value, "a text of one line")
+    return value
+
+
+def rounded(value: float, error: float, sign: str = "+-") -> str:
+    """A value and its standard error, to two digits of the error.
+
+    >>> rounded(5.21656, 1.6), rounded(123456, 4321), rounded(1.23e-7, 4.5e-9), rounded(2, float("inf"))
+    ('5.2 +- 1.6', '123500 +- 4300', '1.230e-07 +- 4.5e-09', '2 +- inf')
+    """
+    if not (math.isfinite(value) and math.isfinite(error) and error > 0):
+        return f"{value:.6g} {sign} {error:.2g}"
+    last = int(f"{error:.1e}".partition("e")[2]) - 1  # the power of ten of the error's second digit
+    if last < -6:
+        size = int(f"{max(abs(value), error):.6e}".partition("e")[2])
+        return f"{value:.{max(size - last, 0)}e} {sign} {error:.1e}"
+    return f"{round(value, -last):.{max(-last, 0)}f} {sign} {round(error, -last):.{max(-last, 0)}f}"

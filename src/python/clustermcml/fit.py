@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from . import errors
-from .commands import say
+from .commands import check, say
 from .mco import read_mco
 from .measured import PROFILES, TOTALS, Data, is_detector, read_measured
 from .options import FitOptions, Path, shown
@@ -29,6 +29,7 @@ from .scene import Scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+NAMES = "names like layer1.mua, layer2.mus, body1.mua, or with the name of a layer: gel.mua"
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
 BRACKET = 0.2  # of the first flights from the middle of the bounds, in ln mus
 NEAR = 0.6  # within which flights tell slopes, in the same
@@ -72,7 +73,7 @@ class Fit:
         name = of or profiles[0]
         totals = [f"{kind}: model {self.prediction[kind]:.4g}, measured {value:.4g} ± {self.measured_errors[kind]:.2g}"
                   for kind, value in self.measured.items() if kind not in PROFILES]
-        found = [f"{kind} = {value:.4g} ± {self.errors[kind]:.2g}" for kind, value in self.values.items()]
+        found = [f"{kind} = {errors.rounded(value, self.errors[kind], '±')}" for kind, value in self.values.items()]
         with scratch_folder() as scratch:
             files = [os.path.join(scratch, file) for file in ("model.csv", "measured.csv")]
             for file, values, sigmas in zip(files, (self.prediction, self.measured), (self.prediction_errors, self.measured_errors)):
@@ -81,13 +82,13 @@ class Fit:
                  "--output", os.path.abspath(os.fspath(output))], scratch)
 
     def __str__(self) -> str:
-        lines = [f"{name} = {value:.6g} +- {self.errors[name]:.2g}" for name, value in self.values.items()]
+        lines = [f"{name} = {errors.rounded(value, self.errors[name])}" for name, value in self.values.items()]
         names = list(self.values)
         lines += [f"correlation of {names[i]} and {names[k]}: {self.correlation[i, k]:+.2f} +- {self.correlation_errors[i, k]:.2f}" for i in range(len(names)) for k in range(i)]
         judged = f"chi square {self.chi2:.3g} with {self.degrees} degree{'s' * (self.degrees > 1)} of freedom"
         if self.degrees <= 0:
             judged = f"no freedom to judge the fit: measured numbers {self.degrees + len(names)}, parameters {len(names)}"
-        lines.append(f"{judged}, {self.flights} flights")
+        lines.append(f"{judged}, {self.flights} flight{'s' * (self.flights != 1)}")
         return "\n".join(lines + ([self.words] if self.words else []))
 
 
@@ -97,8 +98,8 @@ def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[floa
         raise errors.refuse("parameters", parameters, 'a dict of bounds, {"layer1.mua": (0.01, 10), "layer1.mus": (10, 500)}')
     limits: dict[str, tuple[float, float]] = {}
     for name, pair in parameters.items():
-        if not isinstance(name, str) or not re.fullmatch(r"(layer|body)\d+\.(mua|mus)", name):
-            raise errors.refuse("parameters", name, "names like layer1.mua, layer2.mus, body1.mua")
+        if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*\.(mua|mus)", name):
+            raise errors.refuse("parameters", name, NAMES)
         what = f"parameters[{name!r}]"
         try:
             low, high = (errors.above_zero(what, number) for number in pair)
@@ -111,6 +112,25 @@ def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[floa
     if len(mua) not in ROWS:
         raise errors.refuse("parameters", mua, f"at most {max(ROWS)} mua")
     return mua, [name for name in limits if name.endswith(".mus")], limits
+
+
+def _numbered(scene: Union[Scene, Path], names: list[str]) -> list[str]:
+    """The names with the numbers of layers that have a name in the scene."""
+    if all(re.fullmatch(r"(layer|body)\d+\..*", name) for name in names):
+        return names
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        layers = {layer.get("name"): f"layer{i}" for i, layer in enumerate(check(scene)[0]["layers"], 1)}
+    found = []
+    for name in names:
+        owner, _, kind = name.partition(".")
+        if owner not in layers and not re.fullmatch(r"(layer|body)\d+", owner):
+            raise errors.refuse("parameters", name, NAMES)
+        found.append(f"{layers.get(owner, owner)}.{kind}")
+    for i, name in enumerate(found):
+        if name in found[:i]:
+            raise errors.refuse("parameters", names[i], "each number once")
+    return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -196,6 +216,7 @@ def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: in
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
+            warnings.filterwarnings("ignore", ".* counts from above")  # who names parameters has counted
             said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
         if said[0]["photons"] < BATCHES:
             raise errors.refuse("photons", said[0]["photons"], f"at least {BATCHES}: errors come of so many batches")
@@ -468,7 +489,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         **options: Unpack[FitOptions]) -> Fit:
     """The absorption and scattering of layers and bodies that explain best, by least squares, what was measured.
 
-    parameters: {name: (least, greatest)}, names as `--set` takes them: layer1.mua, layer2.mus, body1.mua; up to three mua.
+    parameters: {name: (least, greatest)}, names as `--set` takes them: layer1.mua, layer2.mus, body1.mua, gel.mua of a layer with that name; up to three mua.
     measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and of detectors, as detector_near, that have no light in
     common; {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units of results and with their bins, nan where nothing is known. The last bin over r, which holds what lies beyond, is left out.
     flights: at most so many. All else is as for `run`: photons=1e5, seed=2. More photons make the model's own noise, which the errors
@@ -483,6 +504,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     data = read_measured(measured, scene)
     most = errors.whole("flights", flights, len(mus) + 1, 1000)
     names = mua + mus
+    numbered = _numbered(scene, names)
     low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))
     grids = {name: np.linspace(*limits[name], ROWS[len(mua)]) for name in mua}
 
@@ -502,7 +524,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     count = len(flown)
     seeded: dict[str, Any] = {**options, "seed": (flown[-1].seed + OTHER_SEED) % 2**53}
     while own and count < most:
-        anchor = _anchor(scene, names, found.u, data, seeded)
+        anchor = _anchor(scene, numbered, found.u, data, seeded)
         found, count = _solve(data, _Model(grids, flown, anchor), low, high, found.u), count + 1
         open_ = moved(found, anchor.u[len(mua):], REACH)
         if not open_:

@@ -91,6 +91,7 @@ class RunOptions(PlanOptions, total=False):
     engine: Literal["cpu", "reference", "opencl"]
     checkpoint: Union[float, Literal["off"]]
     resume: bool
+    replace: bool
     no_clobber: bool
     keep: bool
     more: float

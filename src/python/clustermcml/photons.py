@@ -11,6 +11,7 @@ from typing import Optional, Union
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from . import errors
 from .h5 import read_saved
@@ -30,7 +31,7 @@ class Saved:
     limit: Optional[int] = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name or any(sign in '/"' or ord(sign) < 32 for sign in self.name):
+        if not errors.text("Saved.name", self.name) or any(sign in '/"' for sign in self.name):
             raise errors.refuse("Saved.name", self.name, "a name of a file, without a folder")
         errors.flag("Saved.detected", self.detected)
         if self.limit is not None:
@@ -47,14 +48,22 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
     Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, of merged files result, and by medium path_0 path_1 ... and
     interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of `covers` photons, the first or of several beams a sample, none is missing.
     """
-    data = read_saved(errors.existing_file("path", path))
+    name = errors.existing_file("path", path)
+    data = read_saved(name)
+    try:
+        return _table(data)
+    except (KeyError, TypeError, ValueError) as error:  # numbers that are none, where a whole one should be
+        raise errors.unreadable(name, "an .h5 file of saved photons", error) from error
+
+
+def _table(data: xr.Dataset) -> pd.DataFrame:
     columns = {}
     for name, values in data.data_vars.items():
         if values.ndim == 1:
             columns[str(name)] = values.values
         else:
             columns.update({f"{name}_{medium}": values.values[:, medium] for medium in range(values.shape[1])})
-    table = pd.DataFrame(columns, index=pd.Index(data["index"].values.astype(np.int64), name="index"))
+    table = pd.DataFrame(columns, index=pd.Index(pd.Series(data["index"].values).astype(np.int64), name="index"))
     for name in ("touches", "side", "detector", "result", *(name for name in columns if name.startswith("interactions_"))):
         if name in table:
             table[name] = table[name].astype(np.int64)

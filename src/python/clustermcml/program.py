@@ -93,6 +93,10 @@ def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[
             words += [option, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]
         if any("\0" in word for word in words):
             raise errors.refuse(name, value, "text without NUL characters")
+        try:
+            "".join(words).encode(sys.getfilesystemencoding(), "surrogateescape")
+        except UnicodeEncodeError:
+            raise errors.refuse(name, value, "text that a command line can hold") from None
     return words
 
 
@@ -350,7 +354,7 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
         **options: Unpack[RunOptions]) -> xr.Dataset:
     """Flies a scene and returns its result, as `read` does, with how long it took among the attributes.
 
-    scene: a Scene, or the path of an `.mci` file with one run. output_dir: a folder that is there, in which results and checkpoints
+    scene: a Scene, or the path of an `.mci` file with one run. output_dir: a folder, made where it is not there, in which results and checkpoints
     stay; None: they are read and removed. Calls at the same time need folders of their own. progress: whether to show how far the run
     is; None: in notebooks and terminals. Everything else is an option of the program, with underscores: photons=1e6, seed=2,
     threads=4, target_error=1e-3, engine="reference", no_reentry=True; `clustermcml help run` lists them.

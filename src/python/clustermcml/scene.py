@@ -21,6 +21,7 @@ from .phases import Phase, check_phase
 from .surfaces import Surface, check_surface, shortest, vector
 
 MOST_PHOTONS = 2**48
+TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector)\d*")  # what else has numbers to set
 
 
 @dataclass
@@ -29,10 +30,11 @@ class Layer:
 
     n: index of refraction. mua, mus: absorption and scattering [1/cm]. g: mean cosine of scattering. d: thickness [cm].
     top: the surface that is its upper boundary, None for a plane. bodies: what lies inside: Sphere, Cylinder, Body.
-    phase: how it scatters, None for Henyey and Greenstein's function of that g.
+    phase: how it scatters, None for Henyey and Greenstein's function of that g. name: another one than layer1, layer2 ... in what is set
+    and swept: `gel.mua`.
 
-    >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
-    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None)
+    >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, name="gel")
+    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None, name='gel')
     """
 
     n: float
@@ -43,8 +45,13 @@ class Layer:
     top: Optional[Surface] = None
     bodies: Sequence[Union[Sphere, Cylinder, Body]] = ()
     phase: Optional[Phase] = None
+    name: Optional[str] = None
 
     def __post_init__(self) -> None:
+        if self.name is not None and not (isinstance(self.name, str) and re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,23}", self.name)):
+            raise errors.refuse("Layer.name", self.name, "1 to 24 letters, digits and underscores, the first of them no digit")
+        if self.name is not None and TAKEN.fullmatch(self.name):
+            raise errors.refuse("Layer.name", self.name, "a name that no other part of a scene has")
         if not isinstance(self.bodies, (list, tuple)) or not all(isinstance(item, (Sphere, Cylinder, Body)) for item in self.bodies):
             raise errors.refuse("Layer.bodies", self.bodies, "a list of Sphere, Cylinder and Body")
         errors.number("Layer.n", self.n, 0.01, 100, "a number from 0.01 to 100")
@@ -296,6 +303,9 @@ class Scene:
         errors.flag("Scene.fluence", self.fluence)
         if not isinstance(self.layers, (list, tuple)) or not self.layers or not all(isinstance(item, Layer) for item in self.layers):
             raise errors.refuse("Scene.layers", self.layers, "a list of Layer, at least one")
+        names = [layer.name for layer in self.layers if layer.name]
+        if len(set(names)) < len(names):
+            raise errors.refuse("Scene.layers", names, "layers whose names differ")
         for name in ("n_above", "n_below"):
             errors.number("Scene." + name, getattr(self, name), 0.01, 100, "a number from 0.01 to 100")
         errors.whole("Scene.photons", self.photons, 1, MOST_PHOTONS)
@@ -343,7 +353,7 @@ class Scene:
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []
             if index < len(self.layers):
                 layer = self.layers[index]
-                lines.append(" ".join(map(shortest, (layer.n, layer.mua, layer.mus, layer.g, layer.d))))
+                lines.append(" ".join([*map(shortest, (layer.n, layer.mua, layer.mus, layer.g, layer.d)), *([f"name={layer.name}"] if layer.name else [])]))
                 lines += [layer.phase.line(directory, f"{stem}.layer{index + 1}")] if layer.phase else []
                 for k, body in enumerate(layer.bodies):
                     name = f"{stem}.layer{index + 1}body{k}"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
@@ -70,7 +71,8 @@ class Heightfield:
 class Heightmap:
     """A surface given by a height for every point of a grid.
 
-    heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. dx, dy: distance of grid points
+    heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. A DataArray with the
+    dimensions x and y is turned so. dx, dy: distance of grid points
     in x and y [cm], dy None: as dx. shift: x, y and up [cm] of the map's middle. The file keeps heights in single precision.
     tile: True, the map is repeated over the whole plane; "mirror", with its mirror image; "as-is", however its ends fit.
 
@@ -88,6 +90,7 @@ class Heightmap:
     def __post_init__(self) -> None:
         _check_tile("Heightmap.tile", self.tile)
         expected = "an array of finite heights [ny, nx], at least 2 x 2; mc.Mesh(path) reads a file"
+        self.heights = _turned(self.heights)
         heights = errors.array("Heightmap.heights", self.heights, "iuf", expected)
         if heights.ndim != 2 or min(heights.shape) < 2 or np.max(np.abs(heights.astype(float))) > HIGHEST:
             raise errors.refuse("Heightmap.heights", self.heights, expected)
@@ -102,6 +105,16 @@ class Heightmap:
         write_gsf(os.path.join(directory, stem + ".gsf"), np.asarray(self.heights), self.dx, self.dx if self.dy is None else self.dy)
         options = {"scale": self.scale, "shift": tuple(self.shift), "tile": self.tile}
         return " ".join([f'm "{stem}.gsf"', *_option_words(options)])
+
+
+def _turned(heights: Any) -> Any:
+    """A DataArray of x and y with y first. Where only one of them is a dimension, or coordinates fall, nobody knows what is meant."""
+    if not isinstance(heights, xr.DataArray) or not {"x", "y"} & set(heights.dims):
+        return heights
+    falls = [name for name in ("y", "x") if name in heights.coords and name in heights.dims and np.any(np.diff(heights[name].values.astype(float)) <= 0)]
+    if set(heights.dims) != {"x", "y"} or falls:
+        raise errors.refuse("Heightmap.heights", tuple(heights.dims), "the dimensions y and x, with rising coordinates")
+    return heights.transpose("y", "x")
 
 
 def _check_tile(name: str, value: object) -> None:

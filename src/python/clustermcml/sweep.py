@@ -49,8 +49,10 @@ def _column(name: str, values: Any, kinds: str, expected: str) -> list[Any]:
     """Its values as Python's own. kinds: of arrays; numbers are floats."""
     array = np.asarray(values) if "U" in kinds else errors.array(name, values, kinds, expected)
     array = array.astype(str) if array.dtype.kind == "O" else array
-    if array.ndim != 1 or not array.size or array.dtype.kind not in kinds or any("\n" in str(value) for value in array):
+    if array.ndim != 1 or not array.size or array.dtype.kind not in kinds or not all(errors.is_line(str(value)) for value in array):
         raise errors.refuse(name, values, expected)
+    if array.dtype.kind in "iu" and max(abs(int(array.min())), int(array.max())) > 2**53:
+        raise errors.refuse(name, values, "whole numbers up to 2^53, as floats have them")
     return list((array.astype(float) if kinds == "iuf" else array).tolist())
 
 
@@ -97,9 +99,11 @@ def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Map
         raise errors.refuse("parameters", parameters, 'a dict of names and lists of values, {"layer1.mua": [0.1, 0.2]}, or a DataFrame')
     if isinstance(coords, str) or not isinstance(coords, (Sequence, Mapping)):
         raise errors.refuse("coords", coords, "names of columns of the table, or a dict of them")
+    if dim is not None:
+        errors.text("dim", dim)
     if isinstance(columns, Mapping) and dim is None and not coords:
         return _grid(columns)
-    held = {str(name): values for name, values in columns.items()}
+    held = {errors.text("parameters", str(name)): values for name, values in columns.items()}
     held.update(coords if isinstance(coords, Mapping) else {})
     labels = [*coords, *([] if index is None else [str(index)])]
     return _rows(held, str(dim or index or "row"), labels)

@@ -139,7 +139,7 @@ def too_small(verdict):
         verdict.check(f"{what} fits", code == 0, f"{code}: {said}")
         code, said, line = check(None, 0, body(31.97 * step))
         begin = f"clustermcml: scene.mci:{line}: body 1: {what} 1.905"
-        why = (" cm, expected at least 1.90735e-06 cm: single precision has steps of 5.96046e-08 cm there, 0.5 cm from the beam's axis or the "
+        why = (" cm, expected at least 1.90735e-06 cm: single precision has steps of 5.96046e-08 cm there, 0.5 cm from where x and y count or the "
                "top of the layer, and smaller bodies than 32 steps are not proven")
         verdict.check(f"{what} too small", code == 2 and said.startswith(begin) and said.endswith(why) and "\n" not in said, f"{code}: {said}")
 

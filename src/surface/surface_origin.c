@@ -142,13 +142,14 @@ static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *
 static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *err)
 {
     const struct cml_detector_def *def = &all->scene->detectors[k];
-    const bool ring = def->shape == CML_DETECTOR_RING;
+    const bool ring = def->shape == CML_DETECTOR_RING, disk = ring && def->size[0] == 0;
     struct part part = {.file = def->table ? def->table : all->scene->file,
                         .line = def->table ? def->row : def->line,
                         .length_name = "its half width is",
                         .at = {def->x, def->y},
-                        .length = ring ? 0.5 * (def->size[1] - def->size[0])
-                                       : 0.5 * fmin(def->size[0], def->size[1]),
+                        .length = disk   ? def->size[1]
+                                  : ring ? 0.5 * (def->size[1] - def->size[0])
+                                         : 0.5 * fmin(def->size[0], def->size[1]),
                         .steps = STEPS_OF_LENGTH};
     if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
     snprintf(part.name, sizeof part.name, "detector %s", def->name);

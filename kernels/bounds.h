@@ -179,7 +179,7 @@ CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_depth_b
 
 #ifndef __OPENCL_VERSION__
 /* Whether a path of length s from p is safe: the surface is further from all of it than rounding can put
- * a packet. p in the boundary's frame, x and y from the beam's axis. The cell that the middle of the path
+ * a packet. p in the boundary's frame, x and y from the scene's origin. The cell that the middle of the path
  * is in decides, or the closest one: its ball, which the surface does not enter, holds the whole path
  * where it holds the farther of both ends (kernels/README.md). A path that is not finite is not safe. */
 CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p, struct cml_vec u, real s)
@@ -205,7 +205,7 @@ CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
     return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
 }
 
-/* A point's x and y from the field's axis instead of the beam's. */
+/* A point's x and y from the field's axis instead of the origin. */
 CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
 {
     const struct cml_vec moved = {p.x + world->setup.x0, p.y + world->setup.y0, p.z};

@@ -5,7 +5,7 @@
 #include "optics.h"
 #include "types.h"
 
-/* Light that goes out along a straight line: through p, cm from the first beam's axis and in the frame of the
+/* Light that goes out along a straight line: through p, cm from the scene's origin and in the frame of the
  * outer medium, in direction u. */
 struct cml_ray_out {
     struct cml_vec p, u;
@@ -68,7 +68,7 @@ CML_FN real cml_arc_share(struct cml_arc arc, real r)
     return cml_share_in_disk(r, arc.away, arc.outer) - cml_share_in_disk(r, arc.away, arc.inner);
 }
 
-/* x, y: where the ray crosses the detector's level, scene coordinates. */
+/* x, y: where the ray crosses the detector's level, from the scene's origin. */
 CML_FN int cml_detects(const struct cml_detector *detector, const struct cml_ray_out *ray, real x, real y,
                        cml_u64 *pixel)
 {

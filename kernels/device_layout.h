@@ -68,7 +68,7 @@ struct cml_device_fate {
     int fate, cause;                       /* enum cml_fate, cml_lost_cause */
     cml_u32 w;                             /* weight at the end */
     cml_u32 interactions, boundary_events; /* numbers of them */
-    real exit_x, exit_y;                   /* cm, from the first beam's axis */
+    real exit_x, exit_y;                   /* cm, from the scene's origin */
     struct cml_vec u;                      /* unit direction */
 };
 

@@ -22,7 +22,7 @@ struct cml_mesh_surface;
 
 struct cml_mesh_crossing {
     double t;            /* distance, cm */
-    double point[3];     /* in the boundary's frame, x and y from the beam's axis, cm */
+    double point[3];     /* in the boundary's frame, x and y from the scene's origin, cm */
     double normal[3];    /* unit, up: what Fresnel and Snell see; in a groove the facet's */
     double facet[3];     /* unit, up: the facet's own */
     int primitive;       /* triangle, or CML_OUTER_PLANE */
@@ -35,13 +35,13 @@ struct cml_mesh_crossing {
 #define CML_PATH_TOO_LONG 2
 
 /* The closest crossing of a ray with a mesh and its outer plane: p in the boundary's frame and from the
- * beam's axis, cm; u unit; below: the packet is below the boundary; t_max: length of the path, cm. exclude:
- * the primitive the packet stands on, -1, CML_NEAR_FACETS or CML_OFF_FACETS. undeflected: it has come through
- * that primitive undeflected, so what lies behind it on the same line has been dealt with. err_position: a
- * crossing up to so far behind p is one at p, because rounding has put the packet beyond a facet that it has
- * not crossed, cm. exact: test all candidates in double; else the fastest way to find the hit, which alone is
- * computed in double. Returns 1 and fills *crossing when there is one with t < t_max. ends_near_facet is
- * always filled.
+ * scene's origin, cm; u unit; below: the packet is below the boundary; t_max: length of the path, cm.
+ * exclude: the primitive the packet stands on, -1, CML_NEAR_FACETS or CML_OFF_FACETS. undeflected: it has
+ * come through that primitive undeflected, so what lies behind it on the same line has been dealt with.
+ * err_position: a crossing up to so far behind p is one at p, because rounding has put the packet beyond a
+ * facet that it has not crossed, cm. exact: test all candidates in double; else the fastest way to find the
+ * hit, which alone is computed in double. Returns 1 and fills *crossing when there is one with t < t_max.
+ * ends_near_facet is always filled.
  */
 typedef int cml_mesh_intersect(const struct cml_mesh_surface *mesh, const double p[3], const double u[3],
                                int below, double t_max, int exclude, int undeflected, int exact,

@@ -189,12 +189,11 @@ CML_FN real cml_table_polar(const struct cml_world *world, const CML_GLOBAL stru
     return CML_FMA(cell.width, xi * (cell.begin + cell.end) / (cell.begin + CML_SQRT(square)), cell.v);
 }
 
-/* Direction about the axis, drawn with words 2 and 3; n: of the medium. */
-CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
-                                           const CML_GLOBAL struct cml_source *source, struct cml_block draw,
-                                           real n)
+/* A direction along e1, e2 and the axis, drawn with words 2 and 3; n: of the medium. */
+CML_FN struct cml_vec cml_source_turn(const struct cml_world *world,
+                                      const CML_GLOBAL struct cml_source *source, struct cml_block draw,
+                                      real n)
 {
-    const struct cml_vec none = {0, 0, 0};
     real v, c, s, cosine, sine;
     if (source->light == CML_LIGHT_COSINE) {
         const real square = cml_uniform(draw.w[2]); /* never 0: light is level in no packet */
@@ -210,8 +209,18 @@ CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
         sine = CML_SQRT(v * (2 - v));
     }
     cml_circle_point(draw.w[3], &c, &s);
-    const struct cml_vec across = cml_along(cml_along(none, sine * c, source->e1), sine * s, source->e2);
-    return cml_normalise(cml_along(across, cosine, source->axis));
+    const struct cml_vec turn = {sine * c, sine * s, cosine};
+    return turn;
+}
+
+/* The same in the scene. */
+CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
+                                           const CML_GLOBAL struct cml_source *source, struct cml_block draw,
+                                           real n)
+{
+    const struct cml_vec none = {0, 0, 0}, turn = cml_source_turn(world, source, draw, n);
+    const struct cml_vec across = cml_along(cml_along(none, turn.x, source->e1), turn.y, source->e2);
+    return cml_normalise(cml_along(across, turn.z, source->axis));
 }
 
 /* ---- launch ---- */
@@ -254,6 +263,25 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
     packet->p.z = source->start;
 }
 
+/* A packet of a source far outside of the scene, x and y from the source's middle, along its line onto the
+ * level `start`. turn: its direction along e1, e2 and the axis; within CML_NEARLY_LEVEL of square to the axis
+ * it meets the level further off than anything is. The distance from the source is flown already. */
+#define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
+CML_FN void cml_bring(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
+                      real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
+{
+    const real cosine = turn.z < CML_NEARLY_LEVEL && turn.z > -CML_NEARLY_LEVEL ? CML_NEARLY_LEVEL : turn.z;
+    const real way = source->ahead / cosine, uz = packet->u.z;
+    const struct cml_vec at = cml_along(cml_along(source->middle, CML_FMA(way, turn.x, x), source->e1),
+                                        CML_FMA(way, turn.y, y), source->e2);
+    const real rest = uz < CML_NEARLY_LEVEL && uz > -CML_NEARLY_LEVEL ? (real)0 : (source->start - at.z) / uz;
+    packet->p = cml_along(at, rest, packet->u);
+    packet->p.z = source->start;
+    packet->exit_x = packet->p.x;
+    packet->exit_y = packet->p.y;
+    cml_set_path(packet, way + rest > 0 ? world->media[source->medium].n * (way + rest) : (real)0);
+}
+
 /* Places a packet of a source of any shape and light, and gives it its direction. */
 CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                             CML_PACKET struct cml_packet *packet)
@@ -261,14 +289,18 @@ CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL stru
     const int spread = source->light != CML_LIGHT_PARALLEL;
     const struct cml_block draw = cml_draw_launch(world->setup.stream, packet->index, spread);
     struct cml_vec at = source->middle;
-    real x, y;
+    real x = 0, y = 0;
     if (source->shape != CML_BEAM_PENCIL) {
         cml_source_offset(world, source, draw, &x, &y);
         at = cml_along(cml_along(at, x, source->e1), y, source->e2);
     }
-    if (source->inside) cml_place_inside(world, source, at, packet);
-    if (spread) packet->u = cml_source_direction(world, source, draw, world->media[packet->medium].n);
+    if (source->inside && !source->is_far) cml_place_inside(world, source, at, packet);
+    const real n = world->media[packet->medium].n;
+    if (spread) packet->u = cml_source_direction(world, source, draw, n);
     if (!source->inside) cml_place_above(source, at, packet);
+    if (!source->is_far) return;
+    const struct cml_vec straight = {0, 0, 1};
+    cml_bring(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
 }
 
 /* P1: the packet where the beam puts it; its draws are not made yet. Pencils, disks and Gaussians of parallel

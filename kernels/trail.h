@@ -53,9 +53,9 @@ CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail
     trail->deepest = deep > trail->deepest ? deep : trail->deepest;
 }
 
-/* P13: a trail that begins with a packet, or with its lane in a bundle: media above it have been crossed in a
- * straight line where its path says so. */
-CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *trail, real path)
+/* P13: a trail that begins with a packet, or with its lane in a bundle. Where its path says so, the packet
+ * has come straight through the first layer, or in an outer medium from a far source. */
+CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *trail, int medium, real path)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
     for (int m = 0; m < media; m++) {
@@ -63,7 +63,10 @@ CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *tra
         trail->count[m] = 0;
     }
     trail->deepest = -CML_INFINITY;
-    if (path > 0) trail->length[1] = (double)world->media[1].span;
+    if (path > 0 && cml_is_outer(world, medium))
+        trail->length[medium] = (double)(path / world->media[medium].n);
+    else if (path > 0)
+        trail->length[1] = (double)world->media[1].span;
 }
 
 /* P13: where the first visit begins, frame of the medium. */

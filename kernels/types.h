@@ -1,7 +1,7 @@
 /* What a walk needs to know of the scene, and what it says of a packet.
  * Lengths in cm. Depth z of a packet is measured from the frame of the medium it is in: the frame of a medium
  * is that of the boundary above it (of boundary 0 for the medium above), so that a thin layer deep down keeps
- * all its digits and a plane is exactly z = 0. x and y are measured from the first beam's axis.
+ * all its digits and a plane is exactly z = 0. x and y are measured from the scene's origin (P1).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -86,7 +86,7 @@ struct cml_depth_bounds {
  * see cml_path_is_safe. */
 struct cml_safe_cells {
     int nx, ny, nz;        /* nx 0: there are none */
-    struct cml_vec corner; /* cm; boundary's frame, x and y from the beam's axis */
+    struct cml_vec corner; /* cm; boundary's frame, x and y from the scene's origin */
     real per_cell, margin; /* cells per cm; what rounding may take of a safe distance, cells */
     const float *safe;     /* [nz][ny][nx] safe distances, cells */
 };
@@ -114,7 +114,7 @@ struct cml_direction_bins {
 };
 
 #ifndef __OPENCL_VERSION__
-/* What sees packets that have left for good (P13). Lengths in cm, places in scene coordinates. */
+/* What sees packets that have left for good (P13). Lengths in cm, places from the scene's origin. */
 struct cml_detector {
     int shape;             /* enum cml_detector_shape */
     int aimed, diffuse;    /* sees a cone about the axis, not all angles; no light that never was inside */
@@ -133,11 +133,11 @@ struct cml_detector_level {
     int below;
     real z;                                          /* frame of the outer medium */
     int nx, ny, first;                               /* cells; first: in `start` */
-    real corner_x, corner_y, per_cell_x, per_cell_y; /* scene coordinates */
+    real corner_x, corner_y, per_cell_x, per_cell_y; /* from the scene's origin */
 };
 
 /* Of what is split off packets at their launch: no detector sees it, or would; it goes up alike from all
- * packets, from the beam's axis; or each has its own place. */
+ * packets, from the origin; or each has its own place. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
 /* A detector in a scene that is the same all about the first beam's axis: of light that leaves on a circle
@@ -192,7 +192,7 @@ struct cml_surface {
     struct cml_facet_range facets;
 };
 
-/* The shape of a body, in the frame of its layer, x and y from the beam's axis. Empty for a mesh. */
+/* The shape of a body, in the frame of its layer, x and y from the scene's origin. Empty for a mesh. */
 struct cml_body {
     struct cml_vec centre; /* of a sphere; of a cylinder the middle of its first end */
     struct cml_vec axis;   /* of a cylinder, unit, from that end to the other; of a sphere 0 */
@@ -203,8 +203,9 @@ struct cml_body {
  * `skip`. Nodes stand in preorder, so whoever passes a box goes on with the next node, and who does not, at
  * `skip`. */
 struct cml_body_node {
-    struct cml_vec lower, upper; /* frame of the layer, x and y from the beam's axis; larger than rounding */
-    int skip, body;              /* body: number of it, -1: an inner node */
+    struct cml_vec lower,
+        upper;      /* frame of the layer, x and y from the scene's origin; larger than rounding */
+    int skip, body; /* body: number of it, -1: an inner node */
 };
 
 /* Cubes over all bodies of a layer: see cml_may_hit_body. */
@@ -257,7 +258,7 @@ struct cml_tail {
 struct cml_weight_windows {
     int cells, rings;    /* of depth, 0: there are none; rings: 1 where only depth counts */
     real per_bin;        /* cells in a bin of dz */
-    real x, y, per_root; /* the place, from the first beam's axis, and rings in the root of a cm */
+    real x, y, per_root; /* the place, from the scene's origin, and rings in the root of a cm */
     const cml_u32 *low;  /* [rings][cells] units of weight */
 };
 #define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
@@ -278,11 +279,13 @@ struct cml_source {
     int medium;    /* of packets: 0: above all surfaces; below planes 1, or 2: glass; inside: at the middle */
     int is_pencil; /* inside: all packets start in that medium */
     int is_common; /* above, parallel, and a point, a disk or a Gaussian */
+    int is_far;    /* inside: far outside of the scene; `middle` is where the axis meets the level `start` */
+    real ahead;    /* of a far source: the distance along the axis to there */
     cml_u32 specular;      /* deterministic Rsp of one packet in weight units, 0 when medium is 0 or inside */
     cml_u32 between;       /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
-    struct cml_vec middle; /* of the shape, x and y from the first beam's axis, z in the frame of boundary 0;
+    struct cml_vec middle; /* of the shape, x and y from the scene's origin, z in the frame of boundary 0;
                             * inside: of the medium */
-    real start;            /* z where packets start in the frame of the medium, unless inside */
+    real start;            /* z where packets start in the frame of the medium, unless inside and near */
     struct cml_vec axis, e1, e2; /* direction, and two unit vectors across it */
     int shape, light;            /* enum cml_beam_shape, cml_source_light */
     real a, b; /* disk: the radius; Gaussian: the 1/e^2 radius; ring: the square of the inner radius, and the
@@ -317,7 +320,7 @@ struct cml_setup {
     int nr, nz, na;       /* bins; a tally's A_rz is [nr + 1][nz + 2], its Rd_ra and Tt_ra are [nr + 1][na] */
     real per_dr, per_dz;  /* 1/dr, 1/dz */
     real per_da;          /* na / (pi/2) */
-    real x0, y0;          /* scene position of the first beam's axis at z = 0 */
+    real x0, y0;          /* scene position of the origin of x and y */
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_gates gates;
@@ -379,7 +382,7 @@ struct cml_packet {
 struct cml_hit {
     real t; /* distance, cm */
     int boundary, primitive;
-    struct cml_vec point;  /* in the boundary's frame, x and y from the beam's axis */
+    struct cml_vec point;  /* in the boundary's frame, x and y from the scene's origin */
     struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
     struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
     struct cml_vec off;    /* of a sphere or a cylinder: place from its centre or its axis */

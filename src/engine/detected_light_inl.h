@@ -76,15 +76,13 @@ static inline void cml_add_moments(const struct cml_world *world, const struct c
 
 /* What a packet adds to the squares of a pixel. Where something of it has come there before, both make one
  * sum. */
-static inline uint64_t cml_square_in_pixel(const struct cml_world *world, const struct cml_detector *detector,
-                                           real z, cml_u64 pixel, cml_u32 w,
-                                           const struct cml_light_out *before)
+static inline uint64_t cml_square_in_pixel(const struct cml_detector *detector, real z, cml_u64 pixel,
+                                           cml_u32 w, const struct cml_light_out *before)
 {
-    const struct cml_setup *setup = &world->setup;
     real x, y;
     cml_u64 other;
     if (!before || !cml_crosses_level(&before->ray, z, &x, &y) ||
-        !cml_detects(detector, &before->ray, x + setup->x0, y + setup->y0, &other) || other != pixel)
+        !cml_detects(detector, &before->ray, x, y, &other) || other != pixel)
         return cml_square_of(w);
     return cml_square_of((uint64_t)w + before->w) - cml_square_of(before->w);
 }
@@ -106,7 +104,7 @@ struct cml_seeing {
     const struct cml_ray_out *ray;
     int next_level; /* behind that which is gone over */
     int i, end;     /* the next of its list */
-    real x, y, z;   /* where the light crosses it, scene coordinates */
+    real x, y, z;   /* where the light crosses it, from the origin */
     cml_u64 pixel;  /* of the detector that was found */
 };
 
@@ -119,8 +117,6 @@ static inline void cml_see_level(struct cml_seeing *s, const struct cml_detector
 {
     const struct cml_detection *detection = &s->world->detection;
     if (level->below != s->ray->below || !cml_crosses_level(s->ray, level->z, &s->x, &s->y)) return;
-    s->x += s->world->setup.x0;
-    s->y += s->world->setup.y0;
     s->z = level->z;
     const int cell = cml_detector_cell(level, s->x, s->y), at = level->first + cell;
     s->i = cell < 0 ? 0 : detection->start[at];
@@ -164,6 +160,8 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     struct cml_light_out part = *light;
     real x, y;
     if (level->below != light->ray.below || !cml_crosses_level(&light->ray, level->z, &x, &y)) return;
+    x -= world->sources->middle.x;
+    y -= world->sources->middle.y;
     if ((detector->diffuse && light->ray.fresh) ||
         (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
         return;
@@ -193,7 +191,7 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
         cml_add_shared(to, light->times * light->w);
         cml_add_shared(to + (pixels->detector_map2 - pixels->detector_map),
                        light->times *
-                           cml_square_in_pixel(world, detector, seeing.z, seeing.pixel, light->w, before));
+                           cml_square_in_pixel(detector, seeing.z, seeing.pixel, light->w, before));
     }
     return seen;
 }

@@ -19,7 +19,7 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
 {
     packet->trail = (struct cml_trail){.length = tally->trail_length, .count = tally->trail_count};
     packet->low = cml_first_low(packet->path, packet->p.z);
-    cml_begin_trail(world, &packet->trail, packet->path);
+    cml_begin_trail(world, &packet->trail, packet->medium, packet->path);
 }
 
 /* P16: the rows of one packet after another. */
@@ -185,7 +185,7 @@ struct tracing {
     void *context;
 };
 
-/* An event of kernels/walk.h, from the frame of the medium and the beam's axis into the coordinates of the
+/* An event of kernels/walk.h, from the frame of the medium and the origin into the coordinates of the
  * scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {

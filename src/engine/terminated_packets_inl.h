@@ -17,7 +17,7 @@
 #define CML_TERMINATED_TOGETHER 16
 
 /* Structure of arrays; entries from `count` on hold nothing of interest, and loops over all entries may read
- * them. Weights in units of 2^-31 of a packet, positions in cm from the beam's axis. */
+ * them. Weights in units of 2^-31 of a packet, positions in cm from the scene's origin. */
 struct cml_terminated {
     int count;
     int branches; /* of them: these have not been launched (P19) */

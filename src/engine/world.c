@@ -213,10 +213,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
 
 /* The safe distances of meshes that overhang. Their margin holds for packets beside the cells, too, as far as
  * a safe distance reaches: kernels/README.md derives both shares. */
-static void copy_safe_cells(const struct cml_scene *scene, const struct cml_surface_set *from,
-                            struct cml_owned_world *to)
+static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
-    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
+    const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
     for (int b = 0; b < from->count; b++) {
         const struct cml_mesh_surface *mesh = from->item[b].mesh;
         const struct cml_safe_map *map = mesh ? cml_mesh_surface_map(mesh) : NULL;
@@ -333,8 +332,9 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
 }
 
 /* P19: a third of what packets shall weigh. */
-static cml_status set_windows(const struct cml_scene *scene, const struct cml_window_table *from,
-                              struct cml_owned_world *to, struct cml_error *err)
+static cml_status set_windows(const struct cml_scene *scene, const double origin[2],
+                              const struct cml_window_table *from, struct cml_owned_world *to,
+                              struct cml_error *err)
 {
     if (!from) return CML_OK;
     const size_t count = (size_t)from->cells * (size_t)from->rings;
@@ -344,8 +344,8 @@ static cml_status set_windows(const struct cml_scene *scene, const struct cml_wi
     to->world.windows = (struct cml_weight_windows){.cells = from->cells,
                                                     .rings = from->rings,
                                                     .per_bin = (real)(from->cells / from->depth * scene->dz),
-                                                    .x = (real)(from->x - scene->beams->x),
-                                                    .y = (real)(from->y - scene->beams->y),
+                                                    .x = (real)(from->x - origin[0]),
+                                                    .y = (real)(from->y - origin[1]),
                                                     .per_root = (real)(from->rings / sqrt(from->reach)),
                                                     .low = to->lowest};
     return CML_OK;
@@ -373,9 +373,10 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
 
 /* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
  */
-static void set_up(const struct cml_scene *scene, const struct cml_engine_options *options,
-                   struct cml_setup *setup)
+static void set_up(const struct cml_scene *scene, const double origin[2],
+                   const struct cml_engine_options *options, struct cml_setup *setup)
 {
+    const struct cml_beam *beam = &scene->beams[0];
     *setup = (struct cml_setup){0};
     setup->stream.key[0] = (cml_u32)options->seed;
     setup->stream.key[1] = (cml_u32)(options->seed >> 32);
@@ -400,10 +401,10 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->keeps_paths =
         scene->time.gates > 0 || scene->num_detectors > 0 || grid.saved.limit > 0 || grid.rows > 0;
     set_marks(&grid, &setup->map, &setup->marks);
-    setup->x0 = (real)scene->beams[0].x;
-    setup->y0 = (real)scene->beams[0].y;
-    setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;
-    setup->r0_y = scene->beams[0].radial ? 0 : setup->y0;
+    setup->x0 = (real)origin[0];
+    setup->y0 = (real)origin[1];
+    setup->r0_x = beam->radial ? (real)(origin[0] - beam->x) : setup->x0;
+    setup->r0_y = beam->radial ? (real)(origin[1] - beam->y) : setup->y0;
 }
 
 /* The rows of a sweep (P16) as the walk reads them. */
@@ -458,11 +459,11 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     cml_status status = allocate(surfaces, to, err);
     if (status == CML_OK) {
         copy_media(scene, surfaces, to->media);
-        status = cml_copy_bodies(scene, &surfaces->bodies, to, err);
+        status = cml_copy_bodies(scene, surfaces, to, err);
     }
     if (status == CML_OK) status = copy_phases(scene, to, err);
     if (status == CML_OK) status = set_tail(scene, options->tail, to, err);
-    if (status == CML_OK) status = set_windows(scene, options->windows, to, err);
+    if (status == CML_OK) status = set_windows(scene, surfaces->origin.at, options->windows, to, err);
     if (status != CML_OK) {
         cml_owned_world_free(to);
         return status;
@@ -470,12 +471,12 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     copy_surfaces(surfaces, to);
     copy_depths(surfaces, to);
     copy_horizons(surfaces, to);
-    copy_safe_cells(scene, surfaces, to);
+    copy_safe_cells(surfaces, to);
     to->world.media = to->media;
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;
     to->world.intersect_mesh = cml_mesh_surface_hit;
-    set_up(scene, options, &to->world.setup);
+    set_up(scene, surfaces->origin.at, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);

@@ -38,13 +38,12 @@ static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_w
 
 /* Surface L + 1 + k, with the host above it and the body's own medium, L + 2 + k, below. Whether a step can
  * meet it, the grids say, not the bounds that boundaries of layers have. */
-static void copy_body(const struct cml_scene *scene, const struct cml_body_surface *from, int k,
-                      struct cml_owned_world *to)
+static void copy_body(const struct cml_scene *scene, const double origin[2],
+                      const struct cml_body_surface *from, int k, struct cml_owned_world *to)
 {
     const struct cml_scene_body *body = &scene->bodies[k];
     const int boundary = scene->num_layers + 1 + k;
     struct cml_surface *surface = &to->surfaces[boundary];
-    const double x0 = scene->beams[0].x, y0 = scene->beams[0].y;
     surface->kind = (int)from->kind;
     surface->above = body->host;
     surface->lowest = (real)from->lower[2];
@@ -54,17 +53,17 @@ static void copy_body(const struct cml_scene *scene, const struct cml_body_surfa
     if (from->kind == CML_SURFACE_MESH) return;
     const struct cml_convex convex = cml_body_convex(body);
     const double *c = convex.centre, *axis = convex.axis;
-    to->bodies[k].centre = cml_vec_of(c[0] - x0, c[1] - y0, c[2] - from->depth);
+    to->bodies[k].centre = cml_vec_of(c[0] - origin[0], c[1] - origin[1], c[2] - from->depth);
     to->bodies[k].axis = cml_vec_of(axis[0], axis[1], axis[2]);
     to->bodies[k].radius = (real)convex.radius;
     to->bodies[k].length = (real)convex.length;
 }
 
 /* Boxes in the precision of the kernels, larger by rounding. */
-static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree *tree,
+static void copy_tree(const struct cml_scene *scene, const double at[2], const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {
-    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
+    const double origin[3] = {at[0], at[1], 0};
     for (int i = 0; i < tree->count; i++) {
         const struct cml_body_tree_node *from = &tree->node[i];
         double lower[3], upper[3];
@@ -87,8 +86,8 @@ static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree 
 }
 
 /* Cells name a body by its medium. */
-static void copy_grids(const struct cml_scene *scene, const struct cml_body_grids *grids,
-                       struct cml_owned_world *to)
+static void copy_grids(const struct cml_scene *scene, const double origin[2],
+                       const struct cml_body_grids *grids, struct cml_owned_world *to)
 {
     for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
         to->media[m].body_grid = grids->of_medium[m];
@@ -99,8 +98,7 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
         grid->ny = from->n[1];
         grid->nz = from->n[2];
         grid->first = (int)from->first;
-        grid->corner = cml_vec_of(from->corner[0] - scene->beams[0].x, from->corner[1] - scene->beams[0].y,
-                                  from->corner[2]);
+        grid->corner = cml_vec_of(from->corner[0] - origin[0], from->corner[1] - origin[1], from->corner[2]);
         grid->cell = (real)from->cell;
         grid->per_cell = (real)(1 / from->cell);
     }
@@ -116,17 +114,19 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
     }
 }
 
-cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_body_surfaces *surfaces,
+cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_surface_set *set,
                            struct cml_owned_world *to, struct cml_error *err)
 {
+    const struct cml_body_surfaces *surfaces = &set->bodies;
+    const double *origin = set->origin.at;
     if (surfaces->count == 0) return CML_OK;
     CML_TRY(allocate_bodies(surfaces, to, err));
     for (int k = 0; k < surfaces->count; k++) {
         copy_medium(scene, k, to);
-        copy_body(scene, &surfaces->item[k], k, to);
+        copy_body(scene, origin, &surfaces->item[k], k, to);
     }
-    copy_tree(scene, &surfaces->tree, to);
-    copy_grids(scene, &surfaces->grids, to);
+    copy_tree(scene, origin, &surfaces->tree, to);
+    copy_grids(scene, origin, &surfaces->grids, to);
     to->world.bodies = to->bodies;
     to->world.body_nodes = to->body_nodes;
     to->world.body_grids = to->body_grids;

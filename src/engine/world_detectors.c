@@ -9,8 +9,10 @@
 
 /* ---- one detector ---- */
 
-static struct cml_detector detector_of(const struct cml_scene *scene, const struct cml_detector_def *def)
+static struct cml_detector detector_of(const struct cml_scene *scene, const double origin[2],
+                                       const struct cml_detector_def *def)
 {
+    const double x = def->x - origin[0], y = def->y - origin[1];
     const double n = scene->media[def->below ? scene->num_layers + 1 : 0].n;
     const double sine = sin(def->angle), half_w = def->nx * def->size[0] / 2,
                  half_h = def->ny * def->size[1] / 2;
@@ -18,13 +20,13 @@ static struct cml_detector detector_of(const struct cml_scene *scene, const stru
     d.axis = cml_vec_of(sine * cos(def->azimuth), sine * sin(def->azimuth),
                         (def->below ? 1 : -1) * cos(def->angle));
     d.most_sine2 = (real)(def->na < n ? (def->na / n) * (def->na / n) : 2);
-    d.middle = cml_vec_of(def->x, def->y, 0);
+    d.middle = cml_vec_of(x, y, 0);
     d.inner2 = (real)(def->size[0] * def->size[0]);
     d.outer2 = (real)(def->size[1] * def->size[1]);
-    d.low_x = (real)(def->x - half_w);
-    d.high_x = (real)(def->x + half_w);
-    d.low_y = (real)(def->y - half_h);
-    d.high_y = (real)(def->y + half_h);
+    d.low_x = (real)(x - half_w);
+    d.high_x = (real)(x + half_w);
+    d.low_y = (real)(y - half_h);
+    d.high_y = (real)(y + half_h);
     d.pixels = (struct cml_map){.nx = def->nx,
                                 .ny = def->ny,
                                 .per_dx = (real)(1 / def->size[0]),
@@ -57,6 +59,7 @@ struct place {
 struct level {
     const struct cml_scene *scene;
     const struct place *place;
+    const double *origin; /* scene position, cm */
     int count, n;
     struct rectangle all;
 };
@@ -123,8 +126,9 @@ static void find_rectangle(struct level *level)
         }
     }
     for (int i = 0; i < 2; i++) {
-        const double pad =
-            1e-3 * (all->high[i] - all->low[i]) + 1e-5 * fmax(fabs(all->low[i]), fabs(all->high[i]));
+        const double farthest =
+            fmax(fabs(all->low[i] - level->origin[i]), fabs(all->high[i] - level->origin[i]));
+        const double pad = 1e-3 * (all->high[i] - all->low[i]) + 1e-5 * farthest;
         all->low[i] -= pad;
         all->high[i] += pad;
     }
@@ -191,8 +195,8 @@ static cml_status add_level(struct detection *d, struct level *level, struct cml
             .nx = level->n,
             .ny = level->n,
             .first = d->num_starts,
-            .corner_x = (real)level->all.low[0],
-            .corner_y = (real)level->all.low[1],
+            .corner_x = (real)(level->all.low[0] - level->origin[0]),
+            .corner_y = (real)(level->all.low[1] - level->origin[1]),
             .per_cell_x = (real)(level->n / (level->all.high[0] - level->all.low[0])),
             .per_cell_y = (real)(level->n / (level->all.high[1] - level->all.low[1]))};
         d->num_starts += cells + 1;
@@ -210,12 +214,12 @@ static int compare_places(const void *a, const void *b)
     return (one->number > other->number) - (one->number < other->number);
 }
 
-static cml_status add_levels(const struct cml_scene *scene, const struct place *place, struct detection *d,
-                             int *num_levels, struct cml_error *err)
+static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
+                             struct detection *d, int *num_levels, struct cml_error *err)
 {
     const int n = scene->num_detectors;
     for (int first = 0, end; first < n; first = end) {
-        struct level level = {.scene = scene, .place = place + first};
+        struct level level = {.scene = scene, .place = place + first, .origin = origin};
         for (end = first;
              end < n && place[end].below == place[first].below && place[end].z == place[first].z;)
             end++;
@@ -230,7 +234,8 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
                     const struct cml_detector_def *defs)
 {
     const struct cml_vec up = {0, 0, -1};
-    const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_BEAM_PENCIL;
+    const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_BEAM_PENCIL &&
+                       world->sources->middle.x == 0 && world->sources->middle.y == 0;
     for (int k = 0; k < num_detectors; k++)
         if (!defs[k].below && !defs[k].diffuse && (!defs[k].aimed || cml_is_in_cone(&detectors[k], up)))
             return alike ? CML_SPLIT_ALIKE : CML_SPLIT_APART;
@@ -274,12 +279,12 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     for (size_t k = 0; k < n; k++) {
         const struct cml_detector_def *def = &scene->detectors[k];
         place[k] = (struct place){def->below, def->z, (int)k};
-        to->detectors[k] = detector_of(scene, def);
+        to->detectors[k] = detector_of(scene, surfaces->origin.at, def);
         to->detectors[k].first_pixel = pixels;
         if (def->shape == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
     }
     qsort(place, n, sizeof *place, compare_places);
-    const cml_status status = add_levels(scene, place, &d, &num_levels, err);
+    const cml_status status = add_levels(scene, surfaces->origin.at, place, &d, &num_levels, err);
     free(place);
     to->world.detection =
         (struct cml_detection){.num_detectors = (int)n,

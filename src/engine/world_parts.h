@@ -6,9 +6,8 @@
 
 /* world_bodies.c's part of cml_owned_world_create: allocates and fills what a world has of bodies, and their
  * media and surfaces, which come behind those of the layers. */
-CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
-                                         const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
-                                         struct cml_error *err);
+CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_surface_set *set,
+                                         struct cml_owned_world *to, struct cml_error *err);
 
 /* world_detectors.c's part: detectors and the grids over them. windows: of the run, or NULL. */
 CML_NODISCARD cml_status cml_set_detectors(const struct cml_scene *scene,

@@ -166,8 +166,7 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
 
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
-    const double st = beam->angle < CML_PI ? sin(beam->angle) : 0,
-                 ct = beam->angle == CML_PI / 2 ? 0 : cos(beam->angle), sp = sin(beam->azimuth),
+    const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),
                  cp = cos(beam->azimuth);
     source->axis = cml_vec_of(st * cp, st * sp, ct);
     source->e1 = cml_vec_of(ct * cp, ct * sp, -st);
@@ -253,17 +252,93 @@ static cml_status check_aperture(const struct cml_scene *scene, const struct cml
     return cml_fail_field(err, scene->file, beam->line, "beam: light", value, expected);
 }
 
-static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
-                               const struct cml_world *world, struct cml_source *source,
+/* ---- far away ---- */
+
+/* Depths in the scene between which paths matter: all heights of the outer boundaries, as far again, and all
+ * bins. */
+static void find_levels(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                        double level[2])
+{
+    const struct cml_surface_def *top = &surfaces->item[0], *bottom = &surfaces->item[scene->num_layers];
+    const double first = scene->map.volume ? scene->map.top : 0, bins = scene->nz * scene->dz;
+    level[0] = fmin(top->depth + 2 * top->lowest - top->highest, fmin(first, 0));
+    level[1] = fmax(bottom->depth + 2 * bottom->highest - bottom->lowest, fmax(first, 0) + bins);
+}
+
+/* From the middle of a shape along the axis to the level, cm; 0: it does not start beyond, or the axis does
+ * not lead there. */
+static double way_to_level(const struct cml_beam *beam, const double level[2])
+{
+    const double height = cml_beam_height(beam), down = cml_beam_descent(beam);
+    if (down > 0 && level[0] > beam->z + height) return (level[0] - beam->z) / down;
+    if (down < 0 && level[1] < beam->z - height) return (level[1] - beam->z) / down;
+    return 0;
+}
+
+/* Where the axis of a far source comes to the scene, found in double precision, its packets start. */
+static cml_status place_far(const struct cml_scene *scene, const struct cml_beam *beam,
+                            const struct cml_surface_set *surfaces, const double level[2], double way,
+                            struct cml_source *source, struct cml_error *err)
+{
+    const int below = beam->z > level[1], last = below ? scene->num_layers : 0;
+    const double *origin = surfaces->origin.at, drop = fabs(level[below] - beam->z);
+    const double side = way * cml_beam_sine(beam), slope = side / drop;
+    const double step = side > 0 ? 2 * DBL_EPSILON * (fabs(beam->x) + fabs(beam->y) + side * (1 + slope)) : 0;
+    char value[40], expected[160];
+    source->is_far = 1;
+    source->ahead = (real)way;
+    source->medium = below ? last + 1 : 0;
+    source->start = (real)(level[below] - surfaces->item[last].depth);
+    source->middle = cml_vec_of(beam->x + side * cos(beam->azimuth) - origin[0],
+                                beam->y + side * sin(beam->azimuth) - origin[1],
+                                level[below] - surfaces->item[last].depth);
+    if (step <= surfaces->origin.all * (double)FLT_EPSILON) return CML_OK;
+    snprintf(value, sizeof value, "%g", beam->z);
+    snprintf(expected, sizeof expected,
+             "a place whose axis meets the scene at a place known to %.2g cm; double precision tells it to "
+             "%.2g cm",
+             surfaces->origin.all * (double)FLT_EPSILON, step);
+    return cml_fail_field(err, scene->file, beam->line, "beam: z", value, expected);
+}
+
+/* Light that starts elsewhere must not fly so far in one go that single precision tells shapes, bodies and
+ * detectors too coarsely where it arrives. Few packets fly 20 free paths. */
+static cml_status check_flight(const struct cml_scene *scene, const struct cml_beam *beam,
+                               const struct cml_origin *origin, double distance, double mut,
                                struct cml_error *err)
 {
+    char value[120], expected[200];
+    if (!(distance > origin->shapes) || mut * distance > 20) return CML_OK;
+    snprintf(value, sizeof value, "(%g %g %g)", beam->x, beam->y, beam->z);
+    snprintf(
+        expected, sizeof expected,
+        "light that starts at most %.3g cm from (%g %g), the origin; it starts %.3g cm away, where single "
+        "precision has steps of %.2g cm",
+        origin->shapes, origin->at[0], origin->at[1], distance, distance * (double)FLT_EPSILON);
+    return cml_fail_field(err, scene->file, beam->line, "beam: place", value, expected);
+}
+
+/* ---- near ---- */
+
+static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
+                               const struct cml_surface_set *surfaces, const struct cml_world *world,
+                               struct cml_source *source, struct cml_error *err)
+{
     static const double none[3] = {0, 0, 0};
+    const struct cml_origin *origin = &surfaces->origin;
+    double level[2];
     source->inside = 1;
     source->medium = layer_at(world, beam, none, &source->middle);
     const int medium = medium_beside(world, beam, none);
-    CML_TRY(check_place(scene, world, beam, medium, err));
+    const double away = fmax(fmax(fabs(beam->x - origin->at[0]), fabs(beam->y - origin->at[1])),
+                             fabs(beam->z - (double)world->media[medium].depth));
+    find_levels(scene, surfaces, level);
+    const double way = away > origin->all ? way_to_level(beam, level) : 0;
+    if (way == 0) CML_TRY(check_place(scene, world, beam, medium, err));
     CML_TRY(check_backing(scene, world, beam, medium, err));
     CML_TRY(check_aperture(scene, beam, medium, err));
+    if (way > 0) return place_far(scene, beam, surfaces, level, way, source, err);
+    CML_TRY(check_flight(scene, beam, origin, away, cml_medium_mut(&scene->media[medium]), err));
     source->is_pencil = beam->shape == CML_BEAM_PENCIL;
     if (!source->is_pencil) return CML_OK;
     source->medium = medium;
@@ -272,16 +347,19 @@ static cml_status place_inside(const struct cml_scene *scene, const struct cml_b
 }
 
 /* A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
-static void place_above(const struct cml_scene *scene, const struct cml_beam *beam,
-                        const struct cml_surface_set *surfaces, const struct cml_surface_set *start_as,
-                        struct cml_source *source)
+static cml_status place_above(const struct cml_scene *scene, const struct cml_beam *beam,
+                              const struct cml_surface_set *surfaces, const struct cml_surface_set *start_as,
+                              struct cml_source *source, struct cml_error *err)
 {
     const struct cml_surface_def *top = &surfaces->item[0];
-    source->middle = cml_vec_of(beam->x - scene->beams[0].x, beam->y - scene->beams[0].y, 0);
-    source->start = (real)(2 * top->lowest - top->highest);
+    const double *origin = surfaces->origin.at, start = 2 * top->lowest - top->highest;
+    source->middle = cml_vec_of(beam->x - origin[0], beam->y - origin[1], 0);
+    source->start = (real)start;
+    CML_TRY(check_flight(scene, beam, &surfaces->origin, fabs(start) * tan(beam->angle), 0, err));
     if (start_as->item[0].kind == CML_SURFACE_PLANE && beam->angle == 0 &&
         beam->light.kind == CML_LIGHT_OF_PARALLEL)
         split_specular(scene, start_as, source);
+    return CML_OK;
 }
 
 /* ---- all of it ---- */
@@ -356,9 +434,9 @@ cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surfa
         set_light(&beam->light, source);
         set_axis(beam, source);
         if (beam->inside)
-            CML_TRY(place_inside(scene, beam, &to->world, source, err));
+            CML_TRY(place_inside(scene, beam, surfaces, &to->world, source, err));
         else
-            place_above(scene, beam, surfaces, start_as, source);
+            CML_TRY(place_above(scene, beam, surfaces, start_as, source, err));
         source->is_common =
             !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL && beam->shape <= CML_BEAM_GAUSSIAN;
     }

@@ -190,6 +190,16 @@ bool cml_scene_starts_inside(const struct cml_scene *scene)
     return false;
 }
 
+double cml_beam_sine(const struct cml_beam *beam)
+{
+    return beam->angle < CML_PI ? sin(beam->angle) : 0;
+}
+
+double cml_beam_descent(const struct cml_beam *beam)
+{
+    return beam->angle == CML_PI / 2 ? 0 : cos(beam->angle);
+}
+
 double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {

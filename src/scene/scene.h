@@ -251,6 +251,10 @@ double cml_light_widest(const struct cml_light *light, double medium_n);
 /* Whether any beam starts at its place (z=) instead of above all surfaces. */
 bool cml_scene_starts_inside(const struct cml_scene *scene);
 
+/* Sine and cosine of the angle between the axis of a beam and +z; 0 where they are. */
+double cml_beam_sine(const struct cml_beam *beam);
+double cml_beam_descent(const struct cml_beam *beam);
+
 /* How far above and below its middle the packets of a slanted shape start, cm; few of a Gaussian start beyond
  * five of its radii. */
 double cml_beam_height(const struct cml_beam *beam);

@@ -78,9 +78,8 @@ static void give_reason(const char *reason, struct cml_surface_def *def)
     snprintf(def->reason, sizeof def->reason, "%s%s%s", reason, walk ? ", " : "", walk ? walk : "");
 }
 
-static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
-                            enum cml_mesh_search search, const char *reason, struct cml_surface_def *def,
-                            struct cml_error *err)
+static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_surface_options *options,
+                            const char *reason, struct cml_surface_def *def, struct cml_error *err)
 {
     def->kind = CML_SURFACE_MESH;
     def->depth = depth;
@@ -88,7 +87,8 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     CML_TRY(cml_depth_map_of_mesh(mesh, &def->depths, err));
-    CML_TRY(cml_mesh_surface_create(mesh, scene->beams[0].x, scene->beams[0].y, search, &def->mesh, err));
+    CML_TRY(cml_mesh_surface_create(mesh, options->origin[0], options->origin[1], options->search, &def->mesh,
+                                    err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     give_reason(reason, def);
     return CML_OK;
@@ -113,7 +113,7 @@ static cml_status make_tessellated(const struct cml_scene *scene, const struct c
     struct cml_mesh mesh;
     CML_TRY(tessellate(scene, boundary, options, &mesh, err));
     const cml_status status =
-        make_mesh(&mesh, boundary->z, scene, options->search, "radial heightfield, tessellated", def, err);
+        make_mesh(&mesh, boundary->z, options, "radial heightfield, tessellated", def, err);
     def->expectation = cml_choice_expect_tessellation(options);
     cml_mesh_clear(&mesh);
     return status;
@@ -166,7 +166,7 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     if (notes->cells > 0)
         snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
                  2 * notes->cells);
-    const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search, reason, def, err);
+    const cml_status status = make_mesh(&mesh, boundary->z, options, reason, def, err);
     def->expectation = cml_choice_expect_mesh();
     cml_mesh_clear(&mesh);
     return status;
@@ -174,8 +174,8 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
 
 /* One period and a margin, as the mesh that is asked for crossings. */
 static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cml_mesh *mesh,
-                                     const struct cml_scene *scene, enum cml_mesh_search search,
-                                     struct cml_surface_def *def, struct cml_error *err)
+                                     const struct cml_surface_options *options, struct cml_surface_def *def,
+                                     struct cml_error *err)
 {
     const struct cml_tile_cells cells = cml_tile_patch_cells(tile);
     const struct cml_mesh_period period = {.n = {tile->nx, tile->ny},
@@ -183,8 +183,8 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
                                            .corner = {tile->x0, tile->y0},
                                            .cell = {tile->dx, tile->dy}};
     CML_TRY(cml_depth_map_of_tile(tile, &def->depths, err));
-    CML_TRY(cml_mesh_surface_create_tile(mesh, scene->beams[0].x, scene->beams[0].y, search, &period,
-                                         &def->mesh, err));
+    CML_TRY(cml_mesh_surface_create_tile(mesh, options->origin[0], options->origin[1], options->search,
+                                         &period, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     char reason[96];
     snprintf(reason, sizeof reason, "heightmap repeated every %g x %g cm", cml_tile_period(tile, 0),
@@ -212,7 +212,7 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     def->lowest = mesh.lower[2];
     def->highest = mesh.upper[2];
     def->expectation = cml_choice_expect_mesh();
-    const cml_status status = make_repeated_mesh(tile, &mesh, scene, options->search, def, err);
+    const cml_status status = make_repeated_mesh(tile, &mesh, options, def, err);
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -289,8 +289,8 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     double *depths = malloc((size_t)set->count * sizeof *depths);
     if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
     for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;
-    const cml_status status =
-        cml_body_surfaces_create(scene, depths, tolerance, options->search, &set->bodies, err);
+    const cml_status status = cml_body_surfaces_create(scene, set->origin.at, depths, tolerance,
+                                                       options->search, &set->bodies, err);
     free(depths);
     return status;
 }
@@ -299,12 +299,15 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
                                struct cml_surface_set *set, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 1;
-    *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
+    *set = (struct cml_surface_set){0};
+    CML_TRY(cml_surface_origin(scene, &set->origin, err));
+    set->count = (int)count;
+    set->item = calloc(count, sizeof *set->item);
     if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
     struct cml_surface_options own = *options;
-    set->x0 = scene->beams[0].x;
-    set->y0 = scene->beams[0].y;
-    if (own.shared && (own.shared->x0 != set->x0 || own.shared->y0 != set->y0)) own.shared = NULL;
+    const double *origin = set->origin.at, *other = own.shared ? own.shared->origin.at : origin;
+    if (other[0] != origin[0] || other[1] != origin[1]) own.shared = NULL;
+    own.origin = origin;
     options = &own;
     cml_status status = CML_OK;
     for (size_t b = 0; b < count && status == CML_OK; b++) {

@@ -8,6 +8,7 @@
 #include "surface/bounds/depth_map.h"
 #include "scene/scene.h"
 #include "surface/surface_choice.h"
+#include "surface/surface_origin.h"
 #include "surface/mesh/mesh_surface.h"
 
 /* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in
@@ -33,11 +34,11 @@ struct cml_surface_set {
     int count;                    /* num_layers + 1 */
     struct cml_surface_def *item; /* [count] */
     struct cml_body_surfaces bodies;
-    double x0, y0; /* scene position of the first beam, from which meshes and bodies count x and y, cm */
+    struct cml_origin origin; /* from which meshes and bodies count x and y */
 };
 
 /* Represents every boundary of the scene, and its bodies. CML_E_INPUT when a boundary cannot take the forced
- * kind, or a tessellation is over the budget. */
+ * kind, a tessellation is over the budget, or cml_surface_origin refuses the scene. */
 CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
                                              const struct cml_surface_options *options,
                                              struct cml_surface_set *set, struct cml_error *err);

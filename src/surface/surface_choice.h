@@ -20,7 +20,8 @@ struct cml_surface_options {
     struct cml_mesh_budget budget;        /* of each tessellation; its file, line and boundary are not read */
     const struct cml_surface_set *shared; /* of another scene, made with these options: those of shapes that
                                            * this scene shares are shared, too. NULL: none */
-    bool may_flatten; /* cml_make_harmless_planes may make planes; cml_surfaces_create never does */
+    const double *origin; /* scene position of x and y of queries; cml_surfaces_create finds and sets it */
+    bool may_flatten;     /* cml_make_harmless_planes may make planes; cml_surfaces_create never does */
 };
 
 /* What to expect of a boundary's representation. */

@@ -135,12 +135,12 @@ def too_small(verdict):
     for what, body in (("radius", lambda size: sphere(0.3, size, x=0.5 - size)), ("radius", lambda size: upright(0.2, 0.3, size, x=0.5 - size)),
                        ("half the length", lambda size: upright(0.3, 0.3 + 2 * size, 0.1, x=0.4)),
                        ("half a width", lambda size: octahedron(0.3, size, x=0.5 - size))):
-        code, said, line = check(None, 0, body(32.03 * step))
+        other = sphere(0.3, 32.03 * step, x=32.03 * step - 0.5)  # with it x counts from 0
+        code, said, line = check(None, 0, other, body(32.03 * step))
         verdict.check(f"{what} fits", code == 0, f"{code}: {said}")
-        code, said, line = check(None, 0, body(31.97 * step))
-        begin = f"clustermcml: scene.mci:{line}: body 1: {what} 1.905"
-        why = (" cm, expected at least 1.90735e-06 cm: single precision has steps of 5.96046e-08 cm there, 0.5 cm from the beam's axis or the "
-               "top of the layer, and smaller bodies than 32 steps are not proven")
+        code, said, line = check(None, 0, other, body(31.97 * step))
+        begin = f"clustermcml: scene.mci:{line + 1}: body 2: {what} 1.905"
+        why = " from where x and y count or the top of the layer, and smaller bodies than 32 steps are not proven"
         verdict.check(f"{what} too small", code == 2 and said.startswith(begin) and said.endswith(why) and "\n" not in said, f"{code}: {said}")
 
 

@@ -73,7 +73,7 @@ struct cml_bundle {
     int num_media;
     int lanes; /* that take part in loops: whole groups, fewer than CML_LANES when there are no more packets
                   to launch */
-    /* Position, cm: x and y from the beam's axis, z in the frame of the medium. Direction, unit. */
+    /* Position, cm: x and y from the scene's origin, z in the frame of the medium. Direction, unit. */
     _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
     real tau[CML_LANES]; /* optical depth left to the next interaction; infinite: lies in the tail (P2), to be
                           * drawn

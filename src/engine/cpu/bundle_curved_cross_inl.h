@@ -31,8 +31,9 @@ static int cml_never_returns(const struct cml_world *world, int boundary, int pr
            (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(horizon, u, side));
 }
 
-/* The lane's packet has left the material for good at p, cm from the beam's axis, in direction u: into outer
- * medium `to`, in one boundary event more than the lane has counted. It had entered, so it is not specular.
+/* The lane's packet has left the material for good at p, cm from the scene's origin, in direction u: into
+ * outer medium `to`, in one boundary event more than the lane has counted. It had entered, so it is not
+ * specular.
  */
 static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
                                  struct cml_vec u)

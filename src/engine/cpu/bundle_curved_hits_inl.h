@@ -8,7 +8,7 @@
 #include "engine/cpu/bundle_loops_inl.h"
 
 /* Packets that meet one boundary from one side: structure of arrays, entries 0..count-1. Positions in the
- * boundary's frame, x and y from the beam's axis, cm. Loops go on to whole vectors; what lies behind the
+ * boundary's frame, x and y from the scene's origin, cm. Loops go on to whole vectors; what lies behind the
  * packets may be anything. */
 struct cml_hits {
     int count;

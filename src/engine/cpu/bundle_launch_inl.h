@@ -180,7 +180,7 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     struct cml_trail trail = cml_lane_trail(b, i);
-    cml_begin_trail(f->world, &trail, b->path[i]);
+    cml_begin_trail(f->world, &trail, b->medium[i], b->path[i]);
     b->deepest[i] = trail.deepest;
     b->here[i] = 0;
     b->low[i] = cml_first_low(b->path[i], b->z[i]);

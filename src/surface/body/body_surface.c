@@ -12,7 +12,7 @@
 #include <stdlib.h>
 
 /* A copy of the mesh in the frame of its layer, for its queries to take over. */
-static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scene_body *body, double depth,
+static cml_status make_mesh(const double origin[2], const struct cml_scene_body *body, double depth,
                             enum cml_mesh_search search, struct cml_body_surface *surface,
                             struct cml_error *err)
 {
@@ -23,7 +23,7 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
     mesh.upper[2] -= depth;
     mesh.z_border -= depth;
     const cml_status status =
-        cml_mesh_surface_create(&mesh, scene->beams[0].x, scene->beams[0].y, search, &surface->mesh, err);
+        cml_mesh_surface_create(&mesh, origin[0], origin[1], search, &surface->mesh, err);
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -55,18 +55,17 @@ static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struc
 }
 
 /* Below that no body is flown. Roundings are those of single precision, for all engines alike. */
-static cml_status check_size(const struct cml_scene *scene, int k, const struct cml_body_surface *surface,
-                             struct cml_error *err)
+static cml_status check_size(const struct cml_scene *scene, const double origin[2], int k,
+                             const struct cml_body_surface *surface, struct cml_error *err)
 {
     const struct cml_scene_body *body = &scene->bodies[k];
-    const double *lower = surface->lower, *upper = surface->upper,
-                 origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
+    const double *lower = surface->lower, *upper = surface->upper, from[3] = {origin[0], origin[1], 0};
     double farthest = 0, size = body->radius;
     const char *what = body->form != CML_BODY_MESH ? "radius"
                        : body->mesh.num_parts > 1  ? "half a width of a part"
                                                    : "half a width";
     for (int i = 0; i < 3; i++)
-        farthest = fmax(farthest, fmax(fabs(lower[i] - origin[i]), fabs(upper[i] - origin[i])));
+        farthest = fmax(farthest, fmax(fabs(lower[i] - from[i]), fabs(upper[i] - from[i])));
     if (body->form == CML_BODY_MESH) CML_TRY(size_of_parts(&body->mesh, &size, err));
     if (body->form == CML_BODY_CYLINDER && 0.5 * cml_body_convex(body).length < size) {
         size = 0.5 * cml_body_convex(body).length;
@@ -74,15 +73,16 @@ static cml_status check_size(const struct cml_scene *scene, int k, const struct 
     }
     const double step = FLT_EPSILON * farthest, least = LEAST_ROUNDINGS * step;
     if (size >= least) return CML_OK;
-    return cml_fail(err, CML_E_INPUT,
-                    "%s:%d: body %d: %s %g cm, expected at least %g cm: single precision has steps of %g cm "
-                    "there, %g cm from the beam's axis or the top of the layer, and smaller bodies than %d "
-                    "steps are not proven",
-                    scene->file, body->line, k + 1, what, size, least, step, farthest, LEAST_ROUNDINGS);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: body %d: %s %g cm, expected at least %g cm: single precision has steps of %g cm "
+        "there, %g cm from where x and y count or the top of the layer, and smaller bodies than %d "
+        "steps are not proven",
+        scene->file, body->line, k + 1, what, size, least, step, farthest, LEAST_ROUNDINGS);
 }
 
 /* Depths from the frame of the body's layer, as the kernels count them. */
-static cml_status make_surface(const struct cml_scene *scene, int k, double depth,
+static cml_status make_surface(const struct cml_scene *scene, const double origin[2], int k, double depth,
                                enum cml_mesh_search search, struct cml_body_surface *surface,
                                struct cml_error *err)
 {
@@ -94,10 +94,10 @@ static cml_status make_surface(const struct cml_scene *scene, int k, double dept
     cml_body_box(body, surface->lower, surface->upper);
     surface->lower[2] -= depth;
     surface->upper[2] -= depth;
-    CML_TRY(check_size(scene, k, surface, err));
+    CML_TRY(check_size(scene, origin, k, surface, err));
     surface->primitives = body->form == CML_BODY_MESH ? body->mesh.num_triangles : facets[body->form];
     surface->first = k > 0 ? surface[-1].first + surface[-1].primitives : 0;
-    return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, search, surface, err) : CML_OK;
+    return body->form == CML_BODY_MESH ? make_mesh(origin, body, depth, search, surface, err) : CML_OK;
 }
 
 /* A tree for every medium that bodies lie in, their host. A packet meets the bodies whose host it is in; in a
@@ -126,7 +126,7 @@ static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfa
 }
 
 /* depths is by layer, the grids' is by medium: a body has the frame of its layer. */
-static cml_status make_grids(const struct cml_scene *scene, const double *depths,
+static cml_status make_grids(const struct cml_scene *scene, const double origin[2], const double *depths,
                              struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
@@ -135,18 +135,20 @@ static cml_status make_grids(const struct cml_scene *scene, const double *depths
     for (int l = 1; l <= scene->num_layers; l++) depth[l] = depths[l - 1];
     for (int k = 0; k < scene->num_bodies; k++)
         depth[cml_body_medium(scene, k)] = depths[scene->bodies[k].layer - 1];
-    const cml_status status = cml_body_grids_create(scene, depth, &surfaces->grids, err);
+    const cml_status status = cml_body_grids_create(scene, origin, depth, &surfaces->grids, err);
     free(depth);
     return status;
 }
 
-static cml_status create(const struct cml_scene *scene, const double *depths, enum cml_mesh_search search,
-                         struct cml_body_surfaces *surfaces, struct cml_error *err)
+static cml_status create(const struct cml_scene *scene, const double origin[2], const double *depths,
+                         enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
+                         struct cml_error *err)
 {
     for (int k = 0; k < surfaces->count; k++)
-        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], search, &surfaces->item[k], err));
+        CML_TRY(make_surface(scene, origin, k, depths[scene->bodies[k].layer - 1], search, &surfaces->item[k],
+                             err));
     CML_TRY(make_tree(scene, surfaces, err));
-    return make_grids(scene, depths, surfaces, err);
+    return make_grids(scene, origin, depths, surfaces, err);
 }
 
 /* All bodies of the scene as meshes. */
@@ -164,9 +166,9 @@ static cml_status tessellate(const struct cml_scene *scene, double tolerance, st
 }
 
 /* Meshes in place of the bodies may meet where these do not, so they are placed and checked anew. */
-static cml_status create_tessellated(const struct cml_scene *scene, const double *depths, double tolerance,
-                                     enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
-                                     struct cml_error *err)
+static cml_status create_tessellated(const struct cml_scene *scene, const double origin[2],
+                                     const double *depths, double tolerance, enum cml_mesh_search search,
+                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     struct cml_scene meshes = *scene;
     meshes.bodies = calloc((size_t)scene->num_bodies, sizeof *meshes.bodies);
@@ -175,15 +177,15 @@ static cml_status create_tessellated(const struct cml_scene *scene, const double
     cml_status status = tessellate(scene, tolerance, meshes.bodies, err);
     if (status == CML_OK) status = cml_scene_place_bodies(&meshes, err);
     if (status == CML_OK) status = cml_scene_check_bodies(&meshes, err);
-    if (status == CML_OK) status = create(&meshes, depths, search, surfaces, err);
+    if (status == CML_OK) status = create(&meshes, origin, depths, search, surfaces, err);
     for (int k = 0; k < scene->num_bodies; k++) cml_mesh_clear(&meshes.bodies[k].mesh);
     free(meshes.bodies);
     return status;
 }
 
-cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths, double tolerance,
-                                    enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
-                                    struct cml_error *err)
+cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
+                                    const double *depths, double tolerance, enum cml_mesh_search search,
+                                    struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies, .of = scene->bodies};
     if (scene->num_bodies == 0) return CML_OK;
@@ -192,8 +194,8 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
         return cml_fail_memory(err, scene->num_bodies * (double)sizeof *surfaces->item, "bodies");
     cml_status status = cml_share_begin(&surfaces->users, err);
     if (status == CML_OK)
-        status = tolerance > 0 ? create_tessellated(scene, depths, tolerance, search, surfaces, err)
-                               : create(scene, depths, search, surfaces, err);
+        status = tolerance > 0 ? create_tessellated(scene, origin, depths, tolerance, search, surfaces, err)
+                               : create(scene, origin, depths, search, surfaces, err);
     if (status != CML_OK) cml_body_surfaces_free(surfaces);
     return status;
 }

@@ -28,12 +28,13 @@ struct cml_body_surfaces {
     int *users;                      /* scenes that share what it points to (base/shared.h) */
 };
 
-/* depths: [num_layers] of the frames of layers 1..L, cm. tolerance: spheres and cylinders become meshes that
- * are off by no more than this share of their radius; 0: they stay what they are. CML_E_INPUT when memory
- * runs out, such meshes meet or a body is too small for where it lies, CML_E_DEVICE when Embree fails; then
- * nothing is left to free. */
-CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths,
-                                                  double tolerance, enum cml_mesh_search search,
+/* origin: scene position of x and y of queries. depths: [num_layers] of the frames of layers 1..L, cm.
+ * tolerance: spheres and cylinders become meshes that are off by no more than this share of their radius; 0:
+ * they stay what they are. CML_E_INPUT when memory runs out, such meshes meet or a body is too small for
+ * where it lies, CML_E_DEVICE when Embree fails; then nothing is left to free. */
+CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
+                                                  const double *depths, double tolerance,
+                                                  enum cml_mesh_search search,
                                                   struct cml_body_surfaces *surfaces, struct cml_error *err);
 
 /* Shares the surfaces of another scene that shares its bodies, in the same frames. */

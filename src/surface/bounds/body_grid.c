@@ -383,16 +383,16 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
 }
 
 /* The box around all bodies of the layer and a little more; cubes, about `most` of them. */
-static void lay_out(const struct cml_scene *scene, int layer, double depth, double most,
-                    struct cml_body_cells *cells)
+static void lay_out(const struct cml_scene *scene, const double origin[2], int layer, double depth,
+                    double most, struct cml_body_cells *cells)
 {
-    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, depth};
+    const double from[3] = {origin[0], origin[1], depth};
     double lower[3], upper[3], volume = 1, widest = 0, farthest = 0;
     box_of_bodies(scene, layer, lower, upper);
     for (int i = 0; i < 3; i++) {
         volume *= upper[i] - lower[i];
         widest = fmax(widest, upper[i] - lower[i]);
-        farthest = fmax(farthest, fmax(fabs(lower[i] - origin[i]), fabs(upper[i] - origin[i])));
+        farthest = fmax(farthest, fmax(fabs(lower[i] - from[i]), fabs(upper[i] - from[i])));
     }
     const double least = fmax(cbrt(volume / most), widest / 1000);
     cells->cell = fmin(widest, fmax(least, shortest_path(scene, layer) / CELLS_PER_MFP));
@@ -424,7 +424,7 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
     return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the bounds of bodies");
 }
 
-cml_status cml_body_grids_create(const struct cml_scene *scene, const double *depths,
+cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2], const double *depths,
                                  struct cml_body_grids *grids, struct cml_error *err)
 {
     *grids = (struct cml_body_grids){0};
@@ -433,7 +433,7 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double *de
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];
-        lay_out(scene, l, depths[l], most, cells);
+        lay_out(scene, origin, l, depths[l], most, cells);
         cells->first = grids->num_cells;
         grids->num_cells += cells_of(cells);
     }

@@ -24,9 +24,11 @@ struct cml_body_grids {
     struct cml_body_ball *ball; /* [num_cells] */
 };
 
-/* Makes the cells of all layers with bodies. depths: [num_media] of the frames. Cells are an eighth of the
- * shortest mean free path wide, or as small as a bounded number of them can be. CML_E_INPUT when memory runs
- * out; then the grids hold what cml_body_grids_clear frees. */
-CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double *depths,
-                                               struct cml_body_grids *grids, struct cml_error *err);
+/* Makes the cells of all layers with bodies. origin: scene position of x and y in kernels; depths:
+ * [num_media] of the frames. Cells are an eighth of the shortest mean free path wide, or as small as a
+ * bounded number of them can be. CML_E_INPUT when memory runs out; then the grids hold what
+ * cml_body_grids_clear frees. */
+CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2],
+                                               const double *depths, struct cml_body_grids *grids,
+                                               struct cml_error *err);
 void cml_body_grids_clear(struct cml_body_grids *grids);

@@ -31,7 +31,7 @@ enum cml_grid_answer { CML_GRID_UNDECIDED, CML_GRID_MISSED, CML_GRID_MET };
 
 /* Rays of packets that stand on no facet, on one side of a mesh, and what they meet: structure of arrays,
  * entries 0..count-1; what lies behind them may be anything. Positions in the boundary's frame, x and y from
- * the beam's axis, cm. */
+ * the scene's origin, cm. */
 struct cml_grid_lanes {
     int count;
     int lane[CML_GRID_LANES]; /* the caller's number */

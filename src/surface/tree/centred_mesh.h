@@ -11,8 +11,8 @@ struct cml_centred_mesh {
     struct cml_mesh mesh; /* vertices, box and z_border in the centred frame */
     double (
         *plane)[4]; /* [num_triangles] unit normal, up, and its product with any point of the triangle, cm */
-    double centre[3]; /* the centred frame's origin in query coordinates: x and y from the beam's axis, z in
-                       * the boundary's frame, cm */
+    double centre[3]; /* the centred frame's origin in query coordinates: x and y from the scene's origin, z
+                       * in the boundary's frame, cm */
     double axis[2];   /* centred frame: the scene's z axis, around which analytic normals turn */
     double lower[3], upper[3];              /* centred frame: the box, larger by 2 err_float on each side */
     double err_mesh, err_float, err_margin; /* cm, see rounding.h; err_margin: the least of all rays */

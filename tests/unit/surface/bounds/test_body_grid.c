@@ -201,7 +201,8 @@ static void cells_say_no_more_than_is_true(void **state)
         struct cml_error err;
         make_bodies(count, pow(10, dice_between(&dice, -0.7, 0.3)), &dice);
         media[1].mus = pow(10, dice_between(&dice, 0, 3));
-        assert_int_equal(cml_body_grids_create(&scene, depths, &grids, &err), CML_OK);
+        assert_int_equal(cml_body_grids_create(&scene, (double[]){beam.x, beam.y}, depths, &grids, &err),
+                         CML_OK);
         const struct cml_body_cells *cells = &grids.item[grids.of_medium[1]];
         for (int look = 0; look < repeats(120); look++) {
             const int x = dice_below(&dice, cells->n[0]), y = dice_below(&dice, cells->n[1]),

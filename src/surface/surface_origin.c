@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/surface_origin.h"
+
+#include "scene/body/body_shape.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Steps of single precision in the smallest length of a part: the widths of rings, whose roots are found in
+ * single precision, the sides of facets, and bodies, detectors and bins. */
+enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
+
+/* How far the origin may be. */
+static double distance_for(double length, int steps)
+{
+    return length / (steps * (double)FLT_EPSILON);
+}
+
+/* Where the origin may lie. */
+struct range {
+    double low[2], high[2];
+};
+
+static const struct range anywhere = {{-INFINITY, -INFINITY}, {INFINITY, INFINITY}};
+
+static struct range about(const double at[2], double distance)
+{
+    return (struct range){{at[0] - distance, at[1] - distance}, {at[0] + distance, at[1] + distance}};
+}
+
+static struct range common(struct range a, struct range b)
+{
+    for (int k = 0; k < 2; k++) {
+        a.low[k] = fmax(a.low[k], b.low[k]);
+        a.high[k] = fmin(a.high[k], b.high[k]);
+    }
+    return a;
+}
+
+static bool is_empty(struct range range)
+{
+    return !(range.low[0] <= range.high[0] && range.low[1] <= range.high[1]);
+}
+
+static bool holds(struct range range, const double at[2])
+{
+    return at[0] >= range.low[0] && at[0] <= range.high[0] && at[1] >= range.low[1] && at[1] <= range.high[1];
+}
+
+/* Where the axis of a beam that starts outside meets the first or the last nominal plane; elsewhere its own
+ * place. */
+static void find_anchor(const struct cml_scene *scene, const struct cml_beam *beam, double at[2])
+{
+    const double bottom = scene->boundaries[scene->num_layers].z, down = cml_beam_descent(beam);
+    const double rest = beam->z < 0 ? -beam->z : beam->z > bottom ? bottom - beam->z : 0;
+    const double way = beam->inside && rest * down > 0 ? rest / down * cml_beam_sine(beam) : 0;
+    at[0] = beam->x + way * cos(beam->azimuth);
+    at[1] = beam->y + way * sin(beam->azimuth);
+}
+
+/* ---- what must be told apart ---- */
+
+/* What has been asked so far. */
+struct demands {
+    const struct cml_scene *scene;
+    struct range range;
+    double distance; /* the smallest of all */
+};
+
+/* A part at a place; length: of its parts. */
+struct part {
+    const char *file;
+    int line;
+    char name[64];
+    const char *length_name;
+    double at[2], length;
+    int steps;
+};
+
+static cml_status ask(struct demands *all, const struct part *part, struct cml_error *err)
+{
+    const double distance = distance_for(part->length, part->steps);
+    const struct range range = common(all->range, about(part->at, distance));
+    double away = 0;
+    if (!is_empty(range)) {
+        all->range = range;
+        all->distance = fmin(all->distance, distance);
+        return CML_OK;
+    }
+    for (int k = 0; k < 2; k++)
+        away = fmax(away, fmax(all->range.low[k] - part->at[k], part->at[k] - all->range.high[k]));
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: %s at (%g %g) cm: %s %g cm, expected at least %g cm: it lies %g cm further away "
+                    "than where single precision tells the rest of the scene, and has steps of %g cm there",
+                    part->file, part->line, part->name, part->at[0], part->at[1], part->length_name,
+                    part->length, part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
+}
+
+/* Light meets a tile wherever it is. */
+static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
+{
+    const struct cml_scene *scene = all->scene;
+    const struct cml_heightmap *tile = &scene->boundaries[b].tile;
+    for (int k = 0; k < scene->num_beams; k++) {
+        struct part part = {.file = scene->file,
+                            .line = scene->beams[k].line,
+                            .length_name = "the spacing of its heights is",
+                            .length = fmin(tile->dx, tile->dy),
+                            .steps = STEPS_OF_FACET};
+        find_anchor(scene, &scene->beams[k], part.at);
+        snprintf(part.name, sizeof part.name, "beam %d meets the tile of boundary %d", k + 1, b);
+        CML_TRY(ask(all, &part, err));
+    }
+    return CML_OK;
+}
+
+/* The mean side of its facets, or the mean width of its rings. */
+static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *err)
+{
+    const struct cml_boundary *boundary = &all->scene->boundaries[b];
+    const struct cml_mesh *mesh = &boundary->mesh;
+    const struct cml_radial *radial = &boundary->radial;
+    struct part part = {.file = all->scene->file, .line = boundary->line, .steps = STEPS_OF_FACET};
+    if (boundary->form == CML_FORM_TILE) return ask_of_tile(all, b, err);
+    if (boundary->form == CML_FORM_PLANE || (boundary->form == CML_FORM_RADIAL && radial->n < 2))
+        return CML_OK;
+    if (boundary->form == CML_FORM_RADIAL) {
+        part.length = radial->r[radial->n - 1] / (radial->n - 1);
+        part.length_name = "the mean width of its rings is";
+        part.steps = STEPS_OF_RING;
+        snprintf(part.name, sizeof part.name, "boundary %d: heightfield", b);
+    } else {
+        const double wide = mesh->upper[0] - mesh->lower[0], deep = mesh->upper[1] - mesh->lower[1];
+        part.length = sqrt(2 * wide * deep / (double)mesh->num_triangles);
+        part.length_name = "the mean side of its facets is";
+        snprintf(part.name, sizeof part.name, "boundary %d: mesh", b);
+        for (int k = 0; k < 2; k++) part.at[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
+    }
+    return ask(all, &part, err);
+}
+
+static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *err)
+{
+    const struct cml_detector_def *def = &all->scene->detectors[k];
+    const bool ring = def->shape == CML_DETECTOR_RING, disk = ring && def->size[0] == 0;
+    struct part part = {.file = def->table ? def->table : all->scene->file,
+                        .line = def->table ? def->row : def->line,
+                        .length_name = "its half width is",
+                        .at = {def->x, def->y},
+                        .length = disk   ? def->size[1]
+                                  : ring ? 0.5 * (def->size[1] - def->size[0])
+                                         : 0.5 * fmin(def->size[0], def->size[1]),
+                        .steps = STEPS_OF_LENGTH};
+    if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
+    snprintf(part.name, sizeof part.name, "detector %s", def->name);
+    return ask(all, &part, err);
+}
+
+/* A body that is too far from the rest is refused where its surface is made, by the steps there. */
+static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
+{
+    double lower[3], upper[3], extent = 0, size = INFINITY;
+    cml_body_box(body, lower, upper);
+    for (int k = 0; k < 3; k++) size = fmin(size, 0.5 * (upper[k] - lower[k]));
+    for (int k = 0; k < 2; k++) extent = fmax(extent, 0.5 * (upper[k] - lower[k]));
+    if (body->form != CML_BODY_MESH) size = fmin(size, body->radius);
+    const double middle[2] = {0.5 * (lower[0] + upper[0]), 0.5 * (lower[1] + upper[1])};
+    const double distance = distance_for(size, STEPS_OF_LENGTH);
+    const struct range range = common(all->range, about(middle, distance - extent));
+    all->distance = fmin(all->distance, distance);
+    if (!is_empty(range)) all->range = range;
+}
+
+static cml_status ask_of_all(struct demands *all, struct cml_error *err)
+{
+    for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(ask_of_boundary(all, b, err));
+    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(ask_of_detector(all, k, err));
+    for (int k = 0; k < all->scene->num_bodies; k++) ask_of_body(all, &all->scene->bodies[k]);
+    return CML_OK;
+}
+
+/* ---- bins, which may lie where no light is ---- */
+
+static void ask_of_bins(const double at[2], double length, double extent, struct demands *all)
+{
+    const double distance = distance_for(length, STEPS_OF_LENGTH);
+    const struct range range = common(all->range, about(at, distance - extent));
+    all->distance = fmin(all->distance, distance);
+    if (!is_empty(range)) all->range = range;
+}
+
+static struct demands with_bins(const struct demands *from)
+{
+    const struct cml_scene *scene = from->scene;
+    const struct cml_map_def *map = &scene->map;
+    const double zero[2] = {0, 0}, own[2] = {scene->beams[0].x, scene->beams[0].y};
+    struct demands all = *from;
+    ask_of_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, &all);
+    if (map->nx > 0)
+        ask_of_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), &all);
+    return all;
+}
+
+/* ---- the origin ---- */
+
+/* The first beam's place where that serves, else where the first beam that does meets the scene. */
+static bool find_beam(const struct cml_scene *scene, struct range range, double at[2])
+{
+    at[0] = scene->beams[0].x;
+    at[1] = scene->beams[0].y;
+    if (holds(range, at)) return true;
+    for (int k = 0; k < scene->num_beams; k++) {
+        find_anchor(scene, &scene->beams[k], at);
+        if (holds(range, at)) return true;
+    }
+    return false;
+}
+
+/* Where no beam serves: as near to where the first one meets the scene as the rest allows. */
+static void find_nearest(const struct cml_scene *scene, struct range range, double at[2])
+{
+    find_anchor(scene, &scene->beams[0], at);
+    for (int k = 0; k < 2; k++) at[k] = fmin(fmax(at[k], range.low[k]), range.high[k]);
+}
+
+/* Far from x = y = 0 the origin itself is a number of single precision, so that all agree on it. */
+cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
+{
+    struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY};
+    CML_TRY(ask_of_all(&parts, err));
+    const struct demands all = with_bins(&parts);
+    origin->shapes = parts.distance;
+    origin->all = all.distance;
+    if (!find_beam(scene, all.range, origin->at) && !find_beam(scene, parts.range, origin->at))
+        find_nearest(scene, parts.range, origin->at);
+    for (int k = 0; k < 2; k++)
+        if (fabs(origin->at[k]) > all.distance) origin->at[k] = (double)(float)origin->at[k];
+    return CML_OK;
+}

@@ -233,8 +233,7 @@ static void print_saved(FILE *stream, const struct cml_report *report)
             report->scene->saved.detected ? "were detected" : "left");
     if (kept.found > kept.kept)
         fprintf(stream, ", of %.0f (limit=): all of %s %.0f photons, none of others", (double)kept.found,
-                report->scene->num_beams > 1 ? "a sample of" : "the first",
-                (double)cml_report_covers(report));
+                report->scene->num_beams > 1 ? "a sample of" : "the first", (double)report->covers);
     fputc('\n', stream);
 }
 

@@ -131,6 +131,27 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
     return CML_OK;
 }
 
+/* What scatters in the medium of a column of absorption, before the table has its say. A name that no medium
+ * has is refused with its rows. */
+static double scattering_of(const struct cml_scene *scene, const char *column)
+{
+    int n;
+    if (sscanf(column, "layer%d.", &n) == 1 && n >= 1 && n <= scene->num_layers) return scene->media[n].mus;
+    if (sscanf(column, "body%d.", &n) == 1 && n >= 1 && n <= scene->num_bodies)
+        return scene->media[cml_body_medium(scene, n - 1)].mus;
+    return 0;
+}
+
+static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
+{
+    const struct cml_sweep_table *table = &sweep->table;
+    const size_t columns = (size_t)table->num_columns;
+    CML_FREED double *mus = calloc(columns, sizeof *mus);
+    if (!mus) return cml_fail_memory(err, (double)(columns * sizeof *mus), "the columns");
+    for (size_t c = 0; c < columns; c++) mus[c] = scattering_of(&sweep->base->scenes[0], table->name[c]);
+    return cml_sweep_group(table, mus, &sweep->group, &sweep->num_groups, err);
+}
+
 /* All that can be said of the table before its rows are read as scenes. */
 static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
 {
@@ -152,8 +173,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     if (options->reweight) CML_TRY(cml_sweep_check_reweighted(&sweep->base->scenes[0], err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
-    return options->reweight ? cml_sweep_group(&sweep->table, &sweep->group, &sweep->num_groups, err)
-                             : CML_OK;
+    return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)

@@ -7,8 +7,10 @@
 /* Whether a column is of absorption coefficients. */
 bool cml_sweep_is_absorption(const char *name);
 
-/* Numbers the groups from 0 by their first rows: *group, [num_rows], is the caller's to free. Where the first
- * layer is clear, beams start below it (P1): rows in which layer1.mua is 0 are never together with others.
- */
-CML_NODISCARD cml_status cml_sweep_group(const struct cml_sweep_table *table, int **group, int *num_groups,
-                                         struct cml_error *err);
+/* Numbers the groups from 0 by their first rows: *group, [num_rows], is the caller's to free. mus:
+ * [num_columns] what scatters in the medium of each column of absorption, unless the table has a column of
+ * it. Two kinds of rows with mua = 0 are never together with rows of mua > 0. The first is of media that do
+ * not scatter: the flight would give up packets there as trapped (P9), with all that the other rows would
+ * absorb of them. The second is of layer 1, below which beams start where it is clear (P1). */
+CML_NODISCARD cml_status cml_sweep_group(const struct cml_sweep_table *table, const double *mus, int **group,
+                                         int *num_groups, struct cml_error *err);

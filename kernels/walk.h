@@ -365,13 +365,15 @@ CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct 
         cml_score_exit(packet);
 }
 
-/* P9: bounds what total reflection could repeat for ever. */
+/* P9: bounds what total reflection could repeat for ever. A packet outside of the material is on its way out,
+ * however long it was inside. */
 CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
     packet->bounces++;
     packet->boundary_events++;
     if (packet->fate != CML_FATE_ALIVE) return;
-    if (packet->bounces > CML_TRAPPED_LIMIT && !(world->media[packet->medium].mut > 0))
+    if (packet->bounces > CML_TRAPPED_LIMIT && !cml_is_outer(world, packet->medium) &&
+        !(world->media[packet->medium].mut > 0))
         cml_end_packet(packet, CML_FATE_TRAPPED);
     else if (packet->bounces > CML_STUCK_LIMIT)
         cml_lose_packet(packet, CML_LOST_STUCK);

@@ -163,7 +163,7 @@ static void print_rarities(FILE *stream, const struct cml_result *result, double
         enum cml_count count;
         const char *text;
     } rarities[] = {
-        {CML_COUNT_TRAPPED, "packets trapped by total reflection in a clear medium"},
+        {CML_COUNT_TRAPPED, "packets given up as trapped in a clear medium"},
         {CML_COUNT_LOST_NO_SURFACE, "packets lost: no surface found"},
         {CML_COUNT_LOST_NAN, "packets lost: not a number"},
         {CML_COUNT_LOST_STUCK, "packets lost: stuck"},
@@ -235,8 +235,7 @@ static void print_saved(FILE *stream, const struct cml_report *report)
             report->scene->saved.detected ? "were detected" : "left");
     if (kept.found > kept.kept)
         fprintf(stream, ", of %.0f (limit=): all of %s %.0f photons, none of others", (double)kept.found,
-                report->scene->num_beams > 1 ? "a sample of" : "the first",
-                (double)cml_report_covers(report));
+                report->scene->num_beams > 1 ? "a sample of" : "the first", (double)report->covers);
     fputc('\n', stream);
 }
 
@@ -248,6 +247,20 @@ static void print_parts(FILE *stream, const struct cml_result *result)
         fprintf(stream, "  %.3g parts of packets a photon were split off\n", parts / (double)result->photons);
 }
 
+#define LEAST_TRAPPED 1e-6 /* share of the light that people are told of */
+
+/* Prints how much of the light is in no total, as its packets were given up (P9). Nobody knows whether it was
+ * trapped for ever, or would have come out later. */
+static void print_trapped(FILE *stream, const struct cml_result *result)
+{
+    const double share = cml_result_share(result, CML_BALANCE_TRAPPED);
+    if (!(share > LEAST_TRAPPED)) return;
+    fprintf(stream, is_small(share) ? "  trapped %.3e" : "  trapped %.6f", share);
+    fputs(" of the light, given up in a clear medium: each result may lack up to as much (a small mua there "
+          "shows where it goes)\n",
+          stream);
+}
+
 /* The words `books` and `residue` are those of the output files; the code says weight balance and
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
@@ -256,6 +269,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     const double seconds = report->timing->seconds, steps = cml_result_steps(result);
     const int totals = cml_num_totals(report->scene->backing.kind != CML_BACKING_NONE);
     for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
+    print_trapped(stream, result);
     print_absorbed(stream, report);
     print_detected(stream, report);
     print_expected(stream, report);

@@ -25,6 +25,9 @@ struct cml_report {
     int unseen; /* detector, from 1, that has seen nothing, and that --aim would send packets to; 0: none */
     const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
     struct cml_outcome outcome;    /* of cml_report_write: what files, record and summary are made of */
+    uint64_t covers; /* of cml_report_write: photons, the first or of several beams a sample, of which no
+                      * saved packet is missing (cml_saved_covers), so that sums of rows over that number are
+                      * estimates */
     int num_files;
     char **files; /* [num_files] paths written, the main result first */
 };

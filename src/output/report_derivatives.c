@@ -8,14 +8,17 @@
 
 #include <math.h>
 
-/* By what sums of score number 2 k + by_mus are multiplied; NaN where they know nothing: of mus where there
- * is none, and of mua of a clear first layer, below which beams start (P1). */
-static double scale_of(const struct cml_scene *scene, int k, bool by_mus)
+/* The factor of the sums of score number 2 k + by_mus. NaN where the score knows nothing: by mus of a medium
+ * that does not scatter; by mua of a clear first layer, below which beams start (P1); by mua of any clear
+ * medium once packets were given up as trapped (P9), for their paths there have no end. */
+static double scale_of(const struct cml_report *report, int k, bool by_mus)
 {
+    const struct cml_scene *scene = report->scene;
     const struct cml_medium_def *medium = &scene->media[cml_medium_inside(scene->num_layers, k)];
     const double mut = cml_medium_mut(medium);
+    const bool ends = k > 0 && report->sums->summary.count[CML_COUNT_TRAPPED] == 0;
     if (by_mus) return medium->mus > 0 ? 1 / medium->mus : NAN;
-    return k > 0 || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
+    return ends || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
 }
 
 /* Column k of a derivative. */
@@ -37,7 +40,7 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
 static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
                              struct cml_error *err)
 {
-    const double scale = scale_of(report->scene, k, by_mus);
+    const double scale = scale_of(report, k, by_mus);
     struct cml_result result;
     struct cml_outcome sums = {.photons = o->photons,
                                .dz = o->dz,

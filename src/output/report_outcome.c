@@ -104,6 +104,19 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
     return status;
 }
 
+/* Counts report->covers, where packets are saved. */
+static cml_status count_covers(struct cml_report *report, struct cml_error *err)
+{
+    const struct cml_scene *scene = report->scene;
+    CML_AT_END(cml_deal_clear) struct cml_deal run = {0};
+    if (!report->sums->saved) return CML_OK;
+    CML_TRY(cml_deal_create(scene->shares, scene->num_beams, &run, err));
+    CML_TRY(cml_deal_round(&run, 0, report->sums->photons, err));
+    cml_saved_sort(report->sums->saved);
+    report->covers = cml_saved_covers(report->sums->saved, &run);
+    return CML_OK;
+}
+
 /* Fills the result; what may fail comes first. */
 static cml_status fill(struct cml_report *report, struct cml_error *err)
 {
@@ -119,6 +132,7 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     CML_TRY(fill_bodies(report->scene, o, err));
     CML_TRY(fill_heights(report->scene, o, err));
     CML_TRY(fill_control(report, o, err));
+    CML_TRY(count_covers(report, err));
     CML_TRY(cml_report_body_fluxes(report, o, err));
     CML_TRY(cml_outcome_take(o, report->sums, err));
     return cml_report_derivatives(report, o, err);

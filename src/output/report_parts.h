@@ -22,10 +22,6 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
-/* The number of photons, the first or of several beams a sample, of which no saved packet is missing
- * (cml_saved_covers), so that sums of rows over that number are estimates; 0 where memory runs out. */
-uint64_t cml_report_covers(const struct cml_report *report);
-
 /* Derivatives, where the run has scores. The sizes of *o are set. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report, struct cml_outcome *o,
                                                 struct cml_error *err);

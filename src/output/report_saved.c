@@ -94,7 +94,7 @@ static cml_status write(const struct cml_report *report, const char *path, const
     struct cml_field fields[NUM_PROPERTIES];
     struct column columns[NUM_PROPERTIES];
     int n = cml_h5_attributes(&report->outcome, &more, attributes);
-    attributes[n++] = (struct cml_attribute){"covers", NULL, (double)cml_report_covers(report)};
+    attributes[n++] = (struct cml_attribute){"covers", NULL, (double)report->covers};
     attributes[n++] = (struct cml_attribute){"found", NULL, (double)kept->found};
     attributes[n++] = (struct cml_attribute){"limit", NULL, (double)saved->limit};
     attributes[n++] = (struct cml_attribute){"detected", NULL, saved->detected};
@@ -140,19 +140,4 @@ double cml_saved_file_bytes(const struct cml_saved_kind *kind)
     for (int i = 0; i < NUM_PROPERTIES; i++)
         row += (properties[i].whole ? 8.0 : 4.0) * (properties[i].of_medium ? (double)kind->media : 1);
     return (double)kind->limit * row;
-}
-
-uint64_t cml_report_covers(const struct cml_report *report)
-{
-    const struct cml_result *sums = report->sums;
-    const struct cml_scene *scene = report->scene;
-    struct cml_error ignored;
-    struct cml_deal run;
-    uint64_t covers = 0;
-    cml_saved_sort(sums->saved);
-    if (cml_deal_create(scene->shares, scene->num_beams, &run, &ignored) != CML_OK) return 0;
-    if (cml_deal_round(&run, 0, sums->photons, &ignored) == CML_OK)
-        covers = cml_saved_covers(sums->saved, &run);
-    cml_deal_clear(&run);
-    return covers;
 }

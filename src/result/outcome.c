@@ -311,16 +311,27 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
     return density(o, quantity, measure, sum);
 }
 
-/* Lengths and depths are sums of units, depths from a top. */
+/* The standard error that rounding leaves in a length: it was rounded to whole units, and to single precision
+ * in `cpu` (P13). An error that is spread evenly over a spacing has the square of the spacing over 12. */
+static double rounding_of(double length, double unit)
+{
+    return hypot(unit, length * 0x1p-23) / sqrt(12);
+}
+
+/* Lengths and depths are sums of units, depths from a top. All packets may be rounded alike: then their
+ * spread says nothing of the error. */
 static double mean_of(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                       int size, int i, double *error)
 {
     const cml_u128 *moments = cells_of(sums, &cml_quantities[quantity]);
     const int detector = i / (int)cml_outcome_part_size(o, quantity);
-    const double unit = quantity == CML_QUANTITY_detector_interactions ? 1 : sums->grid.path_unit,
+    const bool counts = quantity == CML_QUANTITY_detector_interactions;
+    const double unit = counts ? 1 : sums->grid.path_unit,
                  top = quantity == CML_QUANTITY_detector_deepest ? sums->grid.path_top : 0,
-                 mean = top + unit * cml_result_mean(sums, moments, size, i, detector, error);
+                 units = cml_result_mean(sums, moments, size, i, detector, error), mean = top + unit * units,
+                 least = !counts && units > 0 ? rounding_of(mean, unit) : 0;
     *error *= unit;
+    if (*error < least) *error = least; /* not where it is NaN */
     return mean;
 }
 

@@ -88,6 +88,18 @@ grep -q '"dRd_dmus":\[null\]' "$work/out" || complain "--json: $(cat "$work/out"
 expect_code 0 merge "$work/one/glass.mco" "$work/three/glass.mco" --output "$work/merged.mco"
 test "$(first "$work/merged.mco" dRd_dmua)" = NAN || complain "merged: $(first "$work/merged.mco" dRd_dmua)"
 
+# Where packets are given up as trapped nothing is known by mua of clear media, and all else is; the summary says how much light that was.
+printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0.1 0 0 0.1\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
+expect_code 0 "$work/trap.mci" --derivatives -o "$work/one"
+grep -q "note: trap.mco: derivatives by mua of clear media are NaN, as 3[0-9]* packets were given up as trapped in one" "$work/err" || complain "no note: $(cat "$work/err")"
+sed -n '/^  Tt /{n;p;}' "$work/out" | grep -q '^  trapped 0\.7[0-9]* of the light, given up in a clear medium: ' || complain "summary of trapped light: $(cat "$work/out")"
+awk '/^d(Rd|A|Tt)_dmua / { name = $1; getline; if (tolower($1) ~ /nan/) print name, 1; getline; if (tolower($1) !~ /nan/) print name, 2; getline; if (tolower($1) !~ /nan/) print name, 3; n++ }
+    END { if (n != 3) print n }' "$work/one/trap.mco" >"$work/differ"
+test ! -s "$work/differ" || complain "derivatives of trapped light: $(cat "$work/differ")"
+expect_code 0 "$work/trap.mci" --derivatives --set layer1.n=1.5 --set layer3.n=1.5 --set below.n=1.5 --set above.n=1.5 -o "$work/three"
+grep -q trapped "$work/out" "$work/err" && complain "trapped without a mirror: $(cat "$work/err")"
+test "$(first "$work/three/trap.mco" dRd_dmua | grep -ci nan)" = 0 || complain "no derivative without trapped light"
+
 # Refused.
 printf 'layer1.mua\n1\n' >"$work/t.csv"
 for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv"; do

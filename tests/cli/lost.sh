@@ -51,6 +51,16 @@ for engine in cpu reference; do
     tail -n 1 "$work/out" | grep -q '^# reflected after 6 interactions and 32 boundary events' ||
         complain "light in a groove, $engine: $(tail -n 1 "$work/out")"
 done
+# Light that a gently rough plate holds back for more than 10000 boundary events, and lets out before it absorbs it, has left: outside nothing is trapped.
+awk 'BEGIN { print "ncols 16\nnrows 16\ncellsize 0.02"; for (j = 0; j < 16; j++) for (i = 0; i < 16; i++)
+    printf "%.8f%s", 5e-4 * cos(i * atan2(0, -1) / 8 + 1) * cos(j * atan2(0, -1) / 8), i < 15 ? " " : "\n" }' >"$work/gentle.asc"
+printf '1.0\n1\ngentle.mco A\n60\n0.02 0.02\n5 5 1\nbeam rectangle 0.32 0.32 z=0.1 light=isotropic\n1\n1\n%s\n1.5 1e-4 0 0 0.2\n%s shift=0.1,0.02,0\n1\n' \
+    'm "gentle.asc" tile units=cm' 'm "gentle.asc" tile units=cm' >"$work/gentle.mci"
+expect_code 0 trace "$work/gentle.mci" 57
+tail -n 1 "$work/out" | grep -Eq '^# (reflected|transmitted) after 0 interactions and 15497 boundary events' || complain "light that left late: $(tail -n 1 "$work/out")"
+expect_code 0 "$work/gentle.mci" --json -o "$work"
+expect_sound "light that left late"
+grep -q '"trapped":0,' "$work/out" || complain "light outside is trapped: $(cat "$work/out")"
 expect_error 2 "--run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" trace samples/two_runs.mci 1 --run 3
 
 # Nothing is asked and nothing floods: no standard input, output to files; a line of progress only after 10 seconds.

@@ -1,8 +1,8 @@
 """Memory runs out: requests for memory that the program makes for a scene fail, one a run. Then it either does
-without (a thread that is not bound), or says so in one line, exits with 2, or with 5 where a file was to be written, and
-leaves nothing half written. Shares nothing with the program but its words. Requests of libraries do not fail.
+without (a thread that is not bound) and has saved as many packets as ever, or says so in one line, exits with 2, or with 5
+where a file was to be written, and leaves nothing half written. Shares nothing with the program but its words. Requests of libraries do not fail.
 
-no_memory.py PROGRAM: tests/lib/failing_memory.c linked into clustermcml. WHOLE=1: every request, else every eleventh."""
+no_memory.py PROGRAM: tests/lib/failing_memory.c linked into clustermcml. WHOLE=1: every request, else every eleventh (of two beams every third)."""
 import concurrent.futures
 import os
 import re
@@ -47,6 +47,7 @@ COMMANDS = {
     "reference": RUN + ["--engine", "reference", "-o", "OUT"],
     "rounds": ["flat.mci", "--photons", "64", "--threads", "1", "--target-error", "0.3", "--checkpoint", "1e-9", "--quiet", "-o", "OUT"],
     "threads": ["flat.mci", "--photons", "200", "--threads", "2", "--quiet", "-o", "OUT"],
+    "two beams": ["beams.mci", "--threads", "1", "--json", "-o", "OUT"],
     "control": ["hill.mci", "--control", "flat", "--threads", "1", "--quiet", "-o", "OUT"],
     "trace": ["trace", "scene.mci", "3"],
     "compare": ["compare", "a.mco", "b.mco", "-o", "OUT/z.svg"],
@@ -56,22 +57,22 @@ COMMANDS = {
 
 
 def call(folder, arguments, failing):
-    """Exit code, lines of standard error but for notes, names left in the folder of results."""
+    """Exit code, lines of standard error but for notes, names left in the folder of results, what is said of saved packets."""
     with tempfile.TemporaryDirectory() as out:
         arguments = [argument.replace("OUT", out) for argument in arguments]
         run = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, errors="replace",
                              stdin=subprocess.DEVNULL, env={**os.environ, "FAIL_ALLOCATION": str(failing)})
         lines = [line for line in run.stderr.replace(out, "OUT").splitlines() if not line.startswith("clustermcml: note: ")]
-        return run.returncode, lines, sorted(os.listdir(out))
+        return run.returncode, lines, sorted(os.listdir(out)), re.findall(r'"saved":{[^}]*}', run.stdout)
 
 
-def fault(code, lines, names):
-    """What is wrong with how a run ended; an empty text when nothing is."""
+def fault(code, lines, names, saved, whole):
+    """What is wrong with how a run ended; an empty text when nothing is. whole: what one without failure says of saved packets."""
     left = [name for name in names if not re.fullmatch(r"[\w.]+\.(mco|h5|vti|vtp|obj|svg|mco\.checkpoint|mco\.checkpoint\.old)", name)]
     if left:
         return f"left {' '.join(left)}"
     if code in (0, 1):  # 1: two results differ
-        return ""
+        return "" if saved == whole else f"saved {saved} instead of {whole}"
     if code not in (2, 5) or len(lines) != 1 or not lines[0].startswith("clustermcml: "):
         return "not one line with exit code 2 or 5"
     return "" if re.search("out of memory: |Cannot allocate memory", lines[0]) else "another reason"
@@ -88,6 +89,7 @@ def prepare(folder):
     write("scan.asc", SCAN)
     write("c.csv", "bin,r_mid_cm,Rd_r_per_cm2\n0,0.01,2\n1,0.03,1\n2,0.05,0.5\n")
     flat = "1.0\n1\n%s A\n1000\n0.01 0.02\n20 20 10\n1\n1.0\n1.4 0.5 50 0.8 0.1\n1.0\n"
+    write("beams.mci", (flat % "beams.mco").replace("0.01 0.02", 'photons "exits" limit=50\nbeam pencil\nbeam disk 0.1\n0.01 0.02', 1))
     for name in ("flat", "a", "b"):
         write(f"{name}.mci", flat % f"{name}.mco")
     write("hill.mci", (flat % "hill.mco").replace("1.4 0.5", "b 2 0 0.1 0.02 0\n1.4 0.5"))
@@ -101,16 +103,16 @@ def main():
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
         prepare(folder)
         for i, (name, arguments) in enumerate(COMMANDS.items()):
-            code, lines, _ = call(folder, arguments, 0)
-            requests = int(lines[-1].removeprefix("requests: "))
-            failing = range(1, requests + 1) if "WHOLE" in os.environ else range(1 + i % 11, requests + 1, 11)
+            code, lines, _, whole = call(folder, arguments, 0)
+            requests, step = int(lines[-1].removeprefix("requests: ")), 3 if name == "two beams" else 11
+            failing = range(1, requests + 1) if "WHOLE" in os.environ else range(1 + i % step, requests + 1, step)
             ends = list(pool.map(lambda n: call(folder, arguments, n), failing))
-            refused = sum(code in (2, 5) for code, _, _ in ends)
+            refused = sum(code in (2, 5) for code, *_ in ends)
             print(f"{name}: {len(failing)} of {requests} requests fail, {refused} of them end it", flush=True)
             for number, end in zip(failing, ends):
-                if fault(*end):
+                if fault(*end, whole):
                     failures += 1
-                    print(f"FAILED: {name}, request {number}: {fault(*end)}: exit {end[0]}, {end[1]}")
+                    print(f"FAILED: {name}, request {number}: {fault(*end, whole)}: exit {end[0]}, {end[1]}")
             if code not in (0, 1) or refused < len(failing) / 2:
                 failures += 1
                 print(f"FAILED: {name}: exit {code} without a failure, {refused} of {len(failing)} requests matter: {lines}")

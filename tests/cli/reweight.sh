@@ -1,5 +1,5 @@
 #!/bin/sh
-# --sweep with --reweight: rows that differ in mua alone come of one flight, the others of as many as it takes; same bytes on any
+# --sweep with --reweight: rows that differ in mua alone come of one flight, the others of as many as it takes, rows in which a medium is clear apart; same bytes on any
 # number of threads, and after a stop; engines agree within rounding; what rows of one flight have not is refused by name.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -40,6 +40,26 @@ for row in 1 4 5; do
         test ! -s "$work/differ" || complain "row $row of $engine: $(cat "$work/differ")"
     done
 done
+
+# A medium that does not scatter gives light up as trapped where it is clear: rows in which it is clear fly apart, and the others absorb that light.
+printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0 0 0 0.1\ni sphere 0.05 0 0.05 0.01 1 0 0 0\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
+printf 'layer2.mua\n0\n1e-3\n3e-3\n' >"$work/trap.csv"
+expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" -o "$work/own" --quiet
+expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" --reweight -o "$work/three" --quiet
+awk -F, 'FNR == 1 { for (i = 1; i <= NF; i++) if ($i == "A") column = i; next } NR == FNR { own[$1] = $column; next }
+    ($column - own[$1]) ^ 2 > 1e-6 || (own[$1] > 0.7) != ($1 > 1) { print "row", $1, $column, own[$1] } END { if (NR != 8) print NR, "lines" }' \
+    "$work/own/trap.sweep.csv" "$work/three/trap.sweep.csv" >"$work/differ"
+test ! -s "$work/differ" || complain "trapped light: $(cat "$work/differ")"
+for how in layer2:2: layer2:1:layer2.mus=1 body1:2: body1:1:body1.mus=1; do
+    column=${how%%:*} set=${how##*:} how=${how#*:}
+    printf '%s.mua\n0\n1e-3\n3e-3\n' $column >"$work/trap.csv"
+    # shellcheck disable=SC2086 # no word where there is no setting
+    expect_code 0 check "$work/trap.mci" --sweep "$work/trap.csv" --reweight ${set:+--set $set}
+    grep -q ": ${how%%:*} flights*\$" "$work/out" || complain "clear in a row of $column $set: $(tail -1 "$work/out")"
+done
+printf 'layer2.mua,layer2.mus\n0,0\n1e-3,0\n0,1\n1e-3,1\n' >"$work/trap.csv"
+expect_code 0 check "$work/trap.mci" --sweep "$work/trap.csv" --reweight
+grep -q ": 3 flights$" "$work/out" || complain "mus of a row: $(tail -1 "$work/out")"
 
 # So are what detectors have seen, gates and directions, light that was never inside with them, below a clear layer and a rough one.
 sed -e '4a time 20 30\ndirections 4 6\ndetector ring 0 0.1 name=a\ndetector disk 0.1 na=0.5 at=0.1,0 name=b' -e 's/^20000$/5000/' "$work/two.mci" >"$work/seen.mci"

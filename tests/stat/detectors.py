@@ -8,6 +8,7 @@
 - A camera that is focused on one of three points of light along a slope sees it in one pixel, and the others where their cones cross that level, on paper.
 - Fibres over a hill, furrows that go on for ever and a mesh that overhangs: light that comes from one disk with the cosine law into another, over the area of that, is the same the other
   way round. With an argument N so many packets (`long.detectors`).
+- Path and largest depth of light that flies straight down in a clear slab are known but for rounding, and so within 2.45 errors.
 - A detector's error, and a pixel's, covers the mean over other runs in 68 % of cases, where split-off light comes into it, too.
 Statistic: exact; z-scores; the last one the share within one error."""
 import concurrent.futures
@@ -253,6 +254,16 @@ def coverage(verdict):
                 tried += 1
     verdict.check("errors", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
     print(f"errors of detectors: {within / tried:.3f} of {tried} within one")
+def rounding(verdict, dice):
+    """Straight down from the middle of clear slabs: the path is half the thickness and the largest depth all of it, but for rounding. Rounding to a
+    spacing is off by half of it, 1.73 times the standard deviation of that error; rounding to two of them by 2.45 times at most."""
+    for d in [0.05, *(dice.uniform(0.01, 1) for _ in range(19))]:
+        with tempfile.TemporaryDirectory() as folder:
+            text = cml.mci([f"1.0 0 0 0 {d!r}"], photons=256, extra=[f"beam pencil z={d / 2!r}", "detector disk 1 side=bottom name=it"])
+            sections = cml.read_sections(cml.run(text, keep=folder)[0]["output"])
+        for key, i, truth in (("detector_it_path", 1, d / 2), ("detector_it_deepest", 0, d)):
+            value, error = sections[key][i], sections[f"se_{key}"][i]
+            verdict.check(f"{d} cm: {key}", 0 < error < 1e-7 and abs(value - truth) <= 2.45 * error, f"{value} +- {error}, not {truth}")
 
 
 def main():
@@ -267,6 +278,7 @@ def main():
     laplace(verdict)
     focus(verdict)
     coverage(verdict)
+    rounding(verdict, dice)
     verdict.finish()
 
 

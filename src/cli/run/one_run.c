@@ -50,6 +50,20 @@ static void print_summary(const struct cml_options *options, const struct cml_re
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
 }
 
+/* Says why derivatives by mua of clear media are NaN (P17). */
+static void note_trapped(const struct cml_report *report)
+{
+    char text[512];
+    const double packets = (double)report->sums->summary.count[CML_COUNT_TRAPPED];
+    if (!report->sums->grid.derivatives || !(packets > 0)) return;
+    snprintf(
+        text, sizeof text,
+        "%.200s: derivatives by mua of clear media are NaN, as %.0f packet%s given up as trapped in one, "
+        "on a path without an end (a small mua there has a derivative)",
+        report->scene->output, packets, packets > 1 ? "s were" : " was");
+    cml_show_note(NULL, text);
+}
+
 /* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
  * same, and its status comes last. */
 static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
@@ -64,6 +78,7 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
     if (status == CML_OK && call->row == 0 && (options->json || !options->quiet))
         status = solve_flat(report, &exact, err);
     if (status == CML_OK) status = cml_report_record(report, record, err);
+    if (status == CML_OK) note_trapped(report);
     if (status == CML_OK && call->row == 0 && !options->quiet && !options->json)
         print_summary(options, report);
     cml_exact_clear(&exact);

@@ -245,12 +245,43 @@ static void note_columns(const struct cml_sweep_run *sweep)
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
-/* The column of layer 1's absorption, by number or name; -1: there is none. */
-static int first_absorption(const struct cml_sweep_table *table, const struct cml_scene *scene)
+/* The medium whose number a column sets; -1: of none. */
+static int medium_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
 {
-    for (int c = 0; c < table->num_columns; c++)
-        if (layer_of(table, c, scene) == 1 && cml_sweep_is_absorption(table->name[c])) return c;
+    const int layer = layer_of(table, column, scene);
+    int body;
+    if (layer > 0) return layer;
+    if (table->label[column] || sscanf(table->name[column], "body%d.", &body) != 1 || body < 1 ||
+        body > scene->num_bodies)
+        return -1;
+    return cml_body_medium(scene, body - 1);
+}
+
+/* The column that sets what scatters in a medium; -1: there is none. */
+static int scattering_column(const struct cml_sweep_table *table, int medium, const struct cml_scene *scene)
+{
+    for (int c = 0; c < table->num_columns; c++) {
+        const char *dot = strrchr(table->name[c], '.');
+        if (dot && strcmp(dot, ".mus") == 0 && medium_of(table, c, scene) == medium) return c;
+    }
     return -1;
+}
+
+static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
+{
+    const struct cml_sweep_table *table = &sweep->table;
+    const struct cml_scene *scene = &sweep->base->scenes[0];
+    const size_t columns = (size_t)table->num_columns;
+    CML_FREED struct cml_sweep_medium *media = calloc(columns, sizeof *media);
+    if (!media) return cml_fail_memory(err, (double)(columns * sizeof *media), "the columns");
+    for (int c = 0; c < table->num_columns; c++) {
+        const int medium = medium_of(table, c, scene);
+        media[c] = (struct cml_sweep_medium){medium == 1, -1, 0};
+        if (medium < 0) continue;
+        media[c].scattering = scattering_column(table, medium, scene);
+        media[c].mus = scene->media[medium].mus;
+    }
+    return cml_sweep_group(table, media, &sweep->group, &sweep->num_groups, err);
 }
 
 /* All that can be said of the table before its rows are read as scenes. */
@@ -276,9 +307,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     if (options->reweight) CML_TRY(cml_sweep_check_reweighted(scene, err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
-    if (!options->reweight) return CML_OK;
-    return cml_sweep_group(&sweep->table, first_absorption(&sweep->table, scene), &sweep->group,
-                           &sweep->num_groups, err);
+    return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)

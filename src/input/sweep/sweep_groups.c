@@ -10,24 +10,33 @@ bool cml_sweep_is_absorption(const char *name)
     return dot && strcmp(dot, ".mua") == 0;
 }
 
-static bool fit_in(const struct cml_sweep_table *table, int column, bool first, const char *a, const char *b)
+/* What scatters in the medium of a column, in a row. */
+static double scattering(const struct cml_sweep_table *table, int row, const struct cml_sweep_medium *medium)
 {
-    if (table->label[column] || strcmp(a, b) == 0) return true;
-    if (!cml_sweep_is_absorption(table->name[column])) return false;
-    return !first || (strtod(a, NULL) > 0) == (strtod(b, NULL) > 0);
+    const int column = medium->scattering;
+    return column < 0 ? medium->mus : strtod(cml_sweep_cell(table, row, column).value, NULL);
 }
 
-static bool fit(const struct cml_sweep_table *table, int first, int a, int b)
+static bool fit_in(const struct cml_sweep_table *table, int column, const struct cml_sweep_medium *medium,
+                   int a, int b)
+{
+    const char *cell_a = cml_sweep_cell(table, a, column).value,
+               *cell_b = cml_sweep_cell(table, b, column).value;
+    if (table->label[column] || strcmp(cell_a, cell_b) == 0) return true;
+    if (!cml_sweep_is_absorption(table->name[column])) return false;
+    if ((strtod(cell_a, NULL) > 0) == (strtod(cell_b, NULL) > 0)) return true;
+    return !medium->is_first_layer && scattering(table, a, medium) > 0;
+}
+
+static bool fit(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)
-        if (!fit_in(table, c, c == first, cml_sweep_cell(table, a, c).value,
-                    cml_sweep_cell(table, b, c).value))
-            return false;
+        if (!fit_in(table, c, &media[c], a, b)) return false;
     return true;
 }
 
-cml_status cml_sweep_group(const struct cml_sweep_table *table, int first_layer, int **group, int *num_groups,
-                           struct cml_error *err)
+cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml_sweep_medium *media,
+                           int **group, int *num_groups, struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
     int *first = calloc(rows, sizeof *first), count = 0; /* row of each group */
@@ -40,7 +49,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, int first_layer,
     }
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
-        while (number < count && !fit(table, first_layer, first[number], row)) number++;
+        while (number < count && !fit(table, media, first[number], row)) number++;
         if (number == count) first[count++] = row;
         (*group)[row] = number;
     }

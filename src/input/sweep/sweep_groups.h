@@ -7,8 +7,17 @@
 /* Whether a column is of absorption coefficients. */
 bool cml_sweep_is_absorption(const char *name);
 
-/* Numbers the groups from 0 by their first rows: *group, [num_rows], is the caller's to free. Where the first
- * layer is clear, beams start below it (P1): rows in which its mua is 0 are never together with others.
- * first_layer: the column of that number; -1: there is none. */
-CML_NODISCARD cml_status cml_sweep_group(const struct cml_sweep_table *table, int first_layer, int **group,
-                                         int *num_groups, struct cml_error *err);
+/* The medium of which a column sets a number. */
+struct cml_sweep_medium {
+    bool is_first_layer;
+    int scattering; /* column of its mus; -1: the table has none */
+    double mus;     /* then this, 1/cm */
+};
+
+/* Numbers the groups from 0 by their first rows: *group, [num_rows], is the caller's to free. media:
+ * [num_columns]. Two kinds of rows with mua = 0 are never together with rows of mua > 0. The first is of
+ * media that do not scatter: the flight would give up packets there as trapped (P9), with all that the other
+ * rows would absorb of them. The second is of layer 1, below which beams start where it is clear (P1). */
+CML_NODISCARD cml_status cml_sweep_group(const struct cml_sweep_table *table,
+                                         const struct cml_sweep_medium *media, int **group, int *num_groups,
+                                         struct cml_error *err);

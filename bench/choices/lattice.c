@@ -9,6 +9,8 @@
  * two, which are lattices, so that one sum over the points is enough, and what 1e4 and 1e5 photons give a
  * batch. Additions and multiplications in a fixed order decide. The best candidates lead by 3 % or more of
  * the product, rounding makes less than 1e-9 of it, so the result is the same everywhere.
+ * The polar angle of the light comes last, by another criterion: with its z no pair of dimensions may lie
+ * badly, whatever power of two the points are. pair_variance() says what is compared.
  * SPDX-License-Identifier: MIT */
 #include "lattice.h"
 
@@ -24,9 +26,21 @@ enum { CANDIDATES = 400, POWER_MIN = 6, POWER_MAX = 16, POWERS = POWER_MAX - POW
 static const struct {
     cml_u32 dimension;
     double weight;
-} order[CML_LATTICE_DIMENSIONS] = {{0, 1},    {1, 1},     {2, 1},     {3, 0.5},   {4, 0.5},
-                                   {5, 0.5},  {6, 0.5},   {8, 0.25},  {9, 0.25},  {10, 0.25},
-                                   {7, 0.25}, {11, 0.25}, {12, 0.25}, {13, 0.25}, {14, 0.25}};
+} order[CML_LATTICE_DIMENSIONS] = {{0, 1},
+                                   {1, 1},
+                                   {2, 1},
+                                   {3, 0.5},
+                                   {4, 0.5},
+                                   {5, 0.5},
+                                   {6, 0.5},
+                                   {8, 0.25},
+                                   {9, 0.25},
+                                   {10, 0.25},
+                                   {CML_LATTICE_SPARE, 0.25},
+                                   {11, 0.25},
+                                   {12, 0.25},
+                                   {13, 0.25}};
+enum { POLAR_PLACE = CML_LATTICE_DIMENSIONS - 1, PAIR_POWER_MIN = 4 };
 
 static const int typed[] = {156, 1562, 15625}; /* points that 1e4, 1e5 and 1e6 photons give a batch */
 enum { TYPED = sizeof typed / sizeof *typed, SEARCHED = TYPED - 1 }; /* 1e6 takes too long to search with */
@@ -120,6 +134,37 @@ static void keep(cml_u32 z, double weight)
         for (int k = 0; k < sets[i].count; k++) sets[i].product[k] *= factor(sets[i].reversed[k] * z, weight);
 }
 
+/* Variance of a mean over 2^m points of a lattice, over that of random points, averaged over shifts: of a
+ * function of two coordinates that is the product of two Bernoulli polynomials B2, with these generators. */
+static double pair_variance(int m, cml_u32 z1, cml_u32 z2)
+{
+    const double same = factor(0, 1) - 1;
+    double sum = 0;
+    for (int i = 0; i < 1 << m; i++)
+        sum += (factor(reversed(i) * z1, 1) - 1) * (factor(reversed(i) * z2, 1) - 1);
+    return sum / same / same;
+}
+
+/* Sum of the squares of pair_variance of `z` with all other dimensions in use, times their weights, over all
+ * powers: squares, because one bad pair is worse than several fair ones. */
+static double pairs_of_polar(cml_u32 z)
+{
+    double sum = 0;
+    for (int m = PAIR_POWER_MIN; m <= POWER_MAX; m++)
+        for (unsigned place = 0; place < POLAR_PLACE; place++) {
+            if (order[place].dimension == CML_LATTICE_SPARE) continue;
+            const double variance = pair_variance(m, z, cml_lattice_generator(order[place].dimension)),
+                         counted = order[place].weight * variance;
+            sum += counted * counted;
+        }
+    return sum;
+}
+
+static double value_of(unsigned place, cml_u32 z)
+{
+    return place == POLAR_PLACE ? pairs_of_polar(z) : criterion(z, order[place].weight);
+}
+
 static cml_u32 best_candidate(unsigned place)
 {
     const struct cml_stream stream = {.key = {20261122}};
@@ -127,7 +172,7 @@ static cml_u32 best_candidate(unsigned place)
     cml_u32 best = 1;
     for (cml_u32 c = 0; place > 0 && c < CANDIDATES; c++) {
         const cml_u32 z = cml_draw(stream, place, CML_PURPOSE_LAUNCH, c).w[0] >> 12 | 1u;
-        const double value = criterion(z, order[place].weight);
+        const double value = value_of(place, z);
         if (value < least) least = value, best = z;
     }
     return best;
@@ -156,8 +201,10 @@ static int search(void)
 static double product_in_use(cml_u32 difference)
 {
     double product = 1;
-    for (unsigned place = 0; place < CML_LATTICE_DIMENSIONS; place++)
+    for (unsigned place = 0; place < CML_LATTICE_DIMENSIONS; place++) {
+        if (order[place].dimension == CML_LATTICE_SPARE) continue;
         product *= factor(difference * cml_lattice_generator(order[place].dimension), order[place].weight);
+    }
     return product;
 }
 

@@ -118,6 +118,9 @@ def answers():
         "python3 bench/choices/aim.py", "2", "")
     yield ("Which generating vector for the lattice?", "its worst error is 1/%s of random's (1e6 photons)" % rows(
         "choices/results/lattice.csv", photons="1e6")[0]["random points over it"], "build/bench_lattice", "1", "")
+    yield ("Does the lattice serve every beam?", "variance over random's is %s in the mean of isotropic light, its largest %s" % (
+        cells("choices/results/lights.md", "isotropic")[4], cells("choices/results/lights.md", "isotropic")[3].split()[0]),
+        "python3 bench/choices/lights.py", "15", "")
     yield ("Where does the time go?", "%s %% of the rays asked meet the boundary (S6a, rough)" % (
         100 - int(reading("parts/README.md", r"\| S6a-rough-1e5 \|.*\| (\d+) % \|"))), "python3 bench/parts/parts.py", "6", "")
     yield ("What does the kernel need on a GPU?", "%s registers (H100, all kinds of boundaries)" % rows(

@@ -5,7 +5,12 @@ hill, at 1000 photons (15 or 16 in a batch) and at 12345. Totals, and every bin 
 300 packets or more in a run: with few packets per batch their spread is skewed and itself uncertain. Shares must be
 68 +- 7 % and 95 +- 4 %: with 800 runs these are 4.2 and 5.2 deviations, per number. The expected values are the means over
 all runs, 28 times sharper than one run; the means of the totals must agree with adding-doubling, for the hill with random
-sampling, by Sidak's limit."""
+sampling, by Sidak's limit.
+
+Lights and shapes over a thin slab: 40 runs of 131072 photons, 2048 in a batch. The spread of the runs over their own errors is the
+root of the mean over all bins of 60 packets or more. In directions, whose errors take packets for independent and are upper
+estimates, it must not exceed 1.1, known to 0.02: a lattice that puts points of a launch side by side exceeds it. In profiles,
+whose errors come from batches, it must be 0.9 to 1.1, known to 0.04."""
 import os
 import statistics
 import sys
@@ -21,6 +26,10 @@ TOTALS, PROFILES = ["Rd", "A", "Tt"], ["A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"]
 THIN = {"layers": ["1.34 0.1 1 0.5 0.1"], "grid": "0.01 0.02", "bins": "10 10 8"}
 HILL = {"layers": ["1.3 1 1 0 1"], "grid": "0.1 0.1", "bins": "10 10 8",
         "surfaces": {b: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1" for b in (0, 1)}}
+LIGHTS = {"isotropic": "pencil z=0.25 light=isotropic", "lambertian": "pencil z=0.1 light=lambertian",
+          "aperture": "gaussian 0.1 light=na:0.8", "rectangle": "rectangle 0.3 0.2 z=0.25 angle=30 light=isotropic", "disk": "disk 0.2"}
+CLEAR = {"layers": ["1.4 0.5 1 0.8 0.5"], "grid": "0.1 0.1", "bins": "5 5 3"}
+LIT_RUNS, LIT_PHOTONS, LIT_PACKETS = 40, 131072, 60
 
 
 def fly(scene, photons, runs, *options):
@@ -64,6 +73,25 @@ def check_means(verdict, name, records, truth):
         verdict.z(f"{name} {key}", statistics.fmean(values), statistics.stdev(values) / RUNS**0.5, expected, uncertain)
 
 
+def spread_over_error(records, keys):
+    """(number of bins with enough packets, root of the mean of variance over squared error) of all these profiles."""
+    ratios = []
+    for key in keys:
+        for values, errors in zip(zip(*(record[key] for record in records)), zip(*(record["se_" + key] for record in records))):
+            stated = statistics.fmean(error * error for error in errors)
+            if statistics.fmean(values)**2 > LIT_PACKETS * stated > 0:
+                ratios.append(statistics.variance(values) / stated)
+    return len(ratios), statistics.fmean(ratios)**0.5
+
+
+def check_light(verdict, name, beam):
+    records = fly({**CLEAR, "extra": ["beam " + beam, "directions 6 12"]}, LIT_PHOTONS, LIT_RUNS)
+    for title, keys, least, fewest in (("directions", ["Rd_dir", "Tt_dir"], 0, 100), ("profiles", PROFILES, 0.9, 15)):
+        bins, ratio = spread_over_error(records, keys)
+        print(f"{name}, {title}: {bins} bins, spread over error {ratio:.3f}")
+        verdict.check(f"{name}, {title}", bins >= fewest and least <= ratio <= 1.1, f"spread over error {ratio:.3f} of {bins} bins")
+
+
 def exact(layers, specular):
     ur1, ut1 = next((ur1, ut1) for _, stack, ur1, ut1, outside in slabs.rows() if stack == layers and outside == 1)
     return {"Rd": (ur1 - specular, 1e-6), "A": (1 - ur1 - ut1, 1e-6), "Tt": (ut1, 1e-6)}
@@ -79,6 +107,8 @@ def main():
                 {key: (random[key], random[key + "_se"]) for key in TOTALS}
             check(verdict, f"{name}, {photons} photons", records, fewest)
             check_means(verdict, f"{name}, {photons} photons", records, truth)
+    for name, beam in LIGHTS.items():
+        check_light(verdict, name, beam)
     verdict.finish()
 
 

@@ -18,21 +18,20 @@ static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_s
 /* The words that place a photon, as cml_draw_launch. */
 CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_queue *queue)
 {
-    static const cml_u32 dimension[4] = {CML_LATTICE_LAUNCH_RADIUS, CML_LATTICE_LAUNCH_AZIMUTH,
-                                         CML_LATTICE_LAUNCH_POLAR, CML_LATTICE_LAUNCH_ROUND};
+    const cml_u32 radius = CML_LATTICE_LAUNCH_RADIUS, polar = CML_LATTICE_LAUNCH_POLAR;
+    const cml_u32 radius_z = cml_lattice_generator(radius), polar_z = cml_lattice_generator(polar),
+                  radius_shift = queue->shifts[radius / 4u].w[radius % 4u],
+                  polar_shift = queue->shifts[polar / 4u].w[polar % 4u];
     const int even = stream.lattice > 0u;
-    cml_u32 generator[4], shift[4];
-    for (int k = 0; k < 4; k++) {
-        generator[k] = cml_lattice_generator(dimension[k]);
-        shift[k] = queue->shifts[dimension[k] / 4u].w[dimension[k] % 4u];
-    }
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
+        const cml_u32 point = queue->reversed[i];
         const struct cml_block random =
             cml_threefry(stream, queue->index_low[i], queue->index_high[i], 0, CML_PURPOSE_LAUNCH);
-        for (int k = 0; k < 4; k++)
-            queue->launch[k][i] =
-                cml_even_or_random(even, queue->reversed[i] * generator[k] + shift[k], random.w[k]);
+        queue->launch[0][i] = cml_even_or_random(even, point * radius_z + radius_shift, random.w[0]);
+        queue->launch[1][i] = random.w[1];
+        queue->launch[2][i] = cml_even_or_random(even, point * polar_z + polar_shift, random.w[2]);
+        queue->launch[3][i] = random.w[3];
     }
 }
 

@@ -7,7 +7,7 @@
 #include <math.h>
 
 /* Steps of single precision in the smallest length of a part: the widths of rings, whose roots are found in
- * single precision, the sides of facets, and bodies, detectors and bins. */
+ * single precision, the sides of facets, and bodies, detectors, bins and the spacing of tiles. */
 enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
 
 /* How far the origin may be. */
@@ -96,7 +96,8 @@ static cml_status ask(struct demands *all, const struct part *part, struct cml_e
                     part->length, part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
 }
 
-/* Light meets a tile wherever it is. */
+/* Light meets a tile wherever it is, and spreads over it away from any origin: coarser steps do than for a
+ * mesh, which lies in one place. */
 static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
@@ -106,7 +107,7 @@ static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
                             .line = scene->beams[k].line,
                             .length_name = "the spacing of its heights is",
                             .length = fmin(tile->dx, tile->dy),
-                            .steps = STEPS_OF_FACET};
+                            .steps = STEPS_OF_LENGTH};
         find_anchor(scene, &scene->beams[k], part.at);
         snprintf(part.name, sizeof part.name, "beam %d meets the tile of boundary %d", k + 1, b);
         CML_TRY(ask(all, &part, err));

@@ -101,6 +101,9 @@ static void print_tile(const struct cml_scene *scene, int b)
            cml_tile_period(tile, 1));
     printf("    z %g..%g cm, rms height %g cm, rms slope %g, mean %g cm\n", boundary->z - relief->highest,
            boundary->z - relief->lowest, relief->rms, relief->slope_rms, relief->mean);
+    if (notes->drawn.rms > 0)
+        printf("    drawn: rms height %g cm, rms slope %g, correlation length %g cm, over a period\n",
+               notes->drawn.rms, notes->drawn.slope, notes->drawn.length);
     printf("    largest step across the seam %.3g cm along x, %.3g cm along y; inside %.3g and %.3g cm\n",
            notes->seam[0], notes->seam[1], notes->inside[0], notes->inside[1]);
     printf("    the beam does not repeat\n");

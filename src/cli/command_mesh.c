@@ -1,13 +1,27 @@
-/* clustermcml mesh: every boundary and body as an OBJ file, as it would go to Embree.
- * SPDX-License-Identifier: MIT */
+/* clustermcml mesh: every boundary and body as an OBJ file, as it would go to Embree; a drawn relief as a
+ * heightmap, too. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
 #include "scene/body/body_shape.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+
+/* The heightmap repeats as the relief does. A shift along x or y is not in the file. */
+static cml_status write_relief(const struct cml_options *options, const struct cml_scene *scene, int b,
+                               struct cml_error *err)
+{
+    char name[4096];
+    CML_FREED char *path = NULL;
+    snprintf(name, sizeof name, "%.4000s.boundary%d.gsf", scene->output, b);
+    CML_TRY(cml_output_path(options, name, &path, err));
+    CML_TRY(cml_gsf_write(path, &scene->boundaries[b].tile, err));
+    printf("boundary %d: one period as heights -> %s\n", b, path);
+    return CML_OK;
+}
 
 /* A plane has no triangles and gets no file. The depth is a comment, because heights in the file count
  * from it. */
@@ -29,7 +43,7 @@ static cml_status write_boundary(const struct cml_options *options, const struct
     CML_TRY(cml_output_path(options, name, &path, err));
     CML_TRY(cml_obj_write(path, &mesh, comment, err));
     printf("boundary %d: %zu triangles -> %s\n", b, mesh.num_triangles, path);
-    return CML_OK;
+    return boundary->tile_notes.drawn.rms > 0 ? write_relief(options, scene, b, err) : CML_OK;
 }
 
 /* Heights count from z = 0 of the scene, as an i line reads them. */

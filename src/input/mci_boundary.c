@@ -7,6 +7,7 @@
 #include "input/mesh/gsf.h"
 #include "input/mci_mesh.h"
 #include "input/mci_settings.h"
+#include "scene/heightmap/random_relief.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -257,8 +258,18 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     return status;
 }
 
-/* Options are read before the file, so that a mistake in the line is found before a long read. */
-static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
+static void set_budget(const struct cml_mci_reader *reader, int index, struct cml_mesh_budget *budget)
+{
+    *budget = reader->options->budget;
+    budget->file = reader->text.path;
+    budget->line = reader->text.line;
+    budget->boundary = index;
+}
+
+/* Options are read before the file, so that a mistake in the line is found before a long read. `name`: the
+ * line's first word. */
+static cml_status read_mesh(struct cml_mci_reader *reader, int index, const char *name,
+                            struct cml_boundary *boundary)
 {
     char owner[32];
     snprintf(owner, sizeof owner, "boundary %d", index);
@@ -271,8 +282,6 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1};
     enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
     enum tiling tiling = TILE_NONE;
-    cml_mci_cut_comment(reader->cursor);
-    const char *name = cml_text_word(&reader->cursor);
     CML_TRY(cml_mci_mesh_name(&options, name, &kind));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(&options, &more));
@@ -286,10 +295,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     if (tiling != TILE_NONE && kind == CML_MCI_FILE_OBJ)
         return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    obj.budget = reader->options->budget;
-    obj.budget.file = reader->text.path;
-    obj.budget.line = reader->text.line;
-    obj.budget.boundary = index;
+    set_budget(reader, index, &obj.budget);
     if (kind == CML_MCI_FILE_OBJ)
         CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
                              &boundary->mesh_notes, reader->err));
@@ -299,13 +305,128 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
+/* ---- m gaussian: a relief that is drawn ---- */
+
+enum { RELIEF_SEED, RELIEF_POINTS, RELIEF_SPECTRUM, RELIEF_SHIFT, RELIEF_NORMALS, RELIEF_TILE };
+
+static cml_status set_spectrum(const struct cml_mci_line_options *options, double *hurst)
+{
+    static const char *const names[] = {"gaussian", "exponential"};
+    static const double hursts[] = {0, 0.5};
+    static const char fractal[] = "fractal:";
+    const int which = cml_mci_choose(options->value, names, 2);
+    if (which >= 0) {
+        *hurst = hursts[which];
+        return CML_OK;
+    }
+    if (strncmp(options->value, fractal, sizeof fractal - 1) == 0 &&
+        cml_mci_parse_list(options->value + sizeof fractal - 1, 1, hurst) && *hurst >= 0.01 && *hurst <= 1)
+        return CML_OK;
+    return cml_mci_fail_value(options, "gaussian, exponential, or fractal:H with H of 0.01..1");
+}
+
+static cml_status set_relief_option(const struct cml_mci_line_options *options,
+                                    struct cml_random_relief *relief, struct cml_obj_options *obj)
+{
+    static const char *const normals[] = {"face", "vertex"};
+    uint64_t number = 0;
+    int which = -1;
+    switch (options->key) {
+    case RELIEF_SEED:
+        if (cml_parse_count(options->value, &relief->seed)) return CML_OK;
+        return cml_mci_fail_value(options, "a whole number of 0..2^53");
+    case RELIEF_POINTS:
+        if (!cml_parse_count(options->value, &number) || number < 16 || number > 8192 ||
+            (number & (number - 1)) != 0)
+            return cml_mci_fail_value(options, "a power of two of 16..8192");
+        relief->points = (int)number;
+        return CML_OK;
+    case RELIEF_SPECTRUM:
+        return set_spectrum(options, &relief->hurst);
+    case RELIEF_SHIFT:
+        if (cml_mci_parse_list(options->value, 3, obj->shift)) return CML_OK;
+        return cml_mci_fail_value(options, "x,y,z in cm without blanks");
+    case RELIEF_NORMALS:
+        which = cml_mci_choose(options->value, normals, 2);
+        if (which < 0) return cml_mci_fail_value(options, "face or vertex");
+        obj->normals = which == 0 ? CML_NORMALS_FACET : CML_NORMALS_VERTEX;
+        return CML_OK;
+    default:
+        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word tile alone");
+    }
+}
+
+/* Slope and length stand in front of the options. */
+static cml_status read_relief_numbers(const struct cml_mci_line_options *options,
+                                      struct cml_random_relief *relief)
+{
+    static const struct cml_mci_field fields[] = {
+        {"rms slope", 1e-4, 10, false, "a number of 1e-4..10"},
+        {"length", CML_MCI_TINY, CML_MCI_HUGE, false, "a correlation length of 1e-30..1e30 cm"}};
+    double *const values[] = {&relief->slope, &relief->length};
+    for (int i = 0; i < 2; i++) {
+        const char *word = cml_text_word(&options->reader->cursor);
+        if (!word || !cml_mci_parse(&fields[i], word, values[i]))
+            return cml_mci_fail_option(options, fields[i].name, word, fields[i].expected);
+    }
+    return CML_OK;
+}
+
+static cml_status make_relief(const struct cml_mci_line_options *options,
+                              const struct cml_random_relief *relief, const struct cml_obj_options *obj,
+                              struct cml_boundary *boundary)
+{
+    struct cml_heightmap map;
+    CML_TRY(cml_random_relief_make(relief, &map, options->reader->err));
+    for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= obj->height;
+    cml_heightmap_place(&map, obj->scale, obj->shift, false);
+    const cml_status status = make_tile(options, TILE_PERIODIC, obj, &map, boundary);
+    if (status == CML_OK) cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
+    cml_heightmap_clear(&map);
+    return status;
+}
+
+/* The word gaussian has been read. */
+static cml_status read_relief(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
+{
+    char owner[32];
+    snprintf(owner, sizeof owner, "boundary %d", index);
+    struct cml_mci_line_options options = {.reader = reader,
+                                           .owner = owner,
+                                           .keys = {"seed", "points", "spectrum", "shift", "normals", "tile"},
+                                           .flag = "tile",
+                                           .list = "tile, seed=, points=, spectrum=, shift= or normals="};
+    struct cml_random_relief relief = {.points = 512, .seed = 1};
+    struct cml_obj_options obj = {.scale = 1, .height = 1};
+    CML_TRY(read_relief_numbers(&options, &relief));
+    for (bool more = true; more;) {
+        CML_TRY(cml_mci_next_option(&options, &more));
+        if (more) CML_TRY(set_relief_option(&options, &relief, &obj));
+    }
+    if (!options.seen[RELIEF_TILE])
+        return cml_mci_fail_option(&options, "option", NULL, "the word tile: a drawn relief is repeated");
+    CML_TRY(cml_mci_set_scaling(reader, index, &obj.scale, &obj.height));
+    boundary->scale = obj.scale;
+    boundary->height = obj.height;
+    set_budget(reader, index, &obj.budget);
+    return make_relief(&options, &relief, &obj, boundary);
+}
+
+static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
+{
+    cml_mci_cut_comment(reader->cursor);
+    const char *name = cml_text_word(&reader->cursor);
+    if (name && strcmp(name, "gaussian") == 0) return read_relief(reader, index, boundary);
+    return read_mesh(reader, index, name, boundary);
+}
+
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
     char owner[32];
     snprintf(owner, sizeof owner, "boundary %d", index);
     const cml_status status =
-        kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
+        kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_m(reader, index, boundary);
     return cml_mci_name_line(reader, owner, boundary->file, status);
 }
 

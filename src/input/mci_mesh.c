@@ -64,5 +64,5 @@ cml_status cml_mci_mesh_name(const struct cml_mci_line_options *options, const c
     const bool other = dot && (strcasecmp(dot, ".stl") == 0 || strcasecmp(dot, ".ply") == 0);
     return cml_mci_fail_option(options, "file", name,
                                other ? "an .obj file: convert it, with MeshLab for instance"
-                                     : "an .obj file, or a .gsf or .asc heightmap");
+                                     : "an .obj file, a .gsf or .asc heightmap, or the word gaussian");
 }

@@ -76,7 +76,7 @@ FOREIGN = {
     "sys/prctl.h": "src/run/stop",
     "dirent.h": "src/base/atomic_file",
 }
-COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
+COMMON = set("""assert.h complex.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())
 KERNEL_COMMON = set("assert.h math.h stdbool.h stddef.h stdint.h string.h float.h limits.h".split())
 CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream iostream istream limits map new "

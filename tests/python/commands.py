@@ -28,6 +28,21 @@ def command(*words):
     return ended.stdout
 
 
+class Reliefs(unittest.TestCase):
+    def test_are_drawn_by_the_program(self):
+        relief = mc.Relief(0.2, 0.01, seed=9, points=32, spectrum="fractal:0.8", shift=(0, 0, 0.001))
+        told = mc.check(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, relief)]))[0]["boundaries"][0]
+        self.assertIn("repeated every 0.032 x 0.032 cm", told["reason"])
+        self.assertAlmostEqual(told["mean_height"], 0.001, places=12)
+
+    def test_of_wrong_numbers_are_refused(self):
+        for call, text in ((lambda: mc.Relief(0, 1), r"Relief\.slope = 0 \(expected a number"), (lambda: mc.Relief(0.1, -1), r"Relief\.length = -1"),
+                           (lambda: mc.Relief(0.1, 1, points=48), r"Relief\.points = 48 \(expected a power"),
+                           (lambda: mc.Relief(0.1, 1, spectrum="white"), r"Relief\.spectrum = 'white'")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                call()
+
+
 class Options(unittest.TestCase):
     def test_are_those_of_the_program(self):
         """All of them, and no others; and they stand in the signature that completion asks for."""

@@ -1,6 +1,8 @@
 /* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
 #include "input/mesh/gsf.h"
 
+#include "base/atomic_file.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -244,4 +246,29 @@ cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char 
                                struct cml_heightmap *map, struct cml_error *err)
 {
     return read_file(source, path, 0, true, map, err);
+}
+
+/* Least byte first, whatever the machine's order is. */
+static void write_float(FILE *stream, double value)
+{
+    const float number = (float)value;
+    uint32_t word = 0;
+    memcpy(&word, &number, sizeof word);
+    for (int i = 0; i < 4; i++) fputc((int)(word >> 8 * i & 255), stream);
+}
+
+/* The top row, which has the largest y, comes first. */
+cml_status cml_gsf_write(const char *path, const struct cml_heightmap *map, struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create_alone(path, &file, err));
+    const int header = fprintf(file.stream,
+                               "%sXRes = %d\nYRes = %d\nXReal = %.17g\nYReal = %.17g\nXYUnits = cm\n"
+                               "ZUnits = cm\n",
+                               magic, map->nx, map->ny, map->nx * map->dx, map->ny * map->dy);
+    for (int i = 0; i < 4 - header % 4; i++) fputc('\0', file.stream);
+    for (int j = map->ny - 1; j >= 0; j--)
+        for (int i = 0; i < map->nx; i++)
+            write_float(file.stream, map->h[(size_t)j * (size_t)map->nx + (size_t)i]);
+    return cml_file_commit(&file, err);
 }

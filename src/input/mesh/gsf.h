@@ -18,3 +18,8 @@ CML_NODISCARD cml_status cml_gsf_read(const struct cml_text_source *source, cons
  * YReal need XYUnits. */
 CML_NODISCARD cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                              struct cml_heightmap *map, struct cml_error *err);
+
+/* Writes a map as cml_gsf_read reads it: heights in single precision, lengths in cm. The place of the map is
+ * not in the file. Atomic; CML_E_IO on failure. */
+CML_NODISCARD cml_status cml_gsf_write(const char *path, const struct cml_heightmap *map,
+                                       struct cml_error *err);

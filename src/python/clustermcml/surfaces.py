@@ -6,6 +6,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from typing import Any, Optional, Sequence, Union
 
@@ -209,9 +210,44 @@ class Mesh:
         return " ".join(["m", name, *options])
 
 
-Surface = Union[Heightfield, Heightmap, Mesh]
+@dataclass
+class Relief:
+    """A random surface of Gaussian heights, drawn by the program and repeated over the whole plane.
+
+    slope: rms gradient of its facets, the Sdq of ISO 25178. length: correlation length [cm]. seed: another one is another surface.
+    points: heights along each axis, ten to a length; a power of two. spectrum: "gaussian", "exponential" or "fractal:H" with a Hurst
+    exponent H. shift: x, y and up [cm].
+
+    >>> Relief(slope=0.3, length=0.002).points
+    512
+    """
+
+    slope: float
+    length: float
+    seed: int = 1
+    points: int = 512
+    spectrum: str = "gaussian"
+    shift: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        errors.number("Relief.slope", self.slope, 1e-4, 10, "a number of 1e-4 to 10")
+        errors.above_zero("Relief.length", self.length)
+        errors.whole("Relief.seed", self.seed, 0, 2**53)
+        if errors.whole("Relief.points", self.points, 16, 8192) & (self.points - 1):
+            raise errors.refuse("Relief.points", self.points, "a power of two of 16 to 8192")
+        if not isinstance(self.spectrum, str) or not re.fullmatch(r"gaussian|exponential|fractal:[0-9.e-]+", self.spectrum):
+            raise errors.refuse("Relief.spectrum", self.spectrum, '"gaussian", "exponential" or "fractal:H"')
+        vector("Relief.shift", self.shift, 3)
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci`; writes no file."""
+        words = [f"m gaussian {shortest(self.slope)} {shortest(self.length)} tile seed={self.seed} points={self.points} spectrum={self.spectrum}"]
+        return " ".join(words + _option_words({"shift": tuple(self.shift)}))
+
+
+Surface = Union[Heightfield, Heightmap, Mesh, Relief]
 
 
 def check_surface(name: str, value: object) -> None:
-    if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh)):
-        raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, or None for a plane")
+    if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh, Relief)):
+        raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane")

@@ -6,6 +6,13 @@
 
 #include "scene/heightmap/heightmap.h"
 
+/* What was drawn, measured over the whole period; zero for a tile that was read from a file. */
+struct cml_drawn_relief {
+    double rms;    /* height, cm */
+    double slope;  /* rms gradient of the facets */
+    double length; /* cm: where the autocorrelation along x and y has fallen to 1/e; 0: nowhere */
+};
+
 /* What became of a heightmap; printed by `check`. */
 struct cml_tile_notes {
     int nx, ny; /* samples of the file; 0: this is no tile */
@@ -13,6 +20,7 @@ struct cml_tile_notes {
     struct cml_relief relief;  /* of one period; slopes without those across its end */
     double seam[2], inside[2]; /* cm: largest step from sample to sample along x and y, across the seam and
                                 * inside the file's map */
+    struct cml_drawn_relief drawn;
 };
 
 /* A part of the plane: cells first .. first + count - 1 along x and y, counted from the period's first

@@ -248,8 +248,8 @@ static void meshes_that_cannot_be_read(void **state)
          "x.mci:9: boundary 0: skin.gsf: cannot be read: No such file or directory (expected a file)"},
         {ONE "m \"skin.asc\"\n",
          "x.mci:9: boundary 0: skin.asc: cannot be read: No such file or directory (expected a file)"},
-        {ONE "m \"skin\"\n",
-         "x.mci:9: boundary 0: file = skin (expected an .obj file, or a .gsf or .asc heightmap)"},
+        {ONE "m \"skin\"\n", "x.mci:9: boundary 0: file = skin (expected an .obj file, a .gsf or .asc "
+                             "heightmap, or the word gaussian)"},
         {ONE "m \"a.obj\" units=inch\n", "x.mci:9: boundary 0: units = inch (expected cm, mm, um or m)"},
         {ONE "m \"a.obj\" unit=mm\n", "x.mci:9: boundary 0: option = unit=mm (expected up=, rotate=, units=, "
                                       "scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},

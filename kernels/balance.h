@@ -50,6 +50,7 @@ enum cml_count {
     CML_COUNT_LOST_STUCK,
     CML_COUNT_LOST_LEAKED,
     CML_COUNT_LOST_TOO_FAR,
+    CML_COUNT_LOST_ROUGH,
     CML_COUNT_BRANCHES, /* P19: parts that packets left behind where they were split */
     CML_COUNT_UNSPLIT,  /* packets that were to be split, and were not, as no more could wait */
     CML_COUNT_CLIPPED,  /* those that were to have more than CML_MOST_PARTS parts */

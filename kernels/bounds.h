@@ -371,14 +371,15 @@ CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cm
     return ahead;
 }
 
-/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it
- * meet it never again: on a ring that of all they see from there, over a mesh that of its cell. */
+/* The slope from which on packets at p (boundary's frame) that leave a surface to their side of it meet it
+ * never again: on a ring that of all they see from there, over a mesh that of its cell, 0 of a plane. */
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, real side, int on_primitive)
 {
     if (CML_MAY_HAVE_MESHES && surface->kind == CML_SURFACE_MESH)
         return cml_cell_horizon(&surface->depths, side > 0 ? world->horizon_below : world->horizon_above,
                                 cml_from_scene_axis(world, p), surface->depths.form);
+    if (surface->kind == CML_SURFACE_PLANE) return 0;
     if (on_primitive < 0) return surface->steepest;
     return (side > 0 ? world->ring_horizon_below
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];

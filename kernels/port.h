@@ -84,6 +84,12 @@ typedef float real;
 #define CML_MAY_HAVE_PHASES 1
 #endif
 
+#ifdef CML_WITHOUT_ROUGHNESS
+#define CML_MAY_BE_ROUGH 0
+#else
+#define CML_MAY_BE_ROUGH 1
+#endif
+
 /* Spacing of real at 1. */
 #ifdef CML_DOUBLE
 #define CML_EPSILON ((real)2.220446049250313e-16)

@@ -24,6 +24,8 @@ enum cml_purpose {
                             long    flight count, e interactions and boundary events before it */
     CML_PURPOSE_BRANCH,  /* event 64 j + k: [0] [1] index of part k of a packet that is split after j
                             interactions; event 0: [0] rounding of what a detector sees of a circle */
+    CML_PURPOSE_ROUGH,   /* event b, counted over the packet's life: [0] flight to the next facet of a rough
+                            boundary, [1] [2] its normal, [3] reflection at it */
 };
 
 struct cml_block {

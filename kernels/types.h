@@ -36,6 +36,7 @@ enum cml_lost_cause {
     CML_LOST_STUCK,      /* CML_STUCK_LIMIT boundary events without an interaction */
     CML_LOST_LEAKED,     /* found beyond the envelope of a boundary it never crossed */
     CML_LOST_TOO_FAR,    /* flew over too many periods of a repeated mesh (mesh_crossing.h) */
+    CML_LOST_ROUGH,      /* met CML_ROUGH_LIMIT facets of a rough boundary in one event */
     CML_NUM_LOST_CAUSES
 };
 
@@ -179,6 +180,13 @@ struct cml_rows {
 };
 #endif
 
+/* P20. Slopes t of the facets, by projected area: P(t > x) = alpha^2 / (alpha^2 + x^2) of ggx, exp(-x^2 /
+ * alpha^2) of beckmann. */
+struct cml_rough {
+    int kind; /* enum cml_rough_kind */
+    real alpha;
+};
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -190,6 +198,7 @@ struct cml_surface {
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
     struct cml_depth_bounds depths;
     struct cml_facet_range facets;
+    struct cml_rough rough;
 };
 
 /* The shape of a body, in the frame of its layer, x and y from the scene's origin. Empty for a mesh. */
@@ -351,6 +360,7 @@ struct cml_packet {
     struct cml_block draw; /* the block of the next interaction */
     cml_u32 interactions;  /* so far: the event number of the next one */
     cml_u32 crossings;     /* boundary events with unequal indices so far: the event number of the next one */
+    cml_u32 rough_draws;   /* blocks of random words drawn at rough boundaries (P20) */
     cml_u32 bounces;       /* boundary events since the last interaction */
     cml_u32 boundary_events; /* all of them */
     int medium;

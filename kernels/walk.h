@@ -8,6 +8,7 @@
 #include "lattice.h"
 #include "optics.h"
 #include "rng.h"
+#include "rough.h"
 #include "source.h"
 #include "surface_hit.h"
 #include "trail.h"
@@ -270,6 +271,49 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
     return v;
 }
 
+/* What a backing reflects at a rough boundary's facets; NULL: the boundary refracts. */
+CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, int boundary)
+{
+    return boundary == world->setup.backing.boundary ? &world->setup.backing : NULL;
+}
+
+/* P20 about one normal, up; side: +1 the packet comes from below. */
+CML_FN struct cml_rough_exit cml_cross_rough_about(const struct cml_world *world,
+                                                   CML_PACKET const struct cml_packet *packet, cml_u32 *draws,
+                                                   const struct cml_hit *hit, struct cml_vec up, real side,
+                                                   real n1, real n2)
+{
+    const struct cml_vec against = {-side * up.x, -side * up.y, -side * up.z};
+    return cml_rough_event(world->setup.stream, packet->index, packet->crossings, draws,
+                           world->surfaces[hit->boundary].rough, packet->u, against, n1, n2,
+                           cml_backing_at(world, hit->boundary));
+}
+
+/* P20. The facet has the last word, as in cml_reflect_or_refract: with an interpolated normal that the packet
+ * does not come against, or which sends it to the wrong side, the event is done again about the facet's own,
+ * with the same random numbers. */
+CML_RARE struct cml_rough_exit cml_cross_rough(const struct cml_world *world,
+                                               CML_PACKET struct cml_packet *packet,
+                                               const struct cml_hit *hit, real side, real n1, real n2)
+{
+    const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
+    cml_u32 draws = packet->rough_draws, again = packet->rough_draws;
+    struct cml_rough_exit exit = cml_cross_rough_about(world, packet, &draws, hit, hit->normal, side, n1, n2);
+    if (shaded) {
+        const real leaving = side * cml_dot(exit.u, hit->facet);
+        const int wrong = exit.transmitted ? leaving < CML_SHADED_LEAST : leaving > -CML_SHADED_LEAST;
+        if (wrong || !(side * cml_dot(packet->u, hit->normal) > 0) || packet->bounces >= CML_SHADED_LIMIT) {
+            exit = cml_cross_rough_about(world, packet, &again, hit, hit->facet, side, n1, n2);
+            packet->shading_overruled++;
+        }
+    }
+    packet->rough_draws = draws > again ? draws : again;
+    packet->crossings++;
+    packet->u = exit.u;
+    if (exit.steps >= CML_ROUGH_LIMIT) cml_lose_packet(packet, CML_LOST_ROUGH);
+    return exit;
+}
+
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
  * again, with the same random number, from the facet's own normal. So is one in the facet's plane but for
  * rounding, to which the facet's neighbours in that plane would hold the packet for ever, and one after
@@ -279,6 +323,8 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
+    if (CML_MAY_BE_ROUGH && world->surfaces[hit->boundary].rough.kind)
+        return cml_cross_rough(world, packet, hit, side, n1, n2).transmitted;
     const real xi = cml_uniform(cml_draw_reflection(world->setup.stream, packet->index, packet->crossings));
     int transmitted;
     packet->crossings++;
@@ -312,6 +358,15 @@ CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct c
                     s);
 }
 
+/* P12: a share of the weight stays in the backing, rounded as in P3. */
+CML_FN void cml_keep_in_backing(CML_PACKET struct cml_packet *packet, real kept, struct cml_block draw)
+{
+    const cml_u32 dw = cml_absorbed_part(packet->w, kept, draw.w[0], draw.w[3]);
+    packet->backing += dw;
+    packet->w -= dw;
+    if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
+}
+
 /* P12: the backing keeps a part of the weight, rounded as in P3, and the packet turns back. The facet has the
  * last word, as in cml_reflect_or_refract. */
 CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
@@ -325,6 +380,12 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     struct cml_vec normal = hit->normal;
     packet->crossings++;
     if (cml_dot(from, hit->facet) > 0) return;
+    if (CML_MAY_BE_ROUGH && world->surfaces[hit->boundary].rough.kind) {
+        packet->crossings--;
+        const real stays = cml_cross_rough(world, packet, hit, (real)-1, 1, 1).stays;
+        cml_keep_in_backing(packet, stays > 0 ? 1 - stays : 1 + 4 * CML_EPSILON, draw);
+        return;
+    }
     packet->u = cml_backing_direction(backing, from, normal, draw);
     if (cml_dot(packet->u, hit->facet) < (shaded ? CML_SHADED_LEAST : (real)0) ||
         (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
@@ -335,10 +396,7 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     const real kept = backing.kind == CML_BACKING_METAL
                           ? 1 - cml_metal_reflectance(backing.n, backing.k, cml_incidence(from, normal))
                           : backing.kept;
-    const cml_u32 dw = cml_absorbed_part(packet->w, kept, draw.w[0], draw.w[3]);
-    packet->backing += dw;
-    packet->w -= dw;
-    if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
+    cml_keep_in_backing(packet, kept, draw);
 }
 
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)

@@ -62,7 +62,7 @@ CML_FN void cml_branch_off(const struct cml_world *world, struct cml_branches *t
     branch->before += CML_LATTICE_EVENTS - packet->interactions;
     branch->interactions = CML_LATTICE_EVENTS;
     branch->crossings = CML_LATTICE_REFLECTIONS;
-    branch->boundary_events = branch->queries = branch->shading_overruled = 0;
+    branch->rough_draws = branch->boundary_events = branch->queries = branch->shading_overruled = 0;
     branch->gained = branch->roulette = branch->absorbed = branch->backing = 0;
     for (int m = 0; packet->trail.length && m < media; m++) {
         to->length[at + m] = packet->trail.length[m];

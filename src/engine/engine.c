@@ -193,8 +193,12 @@ const char *cml_fate_name(int fate)
 
 const char *cml_lost_cause_name(int cause)
 {
-    static const char *const names[CML_NUM_LOST_CAUSES] = {
-        "not lost", "no surface found",          "not a number",
-        "stuck",    "leaked through a boundary", "flew too far over a tile"};
+    static const char *const names[CML_NUM_LOST_CAUSES] = {"not lost",
+                                                           "no surface found",
+                                                           "not a number",
+                                                           "stuck",
+                                                           "leaked through a boundary",
+                                                           "flew too far over a tile",
+                                                           "met 1000 facets of a rough boundary at once"};
     return names[cause];
 }

@@ -112,6 +112,21 @@ static real copy_rings(const struct cml_surface_def *from, size_t first, struct 
 
 /* steepest is raised by more than rounding can turn a direction: what leaves more steeply must be sure never
  * to meet the surface again. */
+/* Smooth where the roughness is 0. */
+static void set_roughness(const struct cml_rough_def *from, struct cml_rough *to)
+{
+    to->kind = cml_is_rough(from) ? (int)from->kind : CML_SMOOTH;
+    to->alpha = (real)from->alpha;
+}
+
+static void copy_roughness(const struct cml_scene *scene, const struct cml_surface_set *from,
+                           struct cml_owned_world *to)
+{
+    for (int b = 0; b < from->count; b++) set_roughness(&from->item[b].rough, &to->surfaces[b].rough);
+    for (int k = 0; k < scene->num_bodies; k++)
+        set_roughness(&scene->media[cml_body_medium(scene, k)].rough, &to->surfaces[from->count + k].rough);
+}
+
 static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->num_rings;
@@ -469,6 +484,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
         return status;
     }
     copy_surfaces(surfaces, to);
+    copy_roughness(scene, surfaces, to);
     copy_depths(surfaces, to);
     copy_horizons(surfaces, to);
     copy_safe_cells(surfaces, to);

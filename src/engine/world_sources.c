@@ -129,7 +129,7 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
                            struct cml_source *source)
 {
     const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
-                        !cml_layer_has_bodies(scene, 1);
+                        !cml_is_rough(&start_as->item[1].rough) && !cml_layer_has_bodies(scene, 1);
     const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
     source->medium = split.glass ? 2 : 1;
     source->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
@@ -356,8 +356,8 @@ static cml_status place_above(const struct cml_scene *scene, const struct cml_be
     source->middle = cml_vec_of(beam->x - origin[0], beam->y - origin[1], 0);
     source->start = (real)start;
     CML_TRY(check_flight(scene, beam, &surfaces->origin, fabs(start) * tan(beam->angle), 0, err));
-    if (start_as->item[0].kind == CML_SURFACE_PLANE && beam->angle == 0 &&
-        beam->light.kind == CML_LIGHT_OF_PARALLEL)
+    if (start_as->item[0].kind == CML_SURFACE_PLANE && !cml_is_rough(&start_as->item[0].rough) &&
+        beam->angle == 0 && beam->light.kind == CML_LIGHT_OF_PARALLEL)
         split_specular(scene, start_as, source);
     return CML_OK;
 }

@@ -200,6 +200,13 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     if (scene->backing.kind == CML_BACKING_METAL)
         return cml_fail_field(err, scene->file, scene->backing.line, "backing", "metal",
                               "mirror or lambertian: adding-doubling knows no others");
+    int b;
+    const struct cml_rough_def *rough = cml_scene_rough(scene, &b);
+    char owner[32];
+    snprintf(owner, sizeof owner, "boundary %d", b);
+    if (rough)
+        return cml_fail_field(err, scene->file, rough->line, owner, "rough",
+                              "smooth boundaries: adding-doubling knows no others");
     struct cml_exact_options own = *options;
     own.backing = scene->backing.kind == CML_BACKING_NONE ? NULL : &scene->backing;
     struct cml_medium_def *media = malloc(count * sizeof *media);

@@ -28,7 +28,7 @@ enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
     STAGE_RUN,   /* beam, map, facets, time, directions, fluence, detector, photons */
     STAGE_ABOVE, /* none */
-    STAGE_LAYERS /* b, m, behind the first layer i and phase, behind the last one backing */
+    STAGE_LAYERS /* b, m, rough, behind the first layer i and phase, behind the last one backing */
 };
 
 /* Lines that hold for the whole run, not for one boundary. */
@@ -54,8 +54,8 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
         snprintf(expected, sizeof expected,
-                 "b, m, i, phase, backing, beam, map, facets, time, directions, fluence, detector or photons "
-                 "behind #@");
+                 "b, m, rough, i, phase, backing, beam, map, facets, time, directions, fluence, detector or "
+                 "photons behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
@@ -112,9 +112,12 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
             CML_TRY(read_run_line(reader, kind, scene));
         else if ((kind == CML_MCI_B || kind == CML_MCI_M) && stage == STAGE_LAYERS)
             CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
+        else if (kind == CML_MCI_ROUGH && stage == STAGE_LAYERS)
+            CML_TRY(cml_mci_rough_line(reader, b, &scene->boundaries[b].rough));
         else if (kind == CML_MCI_I && stage == STAGE_LAYERS && b > 0)
             CML_TRY(cml_mci_body(reader, b, scene));
-        else if (kind == CML_MCI_PHASE && stage == STAGE_LAYERS && b > 0 && scene->boundaries[b].line == 0)
+        else if (kind == CML_MCI_PHASE && stage == STAGE_LAYERS && b > 0 && scene->boundaries[b].line == 0 &&
+                 scene->boundaries[b].rough.line == 0)
             CML_TRY(cml_mci_phase(reader, b, scene));
         else if (kind == CML_MCI_BACKING && stage == STAGE_LAYERS && b == scene->num_layers)
             CML_TRY(cml_mci_backing(reader, &scene->backing));
@@ -324,6 +327,7 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
     note_thickness(reader, scene);
     note_swapped(reader, scene);
     CML_TRY(cml_mci_check_media(reader, scene));
+    CML_TRY(cml_mci_check_rough(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
     CML_TRY(cml_mci_check_fluence(reader, scene));
     CML_TRY(cml_mci_check_beams(reader, scene));

@@ -61,6 +61,23 @@ static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, s
     return CML_OK;
 }
 
+/* Takes the word rough=KIND,ALPHA out of the line, wherever it stands behind the shape. */
+static cml_status take_roughness(struct cml_mci_reader *reader, const char *owner,
+                                 struct cml_rough_def *rough)
+{
+    static const char key[] = " rough=";
+    char *found = strstr(reader->cursor, key), value[64], field[48];
+    if (!found) return CML_OK;
+    char *word = found + sizeof key - 1;
+    const size_t length = strcspn(word, " \t\r");
+    snprintf(value, sizeof value, "%.*s", (int)length, word);
+    snprintf(field, sizeof field, "%s: rough", owner);
+    if (!cml_mci_parse_rough(value, rough)) return cml_mci_fail(reader, field, value, cml_mci_rough_option);
+    rough->line = reader->text.line;
+    memset(found, ' ', sizeof key - 1 + length);
+    return CML_OK;
+}
+
 /* A cylinder's axis must have a length that is more than rounding. */
 static cml_status check_axis(const struct cml_mci_reader *reader, const char *owner,
                              const struct cml_scene_body *body)
@@ -103,12 +120,13 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int number, struct cm
 {
     char owner[32];
     snprintf(owner, sizeof owner, "body %d", number);
-    struct cml_mci_line_options options = {.reader = reader,
-                                           .owner = owner,
-                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals",
-                                                    "\n" /* no skirt: no word holds a line's end */, "union"},
-                                           .flag = "union",
-                                           .list = "up=, rotate=, units=, scale=, shift=, normals= or union"};
+    struct cml_mci_line_options options = {
+        .reader = reader,
+        .owner = owner,
+        .keys = {"up", "rotate", "units", "scale", "shift", "normals",
+                 "\n" /* no skirt: no word holds a line's end */, "union"},
+        .flag = "union",
+        .list = "up=, rotate=, units=, scale=, shift=, normals=, union or rough="};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
     CML_TRY(read_body_line(&options, body, medium, &obj));
     obj.budget = reader->options->budget;
@@ -120,12 +138,9 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int number, struct cm
         cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
 }
 
-static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
-                            struct cml_medium_def *medium)
+static cml_status read_smooth_body(struct cml_mci_reader *reader, const char *owner, int number,
+                                   struct cml_scene_body *body, struct cml_medium_def *medium)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "body %d", number);
-    cml_mci_cut_comment(reader->cursor);
     reader->cursor += strspn(reader->cursor, " \t");
     if (*reader->cursor == '"') {
         body->form = CML_BODY_MESH;
@@ -139,6 +154,19 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     body->form = word[0] == 's' ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
     CML_TRY(read_shape(reader, owner, body, medium));
     return check_axis(reader, owner, body);
+}
+
+static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
+                            struct cml_medium_def *medium)
+{
+    char owner[32];
+    struct cml_rough_def rough = {0};
+    snprintf(owner, sizeof owner, "body %d", number);
+    cml_mci_cut_comment(reader->cursor);
+    CML_TRY(take_roughness(reader, owner, &rough));
+    CML_TRY(read_smooth_body(reader, owner, number, body, medium));
+    medium->rough = rough;
+    return CML_OK;
 }
 
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)

@@ -82,6 +82,7 @@ static const struct {
                {"map", CML_MCI_MAP},
                {"facets", CML_MCI_FACETS},
                {"backing", CML_MCI_BACKING},
+               {"rough", CML_MCI_ROUGH},
                {"time", CML_MCI_TIME},
                {"directions", CML_MCI_DIRECTIONS},
                {"fluence", CML_MCI_FLUENCE},

@@ -30,6 +30,7 @@ enum cml_mci_kind {
     CML_MCI_I,
     CML_MCI_PHASE,
     CML_MCI_BACKING,
+    CML_MCI_ROUGH,
     CML_MCI_BEAM,
     CML_MCI_MAP,
     CML_MCI_FACETS,
@@ -64,8 +65,8 @@ CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_o
 void cml_mci_close(struct cml_mci_reader *reader);
 
 /* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, phase, backing, beam, map,
- * facets, time, directions, fluence, detector and photons also count without "#@ " before them (an output may
- * be named "b"). The cursor stands behind the keyword, or at the start of a data line. */
+ * facets, time, directions, fluence, detector, photons and rough also count without "#@ " before them (an
+ * output may be named "b"). The cursor stands behind the keyword, or at the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */

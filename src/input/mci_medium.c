@@ -4,6 +4,7 @@
 #include "base/array.h"
 #include "base/constants.h"
 #include "base/shared.h"
+#include "input/mci_options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -397,4 +398,75 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
     }
     if (word) return cml_mci_fail(reader, "backing", word, "the end of the line or a comment");
     return CML_OK;
+}
+
+/* ---- rough ---- */
+
+static const char *const rough_names[] = {"ggx", "beckmann"};
+static const struct cml_mci_field alpha_field = {"alpha", 0, 2, false, "0, or a number of 1e-4..2"};
+
+const char cml_mci_rough_option[] = "ggx,ALPHA or beckmann,ALPHA, with ALPHA 0 or 1e-4..2";
+
+static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
+{
+    const int which = name ? cml_mci_choose(name, rough_names, 2) : -1;
+    rough->kind = which == 1 ? CML_ROUGH_BECKMANN : CML_ROUGH_GGX;
+    return which >= 0;
+}
+
+bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
+{
+    char name[16];
+    const size_t length = strcspn(text, ",");
+    if (text[length] != ',' || length >= sizeof name) return false;
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
+    return set_rough_kind(name, rough) && cml_mci_parse(&alpha_field, text + length + 1, &rough->alpha);
+}
+
+cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
+{
+    char field[48], expected[96];
+    snprintf(field, sizeof field, "boundary %d: rough", index);
+    snprintf(expected, sizeof expected, "one rough line for boundary %d, which already has line %d", index,
+             rough->line);
+    if (rough->line > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    cml_mci_cut_comment(reader->cursor);
+    const char *name = cml_text_word(&reader->cursor);
+    if (!set_rough_kind(name, rough)) return cml_mci_fail(reader, field, name, "ggx or beckmann");
+    const char *alpha = cml_text_word(&reader->cursor), *rest = cml_text_word(&reader->cursor);
+    if (!alpha || !cml_mci_parse(&alpha_field, alpha, &rough->alpha))
+        return cml_mci_fail(reader, field, alpha, alpha_field.expected);
+    if (rest) return cml_mci_fail(reader, field, rest, "the end of the line, or a comment behind #");
+    rough->line = reader->text.line;
+    return CML_OK;
+}
+
+struct cml_mci_number cml_mci_rough_number(struct cml_rough_def *rough, const char *member)
+{
+    const bool known = rough->line > 0 && strcmp(member, alpha_field.name) == 0;
+    return (struct cml_mci_number){known ? &rough->alpha : NULL, &alpha_field, 1};
+}
+
+/* A facet that is hardly turned is lost in the rounding of single precision. */
+static cml_status check_alpha(const struct cml_mci_reader *reader, const struct cml_scene *scene,
+                              const char *owner, int number, const struct cml_rough_def *rough)
+{
+    char field[48], value[32];
+    if (rough->alpha == 0 || rough->alpha >= 1e-4) return CML_OK;
+    snprintf(field, sizeof field, "%s %d: rough alpha", owner, number);
+    snprintf(value, sizeof value, "%g", rough->alpha);
+    return cml_fail_field(reader->err, scene->file, rough->line, field, value, alpha_field.expected);
+}
+
+cml_status cml_mci_check_rough(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        CML_TRY(check_alpha(reader, scene, "boundary", b, &scene->boundaries[b].rough));
+    for (int k = 0; k < scene->num_bodies; k++)
+        CML_TRY(check_alpha(reader, scene, "body", k + 1, &scene->media[cml_body_medium(scene, k)].rough));
+    const struct cml_rough_def *last = &scene->boundaries[scene->num_layers].rough;
+    if (scene->backing.kind != CML_BACKING_LAMBERTIAN || last->line == 0) return CML_OK;
+    return cml_fail_field(
+        reader->err, scene->file, scene->backing.line, "backing", "lambertian",
+        "mirror or metal beside a rough line: light from a lambertian backing has no facets");
 }

@@ -1,5 +1,6 @@
 /* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common, and the line
- * behind them that says how it scatters; and what lies under the last one. SPDX-License-Identifier: MIT */
+ * behind them that says how it scatters; how rough surfaces are; and what lies under the last one.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "input/mci_lines.h"
@@ -38,3 +39,20 @@ CML_NODISCARD cml_status cml_mci_check_media(const struct cml_mci_reader *reader
 
 /* A line `backing`: what lies under the last boundary. */
 CML_NODISCARD cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing);
+
+/* Reads the current rough line of boundary `index`. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index,
+                                            struct cml_rough_def *rough);
+
+/* "ggx,0.2" of a body's option. False: it is no such thing. */
+bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough);
+
+/* What such a text is expected to be. */
+extern const char cml_mci_rough_option[];
+
+/* When all numbers are set: CML_E_INPUT for an alpha that is too small, or beside a lambertian backing. */
+CML_NODISCARD cml_status cml_mci_check_rough(const struct cml_mci_reader *reader,
+                                             const struct cml_scene *scene);
+
+/* The number "alpha" for settings; value NULL: there is no such number. */
+struct cml_mci_number cml_mci_rough_number(struct cml_rough_def *rough, const char *member);

@@ -86,11 +86,25 @@ static int medium_of(const struct cml_scene *scene, const struct name *name)
     return -1;
 }
 
+/* The roughness of a name's owner; NULL: it has no surface. */
+static struct cml_rough_def *rough_of(const struct cml_scene *scene, const struct name *name)
+{
+    const int n = name->number;
+    if (strcmp(name->owner, "boundary") == 0 && n >= 0 && n <= scene->num_layers)
+        return &scene->boundaries[n].rough;
+    if (strcmp(name->owner, "body") == 0 && n >= 1 && n <= scene->num_bodies)
+        return &scene->media[cml_body_medium(scene, n - 1)].rough;
+    return NULL;
+}
+
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
                               struct cml_mci_number *number)
 {
+    struct cml_rough_def *rough = rough_of(scene, name);
     const int medium = medium_of(scene, name), beam = which(name, scene->num_beams),
               detector = which(name, scene->num_detectors);
+    if (rough) *number = cml_mci_rough_number(rough, name->member);
+    if (number->value) return CML_OK;
     if (medium >= 0) return cml_mci_medium_number(reader, scene, medium, name->member, number);
     if (strcmp(name->owner, "backing") == 0 && name->number == -1)
         *number = cml_mci_backing_number(&scene->backing, name->member);
@@ -149,6 +163,10 @@ static void write_shapes(FILE *out, const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].line > 0) fprintf(out, ", boundary%d.scale and .height", b);
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].rough.line > 0) fprintf(out, ", boundary%d.alpha", b);
+    for (int k = 0; k < scene->num_bodies; k++)
+        if (scene->media[cml_body_medium(scene, k)].rough.line > 0) fprintf(out, ", body%d.alpha", k + 1);
 }
 
 /* A pencil has no numbers, other shapes have those that their names say. */

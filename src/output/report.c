@@ -169,6 +169,7 @@ static void print_rarities(FILE *stream, const struct cml_result *result, double
         {CML_COUNT_LOST_STUCK, "packets lost: stuck"},
         {CML_COUNT_LOST_LEAKED, "packets lost: leaked through a boundary"},
         {CML_COUNT_LOST_TOO_FAR, "packets lost: flew too far over a tile"},
+        {CML_COUNT_LOST_ROUGH, "packets lost: met 1000 facets of a rough boundary at once"},
         {CML_COUNT_UNSPLIT, "packets not split, as no more could wait: bytes may depend on threads"},
         {CML_COUNT_CLIPPED, "splits into 64 parts, the most, of packets that were to have more"},
         {CML_COUNT_SPENT, "splits into fewer parts than wanted: of a photon come at most 1e6 on average"},

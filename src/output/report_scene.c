@@ -93,6 +93,12 @@ static void print_extent(FILE *stream, const struct cml_body_surface *body, enum
             body->depth + body->upper[2], hypot(closest[0], closest[1]), hypot(farthest[0], farthest[1]));
 }
 
+static void print_roughness(FILE *stream, const struct cml_rough_def *rough)
+{
+    static const char *const kinds[] = {"", "ggx", "beckmann"};
+    if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", kinds[rough->kind], rough->alpha);
+}
+
 /* "layer 2" or "body 3". */
 static void print_host(FILE *stream, const struct cml_scene *scene, int host)
 {
@@ -128,6 +134,7 @@ static void report_body(FILE *stream, const char *prefix, const struct cml_scene
     print_shape(stream, body, reader);
     if (body->form != CML_BODY_MESH && surface->kind == CML_SURFACE_MESH)
         fprintf(stream, ", as %llu triangles", (unsigned long long)surface->primitives);
+    print_roughness(stream, &medium->rough);
     print_host(stream, scene, body->host);
     fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g", medium->n, medium->mua, medium->mus, medium->g);
     print_extent(stream, surface, reader);
@@ -158,6 +165,7 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
                 def->depth);
         if (def->kind != CML_SURFACE_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
+        print_roughness(stream, &def->rough);
         fprintf(stream, " (%s)", def->reason);
         if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
         if (def->kind != CML_SURFACE_PLANE) print_depths(stream, def, reader);

@@ -23,6 +23,13 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
+const struct cml_rough_def *cml_scene_rough(const struct cml_scene *scene, int *b)
+{
+    for (*b = 0; *b <= scene->num_layers; ++*b)
+        if (cml_is_rough(&scene->boundaries[*b].rough)) return &scene->boundaries[*b].rough;
+    return NULL;
+}
+
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};
@@ -36,12 +43,12 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
 
 void cml_boundary_clear(struct cml_boundary *boundary)
 {
-    const double z = boundary->z;
+    const struct cml_boundary kept = {.z = boundary->z, .rough = boundary->rough};
     if (cml_share_end(boundary->users)) {
         cml_boundary_flatten(boundary);
         free(boundary->file);
     }
-    *boundary = (struct cml_boundary){.z = z};
+    *boundary = kept;
 }
 
 static void clear_bodies(struct cml_scene *scene)

@@ -18,12 +18,21 @@
  * cml_absorbed_part). */
 #define CML_LEAST_ABSORPTION 1e-11
 
+/* Facets below the resolution of a shape (kernels/README.md, P20). kind CML_SMOOTH: no line says anything.
+ */
+struct cml_rough_def {
+    enum cml_rough_kind kind;
+    double alpha; /* 0 is smooth, else 1e-4..2 */
+    int line;     /* of the .mci */
+};
+
 struct cml_medium_def {
     double n;        /* refractive index [-], > 0 */
     double mua, mus; /* absorption, scattering coefficient [1/cm], >= 0; 0 in the media above and below */
     double g;        /* anisotropy [-], -1..1 */
     double d;        /* thickness [cm], >= 0; 0 in the media above and below */
     const struct cml_phase *phase; /* the scene's; NULL: Henyey and Greenstein's, of g */
+    struct cml_rough_def rough;    /* of a body: of its surface, as bodies are shared by copies of a scene */
     int line, phase_line;          /* of the .mci: where its numbers stand, and which says how it scatters */
 };
 
@@ -62,6 +71,7 @@ struct cml_boundary {
     double period[2]; /* of a tile, cm along x and y, also once it has become a plane; 0: it was none */
     double scale,
         height; /* factors that the shape was read with, on all coordinates and on heights besides */
+    struct cml_rough_def rough;
     char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
     int line;   /* line of the .mci, 0 when the boundary is implicit */
     int *users; /* boundaries that share shape and file (base/shared.h) */
@@ -220,6 +230,15 @@ struct cml_scene {
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */
 };
+
+/* Whether light meets facets there: 0 is smooth. */
+static inline bool cml_is_rough(const struct cml_rough_def *rough)
+{
+    return rough->kind != CML_SMOOTH && rough->alpha > 0;
+}
+
+/* The first rough boundary between layers, number *b; NULL: there is none. */
+const struct cml_rough_def *cml_scene_rough(const struct cml_scene *scene, int *b);
 
 struct cml_scene_list {
     int count;

@@ -317,6 +317,7 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
             share(shared, boundary->z, &set->item[b]);
         else
             status = represent_timed(scene, boundary, options, &set->item[b], err);
+        set->item[b].rough = boundary->rough;
     }
     if (status == CML_OK) status = represent_bodies(scene, options, set, err);
     if (status != CML_OK) cml_surfaces_free(set);
@@ -374,7 +375,7 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
     for (int b = 0; b < set->count; b++)
-        if (set->item[b].kind != CML_SURFACE_PLANE) return false;
+        if (set->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&set->item[b].rough)) return false;
     return true;
 }
 

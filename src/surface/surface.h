@@ -15,8 +15,9 @@
  * it. */
 struct cml_surface_def {
     enum cml_surface_kind kind;
-    char reason[160];       /* why this kind, for people */
-    double depth;           /* of the frame; for a plane that of the plane itself */
+    char reason[160];           /* why this kind, for people */
+    struct cml_rough_def rough; /* the boundary's */
+    double depth;               /* of the frame; for a plane that of the plane itself */
     double steepest;        /* at least the slope of every part, infinite where it is upright or overhangs */
     double lowest, highest; /* lowest <= z <= highest everywhere */
     uint64_t primitives;    /* rings or triangles, 1 for a plane */

@@ -581,8 +581,7 @@ double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, 
 uint64_t cml_result_lost(const struct cml_result *result)
 {
     cml_u128 lost = 0;
-    for (int i = CML_COUNT_LOST_NO_SURFACE; i <= CML_COUNT_LOST_TOO_FAR; i++)
-        lost += result->summary.count[i];
+    for (int i = CML_COUNT_LOST_NO_SURFACE; i <= CML_COUNT_LOST_ROUGH; i++) lost += result->summary.count[i];
     return (uint64_t)lost;
 }
 

@@ -298,6 +298,29 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
+/* Planes, rings, interpolated facets and bodies that are rough, matched layers, mirrors and metals. */
+static void rough_scenes_have_the_same_tally(void **state)
+{
+    (void)state;
+    const uint64_t photons = (uint64_t)repeats(12000);
+    compare_text(HEAD GRID "2\n1\nrough ggx 0.3\n1.5 0 0 0 0.1\nrough beckmann 0.5\n1.37 0.5 20 0.8 0.3\n"
+                           "rough ggx 2\n1\n",
+                 photons);
+    compare_text(HEAD "beam disk 0.2 angle=40\nmap 5 5 0.1 0.1\nfacets\n" GRID
+                      "2\n1\nrough ggx 0.1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.5 0 0 0 0.5\nrough ggx 0.1\n"
+                      "1.5 0 5 0 0.2\nrough beckmann 0.05\n1.3\n",
+                 photons);
+    compare_text(HEAD "beam disk 0.2\n" GRID
+                      "1\n1\n1.4 1 50 0.8 0.2\ni sphere 0 0 0.1 0.05 1 0 0 0 rough=ggx,0.5\n"
+                      "i cylinder 0.1 0 0.05 0.1 0.1 0.15 0.03 1.6 1 10 0.5 rough=beckmann,1\n"
+                      "rough ggx 0.3\nbacking 0.8 mirror\n1\n",
+                 photons);
+    compare_text(HEAD "beam rectangle 0.0128 0.0128\n" GRID
+                      "1\n1\nm gaussian 0.4 0.002 tile points=64 normals=vertex\nrough beckmann 0.3\n"
+                      "1.4 1 50 0.8 0.2\nrough beckmann 0.7\nbacking metal 0.2 3\n1\n",
+                 photons);
+}
+
 /* One of `count` values; *seed goes on to the next (Marsaglia's xorshift). */
 static double any_of(uint32_t *seed, const double *values, size_t count)
 {
@@ -594,6 +617,7 @@ int main(void)
         cmocka_unit_test(every_sample_has_the_same_tally),
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
+        cmocka_unit_test(rough_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(bodies_have_the_same_tally),
         cmocka_unit_test(backings_have_the_same_tally),

@@ -43,6 +43,28 @@ class Reliefs(unittest.TestCase):
                 call()
 
 
+class Roughness(unittest.TestCase):
+    def test_is_that_of_the_lines(self):
+        rough = mc.Rough("ggx", 0.3)
+        sphere = mc.Sphere(0, 0, 0.05, 0.01, n=1.5, mua=0, mus=10, g=0, rough=mc.Rough("beckmann", 0.5))
+        scene = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=[sphere], top_rough=rough)], bottom_rough=rough, photons=200)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "rough.mci")
+            scene.write(path)
+            told = command("check", path)
+        self.assertIn("boundary 0: plane at z = 0 cm, rough ggx 0.3 (", told)
+        self.assertIn("boundary 1: plane at z = 0.1 cm, rough ggx 0.3 (", told)
+        self.assertIn("r = 0.01 cm, rough beckmann 0.5, in layer 1", told)
+        swept = mc.sweep(scene, {"boundary0.alpha": [0, 0.5], "body1.alpha": [0.5, 0]}, photons=100)
+        self.assertEqual((swept.sizes["boundary0.alpha"], swept.sizes["body1.alpha"]), (2, 2))
+
+    def test_of_wrong_numbers_is_refused(self):
+        for call, text in ((lambda: mc.Rough("phong", 1), r"Rough\.kind = 'phong'"), (lambda: mc.Rough("ggx", 1e-5), r"Rough\.alpha = 1e-05"),
+                           (lambda: mc.Layer(1.4, 1, 100, 0.9, 0.1, top_rough=0.2), r"Layer\.top_rough = 0\.2")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                call()
+
+
 class Options(unittest.TestCase):
     def test_are_those_of_the_program(self):
         """All of them, and no others; and they stand in the signature that completion asks for."""

@@ -29,7 +29,7 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
 {
     struct floor floor = {1, surfaces->item[0].depth};
     for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind != CML_SURFACE_PLANE)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&surfaces->item[b].rough))
             sink(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
     for (int k = 0; k < surfaces->bodies.count; k++)
         sink(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);

@@ -52,7 +52,8 @@ static double specular(const struct cml_run_setup *setup, const struct cml_exact
 {
     const struct cml_scene *scene = setup->scene;
     const struct cml_surface_def *surface = setup->surfaces->item;
-    const bool planes = surface[0].kind == CML_SURFACE_PLANE && surface[1].kind == CML_SURFACE_PLANE;
+    const bool enters = surface[0].kind == CML_SURFACE_PLANE && !cml_is_rough(&surface[0].rough),
+               planes = enters && surface[1].kind == CML_SURFACE_PLANE && !cml_is_rough(&surface[1].rough);
     const double all = cml_specular_split(scene->media, scene->num_layers, true).reflected,
                  own = cml_specular_split(scene->media, scene->num_layers, planes).reflected;
     return exact->value[CML_EXACT_RSP] - normal_share(scene) * (all - own);

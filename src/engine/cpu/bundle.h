@@ -95,6 +95,7 @@ struct cml_bundle {
     cml_u32 third0[CML_LANES], third1[CML_LANES], third2[CML_LANES];
     cml_u32 reflection[CML_LANES], second_reflection[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES]; /* as in cml_packet */
+    cml_u32 rough_draws[CML_LANES];
     /* Of the last boundary event: how many interactions came before it. While that is equal to interactions,
      * bounces and on_boundary hold; otherwise the packet has interacted since, stands on nothing and has not
      * bounced. So no loop has to reset them at every interaction. */

@@ -9,16 +9,17 @@
 #include "surface/mesh/mesh_surface.h"
 
 /* Whether lane i can go the fast way of cml_intersect_lane: it is in the material, can meet this boundary
- * only, and it is curved and has no backing; facets are not scored; it has had boundary events, so it is not
- * the beam itself (P1); it is far from the limits of P9, interacts at a finite distance and its direction is
- * a number. All else goes by kernels/walk.h. */
+ * only, and it is curved and smooth and has no backing; facets are not scored; it has had boundary events, so
+ * it is not the beam itself (P1); it is far from the limits of P9, interacts at a finite distance and its
+ * direction is a number. All else goes by kernels/walk.h. */
 static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     const int medium = b->medium[i];
     return medium > 0 && medium <= f->world->setup.num_layers &&
-           f->world->surfaces[boundary].kind != CML_SURFACE_PLANE && !f->to.facets &&
+           f->world->surfaces[boundary].kind != CML_SURFACE_PLANE &&
+           !f->world->surfaces[boundary].rough.kind && !f->to.facets &&
            boundary != f->world->setup.backing.boundary && b->boundary_events[i] > 0 &&
            b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY && cml_dot(u, u) < 2;
 }

@@ -183,6 +183,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->w = b->w[i];
     packet->interactions = b->interactions[i];
     packet->crossings = b->crossings[i];
+    packet->rough_draws = b->rough_draws[i];
     packet->bounces = on_surface ? b->bounces[i] : 0;
     packet->boundary_events = b->boundary_events[i];
     packet->medium = b->medium[i];
@@ -248,6 +249,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
         b->deepest[i] = packet->trail.deepest;
     }
     b->crossings[i] = packet->crossings;
+    b->rough_draws[i] = packet->rough_draws;
     b->interactions_at_hit[i] = packet->interactions;
     b->bounces[i] = packet->bounces;
     b->boundary_events[i] = packet->boundary_events;

@@ -145,6 +145,7 @@ CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
         b->flushed_w[i] = cml_pick_word(active, model.w, b->flushed_w[i]);
         b->interactions[i] = cml_pick_word(active, 0u, b->interactions[i]);
         b->crossings[i] = cml_pick_word(active, model.crossings, b->crossings[i]);
+        b->rough_draws[i] = cml_pick_word(active, 0u, b->rough_draws[i]);
         b->boundary_events[i] = cml_pick_word(active, model.boundary_events, b->boundary_events[i]);
         b->interactions_at_hit[i] = cml_pick_word(active, 0u, b->interactions_at_hit[i]);
         b->bounces[i] = cml_pick_word(active, model.bounces, b->bounces[i]);

@@ -4,7 +4,7 @@
 #include "surface/mesh/mesh_surface.h"
 
 /* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). One with a
- * backing counts as curved, so that lanes go by kernels/walk.h there. A medium
+ * backing counts as curved, and so does a rough one: lanes go by kernels/walk.h there. A medium
  * without a boundary on one side, an outer one or that of a body, has infinite depths there, and its own
  * index beyond it. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
@@ -13,9 +13,9 @@ struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
     const int layers = world->setup.num_layers, in_body = m > layers + 1;
     const struct cml_surface *top = m > 0 && !in_body ? &world->surfaces[m - 1] : NULL;
     const struct cml_surface *bottom = m <= layers ? &world->surfaces[m] : NULL;
-    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
-    const int plane_bottom =
-        bottom && bottom->kind == CML_SURFACE_PLANE && m != world->setup.backing.boundary;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE && !top->rough.kind;
+    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE && !bottom->rough.kind &&
+                             m != world->setup.backing.boundary;
     const real stop_above = top ? top->highest : -CML_INFINITY;
     const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
     const struct cml_lane_medium lane = {
@@ -73,7 +73,7 @@ void cml_find_first_hit(struct cml_flight *f)
     if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(f->world, &packet, CML_INFINITY);
     f->first_hit_known = cml_nearest_hit(f->world, &packet, intervals, &f->first_hit);
-    if (!f->first_hit_known || f->to.facets || f->to.phi) return;
+    if (!f->first_hit_known || f->to.facets || f->to.phi || f->world->surfaces[0].rough.kind) return;
     f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first_hit);
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
@@ -86,8 +86,8 @@ void cml_find_entry(struct cml_flight *f)
     struct cml_packet packet = f->start;
     struct cml_hit hit;
     if (!f->queue_places || packet.medium > 0 || world->media[0].mfp < CML_INFINITY ||
-        !cml_is_plane(world, 0) || setup->backing.boundary == 0 || setup->keeps_paths ||
-        f->tally->trail_length || f->to.expected)
+        !cml_is_plane(world, 0) || world->surfaces[0].rough.kind || setup->backing.boundary == 0 ||
+        setup->keeps_paths || f->tally->trail_length || f->to.expected)
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, &packet, CML_INFINITY);
     f->enters = cml_nearest_hit(world, &packet, intervals, &hit) &&
@@ -130,7 +130,9 @@ void cml_find_ballistic(struct cml_flight *f)
         cml_tallies_places(f->tally))
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
-    if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary)) return;
+    if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary) ||
+        world->surfaces[hit.boundary].rough.kind)
+        return;
     if (!cml_transmit_like(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
     ballistic->possible = 1;
     ballistic->path = hit.t;

@@ -522,6 +522,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->curves = setup->backing.kind != CML_BACKING_NONE;
     for (int i = 0; i <= setup->num_layers; i++) {
         const struct cml_surface *surface = &f->world->surfaces[i];
+        f->curves |= surface->rough.kind != CML_SMOOTH;
         if (surface->kind == CML_SURFACE_PLANE) continue;
         f->curves = 1;
         f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;

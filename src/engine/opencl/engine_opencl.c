@@ -102,6 +102,8 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE) scene.only_planes = false;
     if (surfaces->bodies.count > 0) scene.only_planes = false;
+    for (int b = 0; b < surfaces->count + surfaces->bodies.count; b++)
+        if (engine->owned.surfaces[b].rough.kind) scene.rough = true;
     return scene;
 }
 

@@ -104,11 +104,12 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     char *options;
     CML_TRY(cml_text_format(
         &options, "the compiler's options", err,
-        "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s %s",
+        "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s%s %s",
         flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
         info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
         scene->world->world.setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
-        scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra));
+        scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES",
+        scene->rough ? "" : " -D CML_WITHOUT_ROUGHNESS", extra));
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
     free(options);

@@ -58,6 +58,7 @@ void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t
 /* What all devices are given of a scene; arrays are borrowed. */
 struct cml_opencl_scene {
     const struct cml_owned_world *world;
+    bool rough;                /* some boundary or body is */
     bool only_planes;          /* no curved boundaries and no bodies */
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */

@@ -24,10 +24,10 @@ from .photons import Saved, read_photons
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
-from .surfaces import Heightfield, Heightmap, Mesh, Relief
+from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Relief", "Saved", "Scene",
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Relief", "Rough", "Saved", "Scene",
            "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace"]
 
 

@@ -10,7 +10,7 @@ from typing import Optional
 
 from . import errors
 from .phases import Phase, check_phase
-from .surfaces import Mesh, shortest
+from .surfaces import Mesh, Rough, check_rough, shortest
 
 
 def _check_medium(name: str, body: "Sphere | Cylinder | Body") -> None:
@@ -19,11 +19,17 @@ def _check_medium(name: str, body: "Sphere | Cylinder | Body") -> None:
     errors.at_least_zero(name + ".mus", body.mus)
     errors.number(name + ".g", body.g, -1, 1, "a number from -1 to 1")
     check_phase(name + ".phase", body.phase)
+    check_rough(name + ".rough", body.rough)
+
+
+def _rough_word(rough: Optional[Rough]) -> str:
+    return f" rough={rough.words(',')}" if rough else ""
 
 
 @dataclass
 class Sphere:
-    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g, phase of what it is made of.
+    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g, phase of what it is made of;
+    rough: how rough its surface is.
 
     >>> Sphere(0, 0, 0.1, 0.05, n=1.4, mua=5, mus=20, g=0.5).line("", "")
     'i sphere 0 0 0.1 0.05 1.4 5 20 0.5'
@@ -38,6 +44,7 @@ class Sphere:
     mus: float
     g: float
     phase: Optional[Phase] = None
+    rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "z"):
@@ -47,7 +54,7 @@ class Sphere:
 
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
-        return "i sphere " + " ".join(map(shortest, (self.x, self.y, self.z, self.r, self.n, self.mua, self.mus, self.g)))
+        return "i sphere " + " ".join(map(shortest, (self.x, self.y, self.z, self.r, self.n, self.mua, self.mus, self.g))) + _rough_word(self.rough)
 
 
 @dataclass
@@ -66,6 +73,7 @@ class Cylinder:
     mus: float
     g: float
     phase: Optional[Phase] = None
+    rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
         for name in ("x1", "y1", "z1", "x2", "y2", "z2"):
@@ -76,7 +84,7 @@ class Cylinder:
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
         ends = (self.x1, self.y1, self.z1, self.x2, self.y2, self.z2, self.r)
-        return "i cylinder " + " ".join(map(shortest, (*ends, self.n, self.mua, self.mus, self.g)))
+        return "i cylinder " + " ".join(map(shortest, (*ends, self.n, self.mua, self.mus, self.g))) + _rough_word(self.rough)
 
 
 @dataclass
@@ -93,6 +101,7 @@ class Body:
     g: float
     phase: Optional[Phase] = None
     union: bool = False
+    rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):
@@ -103,4 +112,4 @@ class Body:
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci` in that directory; writes DIRECTORY/STEM.obj where the mesh is no file."""
         name, options = self.mesh.words(directory, stem)
-        return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options, *(["union"] if self.union else [])])
+        return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options, *(["union"] if self.union else [])]) + _rough_word(self.rough)

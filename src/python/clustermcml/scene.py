@@ -18,7 +18,7 @@ from .bodies import Body, Cylinder, Sphere
 from .detectors import Detector
 from .photons import Saved
 from .phases import Phase, check_phase
-from .surfaces import Surface, check_surface, shortest, vector
+from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
 
 MOST_PHOTONS = 2**48
 TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector)\d*")  # what else has numbers to set
@@ -31,10 +31,10 @@ class Layer:
     n: index of refraction. mua, mus: absorption and scattering [1/cm]. g: mean cosine of scattering. d: thickness [cm].
     top: the surface that is its upper boundary, None for a plane. bodies: what lies inside: Sphere, Cylinder, Body.
     phase: how it scatters, None for Henyey and Greenstein's function of that g. name: another one than layer1, layer2 ... in what is set
-    and swept: `gel.mua`.
+    and swept: `gel.mua`. top_rough: how rough that boundary is below the resolution of its shape.
 
     >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, name="gel")
-    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None, name='gel')
+    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None, name='gel', top_rough=None)
     """
 
     n: float
@@ -46,8 +46,10 @@ class Layer:
     bodies: Sequence[Union[Sphere, Cylinder, Body]] = ()
     phase: Optional[Phase] = None
     name: Optional[str] = None
+    top_rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
+        check_rough("Layer.top_rough", self.top_rough)
         if self.name is not None and not (isinstance(self.name, str) and re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,23}", self.name)):
             raise errors.refuse("Layer.name", self.name, "1 to 24 letters, digits and underscores, the first of them no digit")
         if self.name is not None and TAKEN.fullmatch(self.name):
@@ -255,7 +257,7 @@ class Backing:
 class Scene:
     """Layers from above to below, what lies beyond them, light, and what is recorded.
 
-    n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; backing: what
+    n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; bottom_rough: how rough it is; backing: what
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
     exitance of every triangle. fluence: track length per volume over r and z, and with a map's volume over its voxels. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
@@ -296,6 +298,7 @@ class Scene:
     detectors: Sequence[Detector] = ()
     fluence: bool = False
     saved: Optional[Saved] = None
+    bottom_rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
@@ -314,6 +317,7 @@ class Scene:
         for name in ("nr", "nz", "na"):
             errors.whole("Scene." + name, getattr(self, name), 1, 2**31 - 1)
         check_surface("Scene.bottom", self.bottom)
+        check_rough("Scene.bottom_rough", self.bottom_rough)
         several = isinstance(self.beam, (list, tuple)) and bool(self.beam) and all(isinstance(beam, Beam) for beam in self.beam)
         if not isinstance(self.beam, Beam) and not several:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
@@ -351,6 +355,8 @@ class Scene:
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []
+            rough = self.layers[index].top_rough if index < len(self.layers) else self.bottom_rough
+            lines += [f"rough {rough.words()}"] if rough else []
             if index < len(self.layers):
                 layer = self.layers[index]
                 lines.append(" ".join([*map(shortest, (layer.n, layer.mua, layer.mus, layer.g, layer.d)), *([f"name={layer.name}"] if layer.name else [])]))

@@ -245,6 +245,34 @@ class Relief:
         return " ".join(words + _option_words({"shift": tuple(self.shift)}))
 
 
+@dataclass
+class Rough:
+    """How rough a boundary or a body is below the resolution of its shape.
+
+    kind: "ggx" or "beckmann". alpha: 0 (smooth) or 1e-4 to 2; of beckmann the rms gradient of the facets.
+
+    >>> Rough("ggx", 0.2).words()
+    'ggx 0.2'
+    """
+
+    kind: str
+    alpha: float
+
+    def __post_init__(self) -> None:
+        errors.choice("Rough.kind", self.kind, "ggx", "beckmann")
+        if errors.number("Rough.alpha", self.alpha, 0, 2, "0, or a number of 1e-4 to 2") not in (0.0,) and self.alpha < 1e-4:
+            raise errors.refuse("Rough.alpha", self.alpha, "0, or a number of 1e-4 to 2")
+
+    def words(self, separator: str = " ") -> str:
+        """Kind and number, as they stand in a line of the `.mci`."""
+        return f"{self.kind}{separator}{shortest(self.alpha)}"
+
+
+def check_rough(name: str, value: object) -> None:
+    if value is not None and not isinstance(value, Rough):
+        raise errors.refuse(name, value, "a Rough, or None for a smooth surface")
+
+
 Surface = Union[Heightfield, Heightmap, Mesh, Relief]
 
 

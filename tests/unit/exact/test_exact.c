@@ -34,7 +34,7 @@ static struct stack stack_of(double above, double below)
 static void add(struct stack *stack, double n, double mua, double mus, double g, double d)
 {
     stack->media[stack->layers + 2] = stack->media[stack->layers + 1];
-    stack->media[++stack->layers] = (struct cml_medium_def){n, mua, mus, g, d, NULL, 0, 0};
+    stack->media[++stack->layers] = (struct cml_medium_def){.n = n, .mua = mua, .mus = mus, .g = g, .d = d};
 }
 
 static struct stack slab(double n, double mua, double mus, double g, double d)

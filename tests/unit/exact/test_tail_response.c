@@ -93,17 +93,17 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
 static void thick_layers_respond_as_solved(void **state)
 {
     (void)state;
-    const struct cml_medium_def deep[] = {{.n = 1}, {1.4, 0.5, 100, 0.9, 4.95, NULL, 0, 0}, {.n = 1}},
-                                even[] = {{.n = 1}, {1.5, 1, 90, 0, 0.1, NULL, 0, 0}, {.n = 1.2}},
+    const struct cml_medium_def deep[] = {{.n = 1}, {1.4, 0.5, 100, 0.9, 4.95, NULL, {0}, 0, 0}, {.n = 1}},
+                                even[] = {{.n = 1}, {1.5, 1, 90, 0, 0.1, NULL, {0}, 0, 0}, {.n = 1.2}},
                                 steps[] = {{.n = 1},
-                                           {1.53, 0.2, 300, 0.9, 0.02, NULL, 0, 0},
-                                           {1.34, 0.15, 100, 0.85, 0.1, NULL, 0, 0},
-                                           {1.6, 1, 20, -0.3, 0.1, NULL, 0, 0},
+                                           {1.53, 0.2, 300, 0.9, 0.02, NULL, {0}, 0, 0},
+                                           {1.34, 0.15, 100, 0.85, 0.1, NULL, {0}, 0, 0},
+                                           {1.6, 1, 20, -0.3, 0.1, NULL, {0}, 0, 0},
                                            {.n = 1}},
                                 clear[] = {{.n = 1.2},
-                                           {1.4, 1, 10, 0.5, 0.1, NULL, 0, 0},
-                                           {1.5, 0, 0, 0, 0.1, NULL, 0, 0},
-                                           {1.33, 3, 5, 0.5, 0.2, NULL, 0, 0},
+                                           {1.4, 1, 10, 0.5, 0.1, NULL, {0}, 0, 0},
+                                           {1.5, 0, 0, 0, 0.1, NULL, {0}, 0, 0},
+                                           {1.33, 3, 5, 0.5, 0.2, NULL, {0}, 0, 0},
                                            {.n = 1.2}};
     expect_responses(deep, 1, 1, 0.001, 1e-5, 1e-3);
     expect_responses(even, 1, 1, 0.01, 1e-5, 1e-3);
@@ -118,7 +118,7 @@ static void responses_of_thin_layers_are_close_to_their_largest(void **state)
 {
     (void)state;
     for (double d = 0.01; d > 0.5e-5; d /= 10) {
-        const struct cml_medium_def thin[] = {{.n = 1}, {1.4, 0.5, 100, 0.9, d, NULL, 0, 0}, {.n = 1}};
+        const struct cml_medium_def thin[] = {{.n = 1}, {1.4, 0.5, 100, 0.9, d, NULL, {0}, 0, 0}, {.n = 1}};
         expect_responses(thin, 1, 1, d / 16, 2e-5, 1);
     }
 }
@@ -132,7 +132,7 @@ static void too_many_indices_are_refused(void **state)
     struct cml_flat_tail tail;
     struct cml_error err;
     for (int m = 0; m < LAYERS + 2; m++)
-        media[m] = (struct cml_medium_def){1.6 - 0.01 * m, 1, 10, 0.5, 0.1, NULL, 0, 0};
+        media[m] = (struct cml_medium_def){1.6 - 0.01 * m, 1, 10, 0.5, 0.1, NULL, {0}, 0, 0};
     assert_int_equal(cml_tail_create(media, LAYERS, 1, 0.01, &tail, &err), CML_E_NUMERIC);
     assert_null(tail.response);
 }

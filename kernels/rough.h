@@ -1,0 +1,343 @@
+/* A rough boundary (P20): the walk of one packet on Smith's surface of tiny facets. Weight 1 comes in, and
+ * one packet of weight 1 goes out, on this side or the other.
+ *
+ *        v \      / v (leaves: no facet above hides it)
+ *           \    /            height is known by u = C1(h) only, the share of the surface that lies lower:
+ *        m ^ \  /             u = 1 on top; here e = -ln u, so that u near 1 keeps its digits
+ *      ____|__\/_   ___
+ *     /    |    \  /   \      1  fly to the next facet: u' = u xi1^(-1 / Lambda(v)); up and u' >= 1: leave
+ *    /           \/     \     2  draw its normal m as seen from -v
+ *                             3  reflect about m, or refract: then the same walk goes on beyond, upside down
+ *
+ * Heitz, Hanika, d'Eon, Dachsbacher, Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH
+ * 2016. Knows nothing of packets, surfaces and media. SPDX-License-Identifier: MIT */
+#pragma once
+
+#include "lattice.h"
+#include "optics.h"
+#include "types.h"
+
+#define CML_ROUGH_LIMIT 1000 /* facets met in one event */
+
+/* ---- functions of the error integral ---- */
+
+/* exp(x^2) erfc(x) for x >= 0. Relative error < 5e-7 in float (unit.rough): a polynomial in
+ * (x - 2) / (x + 2), fitted at Chebyshev's nodes, after Shepherd, Laframboise, Math. Comput. 36, 249 (1981).
+ */
+CML_FN real cml_erfcx(real x)
+{
+#ifdef CML_DOUBLE
+    const double q = 1 / (x * x);
+    return x < 26 ? exp(x * x) * erfc(x)
+                  : 0.5641895835477563 / x * (1 - q * (0.5 - q * (0.75 - q * (1.875 - q * 6.5625))));
+#else
+    const float t = x < 1e30f ? (x - 2.0f) / (x + 2.0f) : 1.0f;
+    float p = 1.6080358e-4f;
+    p = CML_FMA(p, t, -1.8365443e-4f);
+    p = CML_FMA(p, t, -1.3957069e-3f);
+    p = CML_FMA(p, t, 1.04314461e-3f);
+    p = CML_FMA(p, t, 8.68915953e-3f);
+    p = CML_FMA(p, t, -7.94272125e-3f);
+    p = CML_FMA(p, t, -5.42119592e-2f);
+    p = CML_FMA(p, t, 1.64035842e-1f);
+    p = CML_FMA(p, t, -1.66031092e-1f);
+    p = CML_FMA(p, t, -9.27630812e-2f);
+    p = CML_FMA(p, t, 1.27697837f);
+    return p / CML_FMA(2.0f, x, 1.0f);
+#endif
+}
+
+/* The x of erf(x) = 1 - y, for 1e-7 < y < 2 - 1e-7. Relative error < 5e-7 in float: Giles, Approximating the
+ * erfinv function, GPU Computing Gems Jade (2012); in double two of Newton's steps more. */
+CML_FN real cml_erfc_inverse(real y)
+{
+    const real w = -cml_log(y * (2 - y));
+    real p, q;
+    if (w < 5) {
+        q = w - (real)2.5;
+        p = (real)2.81022636e-8;
+        p = CML_FMA(p, q, (real)3.43273939e-7);
+        p = CML_FMA(p, q, (real)-3.5233877e-6);
+        p = CML_FMA(p, q, (real)-4.39150654e-6);
+        p = CML_FMA(p, q, (real)2.1858087e-4);
+        p = CML_FMA(p, q, (real)-1.25372503e-3);
+        p = CML_FMA(p, q, (real)-4.17768164e-3);
+        p = CML_FMA(p, q, (real)0.246640727);
+        p = CML_FMA(p, q, (real)1.50140941);
+    } else {
+        q = CML_SQRT(w) - 3;
+        p = (real)-2.00214257e-4;
+        p = CML_FMA(p, q, (real)1.00950558e-4);
+        p = CML_FMA(p, q, (real)1.34934322e-3);
+        p = CML_FMA(p, q, (real)-3.67342844e-3);
+        p = CML_FMA(p, q, (real)5.73950773e-3);
+        p = CML_FMA(p, q, (real)-7.6224613e-3);
+        p = CML_FMA(p, q, (real)9.43887047e-3);
+        p = CML_FMA(p, q, (real)1.00167406);
+        p = CML_FMA(p, q, (real)2.83297682);
+    }
+    real x = p * (1 - y);
+#ifdef CML_DOUBLE
+    for (int i = 0; i < 2; i++) x += (erfc(x) - y) * exp(x * x) * 0.8862269254527580;
+#endif
+    return x;
+}
+
+/* -ln(1 - exp(-e)) for e > 0: the depth e of a facet seen from the other side. Finite; relative error < 5e-7
+ * in float. */
+CML_FN real cml_other_depth(real e)
+{
+#ifdef CML_DOUBLE
+    return e < 0.69 ? fmin(-log(-expm1(-e)), 700) : -log1p(-exp(-e));
+#else
+    const float x = cml_exp_minus(e);
+    if (x > 0.5f) {
+        /* e / (1 - exp(-e)) = 1 + e / 2 + e^2 / 12 - e^4 / 720 + ..., Bernoulli's numbers */
+        const float s = e * e;
+        const float p = CML_FMA(s, CML_FMA(s, 3.3068783e-5f, -1.3888889e-3f), 8.3333333e-2f);
+        const float share = e / CML_FMA(s, p, CML_FMA(e, 0.5f, 1.0f));
+        return share > 1e-36f ? -cml_log(share) : 83.0f;
+    }
+    /* -ln(1 - x) = 2 artanh(x / (2 - x)), whose argument is at most 1/3 */
+    const float y = x / (2 - x), s = y * y;
+    float sum = 6.6666667e-2f;
+    sum = CML_FMA(sum, s, 7.6923077e-2f);
+    sum = CML_FMA(sum, s, 9.0909091e-2f);
+    sum = CML_FMA(sum, s, 0.11111111f);
+    sum = CML_FMA(sum, s, 0.14285714f);
+    sum = CML_FMA(sum, s, 0.2f);
+    sum = CML_FMA(sum, s, 0.33333333f);
+    return 2 * CML_FMA(sum * s, y, y);
+#endif
+}
+
+/* ---- Smith's shadowing ---- */
+
+/* Lambda of a direction with z > 0, >= 0: infinite where it is level. */
+CML_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
+{
+    const real t = rough.alpha * CML_SQRT(CML_FMA(v.x, v.x, v.y * v.y)) / CML_FABS(v.z);
+    if (rough.kind == CML_ROUGH_GGX)
+        return t < (real)1e9 ? (real)0.5 * t * (t / (1 + CML_SQRT(CML_FMA(t, t, (real)1)))) : (real)0.5 * t;
+    const real x = 1 / t, flat = (real)0.5641895835477563 * t; /* t / sqrt(pi) */
+    if (!(t < (real)1e9)) return (real)0.5 * flat;
+    if (!(t > (real)0.05)) return 0; /* exp(-400) */
+    const real above = flat - cml_erfcx(x);
+    return above > 0 ? (real)0.5 * cml_exp_minus(x * x) * above : (real)0;
+}
+
+/* ---- the normals that a direction sees ---- */
+
+/* The direction in which a stretched surface of alpha 1 is seen from -v. */
+CML_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
+{
+    const struct cml_vec w = {-alpha * v.x, -alpha * v.y, -v.z};
+    const real k = 1 / CML_SQRT(cml_dot(w, w));
+    const struct cml_vec unit = {k * w.x, k * w.y, k * w.z};
+    return unit;
+}
+
+/* Uniform in (0, 1), never 0 or 1, exact in float. */
+CML_FN real cml_uniform_inside(cml_u32 word)
+{
+    return CML_FMA((real)(int)(word >> 9), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);
+}
+
+/* A normal of ggx: a point of the unit sphere's cap about w, half-way to w. Dupuy, Benyoub, Sampling visible
+ * GGX normals with spherical caps (2023). Nothing cancels where w.z is near -1. */
+CML_FN struct cml_vec cml_rough_normal_ggx(real alpha, struct cml_vec w, cml_u32 azimuth_word, cml_u32 word)
+{
+    real c, s;
+    const real xi = cml_uniform_inside(word);
+    const real cap = w.z < 0 ? CML_FMA(w.x, w.x, w.y * w.y) / (1 - w.z) : 1 + w.z;
+    const real depth = xi * cap, sine = CML_SQRT(depth * (2 - depth));
+    cml_circle_point(azimuth_word, &c, &s);
+    const struct cml_vec h = {alpha * CML_FMA(sine, c, w.x), alpha * CML_FMA(sine, s, w.y), (1 - xi) * cap};
+    return h;
+}
+
+/* ln F(x) and its slope for x below w.z / side: F(x), the integral from -infinity to x of
+ * (w.z - y side) exp(-y^2), is the share of slopes that w sees up to x. */
+CML_FN real cml_rough_log_share(real wz, real side, real x, real *slope)
+{
+    const real root_pi = (real)1.7724538509055160, seen = CML_FMA(-x, side, wz);
+    const real bell = cml_exp_minus(x * x), tail = cml_erfcx(CML_FABS(x));
+    if (x < 0) {
+        const real twice = CML_FMA(wz * root_pi, tail, side),
+                   kept = twice > (real)1e-30 ? twice : (real)1e-30;
+        *slope = 2 * seen / kept;
+        return cml_log((real)0.5 * kept) - x * x;
+    }
+    const real share = CML_FMA(wz * root_pi, 1 - (real)0.5 * bell * tail, (real)0.5 * side * bell);
+    *slope = seen * bell / share;
+    return cml_log(share);
+}
+
+/* The slope x of beckmann along w's azimuth, with density (w.z - x side)+ exp(-x^2), by Newton's steps for
+ * ln F: it is concave, so that all but the first come from the left and none goes too far. */
+CML_FN real cml_rough_slope(real wz, real side, real xi)
+{
+    const real top = wz / side, most = (real)9;
+    real slope;
+    const real end = top < most ? top : most;
+    const real wanted = cml_rough_log_share(wz, side, end, &slope) + cml_log(xi);
+    real x = -cml_erfc_inverse(2 * xi), size = CML_FABS(end);
+    if (x > end - (real)0.1 || wz < 0) x = end - (1 - cml_log(xi)) / (2 * size + 1);
+    for (int i = 0; i < (sizeof(real) == 4 ? 8 : 40); i++) {
+        const real step = (wanted - cml_rough_log_share(wz, side, x, &slope)) / slope;
+        const real next = x + step < end ? x + step : (real)0.5 * (x + end);
+        const real moved = CML_FABS(next - x);
+        x = next;
+        if (moved < 4 * CML_EPSILON * (1 + CML_FABS(x))) break;
+    }
+    return x;
+}
+
+/* A normal of beckmann, not of unit length. */
+CML_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec w, cml_u32 along_word,
+                                                cml_u32 across_word)
+{
+    const real side = CML_SQRT(CML_FMA(w.x, w.x, w.y * w.y));
+    const real y = -cml_erfc_inverse(2 * cml_uniform_inside(across_word)),
+               xi = cml_uniform_inside(along_word);
+    const int level = !(side > (real)1e-6);
+    const real x = level ? -cml_erfc_inverse(2 * xi) : cml_rough_slope(w.z, side, xi);
+    const real c = level ? (real)1 : w.x / side, s = level ? (real)0 : w.y / side;
+    const struct cml_vec m = {-alpha * CML_FMA(c, x, -(s * y)), -alpha * CML_FMA(s, x, c * y), 1};
+    return m;
+}
+
+/* The unit normal of the facet that is met from -v; v may go up. */
+CML_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_vec v, cml_u32 first,
+                                       cml_u32 second)
+{
+    const struct cml_vec w = cml_rough_stretched(rough.alpha, v);
+    const struct cml_vec m = rough.kind == CML_ROUGH_GGX
+                                 ? cml_rough_normal_ggx(rough.alpha, w, first, second)
+                                 : cml_rough_normal_beckmann(rough.alpha, w, first, second);
+    const real k = 1 / CML_SQRT(cml_dot(m, m));
+    const struct cml_vec unit = {k * m.x, k * m.y, k * m.z};
+    return unit;
+}
+
+/* ---- the walk ---- */
+
+/* Two unit vectors across a unit vector, as in cml_spin. */
+struct cml_frame {
+    struct cml_vec x, y, z;
+};
+
+CML_FN struct cml_frame cml_frame_about(struct cml_vec z)
+{
+    const real sign = CML_COPYSIGN((real)1, z.z), k = -1 / cml_frame_divisor(z), both = z.x * z.y * k;
+    const struct cml_frame frame = {{CML_FMA(sign * z.x * k, z.x, (real)1), sign * both, -sign * z.x},
+                                    {both, CML_FMA(z.y * k, z.y, sign), -z.y},
+                                    z};
+    return frame;
+}
+
+CML_FN struct cml_vec cml_in_frame(const struct cml_frame *frame, struct cml_vec u)
+{
+    const struct cml_vec v = {cml_dot(u, frame->x), cml_dot(u, frame->y), cml_dot(u, frame->z)};
+    return v;
+}
+
+CML_FN struct cml_vec cml_from_frame(const struct cml_frame *frame, struct cml_vec v)
+{
+    const struct cml_vec none = {0, 0, 0};
+    return cml_along(cml_along(cml_along(none, v.x, frame->x), v.y, frame->y), v.z, frame->z);
+}
+
+/* A packet on the surface, seen from the side that it is on: z up, away from the surface. */
+struct cml_rough_walk {
+    struct cml_vec v; /* direction, unit */
+    real e;           /* depth -ln u */
+    int beyond;       /* 1: on the other side than at first */
+    int steps;        /* facets met */
+};
+
+/* Step 1: whether the packet leaves; else it is at the next facet. */
+CML_FN int cml_rough_fly(struct cml_rough rough, struct cml_rough_walk *walk, cml_u32 word)
+{
+    const real flown = -cml_log(cml_uniform_inside(word));
+    if (walk->v.z == 0) return 0;
+    const real lambda = cml_rough_lambda(rough, walk->v);
+    if (walk->v.z < 0) {
+        walk->e += flown / (1 + lambda);
+        return 0;
+    }
+    if (!(walk->e * lambda > flown)) return 1;
+    walk->e -= flown / lambda;
+    return 0;
+}
+
+/* Step 3 at a facet with the unit normal m: reflection by Fresnel's share R, else refraction. */
+CML_FN void cml_rough_turn(struct cml_rough_walk *walk, struct cml_vec m, real n1, real n2, cml_u32 word)
+{
+    const real cosine = -cml_dot(walk->v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+    real ct;
+    const real R = cml_fresnel(n1, n2, ci, &ct);
+    if (cml_uniform(word) <= R) {
+        walk->v = cml_normalise(cml_along(walk->v, 2 * ci, m));
+        return;
+    }
+    walk->v = cml_refract(walk->v, m, n1 / n2, ci, ct);
+    walk->v.z = -walk->v.z;
+    walk->e = cml_other_depth(walk->e);
+    walk->beyond = !walk->beyond;
+}
+
+/* Step 3 on a backing: the share of the weight that is reflected. */
+CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, const struct cml_backing *backing)
+{
+    const real cosine = -cml_dot(walk->v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+    walk->v = cml_normalise(cml_along(walk->v, 2 * ci, m));
+    if (backing->kind == CML_BACKING_METAL) return cml_metal_reflectance(backing->n, backing->k, ci);
+    return backing->kept < 1 ? 1 - backing->kept : (real)0;
+}
+
+/* Random words of step `step` of a packet's boundary event `crossing`, `event` blocks after the first of its
+ * life. The first reflections of its life come of the lattice. */
+CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
+                                       cml_u32 event, int step)
+{
+    struct cml_block block = cml_draw(stream, photon, CML_PURPOSE_ROUGH, event);
+    if (step == 0 && crossing < CML_LATTICE_REFLECTIONS && stream.lattice)
+        block.w[3] = cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), block.w[3]);
+    return block;
+}
+
+/* What has become of a packet at a rough boundary. */
+struct cml_rough_exit {
+    struct cml_vec u; /* unit */
+    int transmitted;
+    int steps;  /* facets met; CML_ROUGH_LIMIT: it is lost */
+    real stays; /* backing: share of the weight that comes back, the product over all facets */
+};
+
+/* P20: u comes against the boundary, whose unit normal `against` points to where it comes from. n1: index
+ * there, n2: beyond. blocks: of random words that the packet has drawn at rough boundaries; counted on.
+ * backing: what reflects at every facet in place of n2; NULL: nothing does. */
+CML_FN struct cml_rough_exit cml_rough_event(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
+                                             cml_u32 *blocks, struct cml_rough rough, struct cml_vec u,
+                                             struct cml_vec against, real n1, real n2,
+                                             const struct cml_backing *backing)
+{
+    const struct cml_frame frame = cml_frame_about(against);
+    struct cml_rough_walk walk = {cml_in_frame(&frame, u), 0, 0, 0};
+    struct cml_rough_exit exit = {u, 0, 0, 1};
+    for (; walk.steps < CML_ROUGH_LIMIT; walk.steps++) {
+        const struct cml_block draw = cml_draw_rough(stream, photon, crossing, (*blocks)++, walk.steps);
+        if (cml_rough_fly(rough, &walk, draw.w[0])) break;
+        const struct cml_vec m = cml_rough_normal(rough, walk.v, draw.w[1], draw.w[2]);
+        if (backing)
+            exit.stays *= cml_rough_mirror(&walk, m, backing);
+        else
+            cml_rough_turn(&walk, m, walk.beyond ? n2 : n1, walk.beyond ? n1 : n2, draw.w[3]);
+    }
+    if (walk.beyond) walk.v.z = -walk.v.z;
+    exit.u = cml_normalise(cml_from_frame(&frame, walk.v));
+    exit.transmitted = walk.beyond;
+    exit.steps = walk.steps;
+    return exit;
+}

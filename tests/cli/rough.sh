@@ -1,0 +1,83 @@
+#!/bin/sh
+# Rough boundaries: alpha 0 and equal indices are the smooth scene's bytes, a tiny alpha its totals; threads, settings and
+# sweeps; backings; what check and the summary say; what is refused.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+scene() { # NAME TOP BOTTOM [N]
+    printf '1.0\n1\n%s.mco A\n20000\n0.01 0.01\n20 20 5\n1\n1\n%s\n%s 1 50 0.8 0.3\n%s\n1\n' "$1" "$2" "${4:-1.4}" "$3" >"$work/$1.mci"
+}
+plain() { sed -e '/^# User time/d' -e '/output file name/d' -e '/^rough /d' "$1"; }
+totals() { sed -n '/^RAT/,/^$/s/ *#.*//p' "$1" | sed 1d; }
+
+scene smooth '# nothing' '# nothing'
+scene zero 'rough ggx 0' 'rough beckmann 0'
+expect_code 0 "$work/smooth.mci" --quiet -o "$work"
+expect_code 0 "$work/zero.mci" --quiet -o "$work"
+plain "$work/smooth.mco" >"$work/a"
+plain "$work/zero.mco" >"$work/b"
+cmp -s "$work/a" "$work/b" || complain "alpha 0 is not smooth: $(diff "$work/a" "$work/b" | head -5)"
+
+scene matched 'rough ggx 1' 'rough beckmann 1' 1
+scene matched0 '# nothing' '# nothing' 1
+expect_code 0 "$work/matched.mci" --quiet -o "$work"
+expect_code 0 "$work/matched0.mci" --quiet -o "$work"
+plain "$work/matched.mco" | grep -v '^# boundary' >"$work/a"
+plain "$work/matched0.mco" | grep -v '^# boundary' >"$work/b"
+cmp -s "$work/a" "$work/b" || complain "equal indices are rough: $(diff "$work/a" "$work/b" | head -5)"
+
+# Facets turned by 1e-4 change no total beyond its errors, some 0.003.
+for kind in ggx beckmann; do
+    scene fine "rough $kind 1e-4" "rough $kind 1e-4"
+    expect_code 0 "$work/fine.mci" --quiet --seed 2 -o "$work"
+    totals "$work/fine.mco" >"$work/a"
+    totals "$work/smooth.mco" | paste - "$work/a" | awk 'NF == 2 { n++; if (($1 - $2) ^ 2 > 0.012 ^ 2) exit 1 } END { exit n != 4 }' ||
+        complain "$kind 1e-4 is not smooth: $(totals "$work/smooth.mco" | paste - "$work/a")"
+done
+
+scene both 'rough ggx 0.3' 'rough beckmann 0.5'
+expect_code 0 "$work/both.mci" -o "$work"
+grep -q '^  boundary 0: plane at z = 0 cm, rough ggx 0.3 (no surface given)$' "$work/out" &&
+    grep -q '^  boundary 1: plane at z = 0.3 cm, rough beckmann 0.5 (no surface given)$' "$work/out" &&
+    grep -q 'books: residue 0,.* lost 0$' "$work/out" || complain "the summary: $(cat "$work/out")"
+mv "$work/both.mco" "$work/threads.mco"
+expect_code 0 "$work/both.mci" --quiet --threads 1 -o "$work"
+plain "$work/both.mco" >"$work/a"
+plain "$work/threads.mco" | cmp -s - "$work/a" || complain "one thread has other bytes"
+totals "$work/smooth.mco" | paste - "$work/a" | cmp -s "$work/a" - && complain "rough is smooth"
+
+# Settings: the file in which the number stands.
+scene set 'rough ggx 0.1' 'rough beckmann 0'
+expect_code 0 "$work/set.mci" --quiet --set boundary0.alpha=0.3 --set boundary1.alpha=0.5 -o "$work"
+totals "$work/set.mco" >"$work/a"
+totals "$work/both.mco" | cmp -s - "$work/a" || complain "--set boundary0.alpha: $(cat "$work/a")"
+printf 'boundary0.alpha,boundary1.alpha\n0.3,0.5\n0,0\n' >"$work/table.csv"
+expect_code 0 "$work/set.mci" --quiet --sweep "$work/table.csv" -o "$work"
+
+# A mirror keeps nothing, and a facet that light meets twice keeps a share twice.
+scene mirror '# nothing' 'rough ggx 1
+backing 1 mirror'
+expect_code 0 "$work/mirror.mci" -o "$work"
+grep -q '^  A_backing 0.000000' "$work/out" || complain "a perfect mirror keeps light: $(grep -i backing "$work/out")"
+
+expect_error 2 "$work/both.mci:9: boundary 0 = rough (expected smooth boundaries: adding-doubling knows no others)" exact "$work/both.mci"
+refused() { # LINE MESSAGE
+    scene bad "$1" '# nothing'
+    expect_error 2 "$work/bad.mci:9: boundary 0: $2" check "$work/bad.mci"
+}
+refused 'rough' 'rough is missing (expected ggx or beckmann)'
+refused 'rough phong 0.2' 'rough = phong (expected ggx or beckmann)'
+refused 'rough ggx' 'rough is missing (expected 0, or a number of 1e-4..2)'
+refused 'rough ggx 3' 'rough = 3 (expected 0, or a number of 1e-4..2)'
+refused 'rough ggx 1e-5' 'rough alpha = 1e-05 (expected 0, or a number of 1e-4..2)'
+refused 'rough ggx 0.2 0.3' 'rough = 0.3 (expected the end of the line, or a comment behind #)'
+scene bad 'rough ggx 0.2
+rough ggx 0.3' '# nothing'
+expect_error 2 "$work/bad.mci:10: line = rough ggx 0.3 (expected one rough line for boundary 0, which already has line 9)" check "$work/bad.mci"
+scene bad '# nothing' 'rough ggx 0.2
+backing 0.8 lambertian'
+expect_error 2 "$work/bad.mci:12: backing = lambertian (expected mirror or metal beside a rough line: light from a lambertian backing has no facets)" check "$work/bad.mci"
+printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0 rough=ggx\n1\n' >"$work/bad.mci"
+expect_error 2 "$work/bad.mci:10: body 1: rough = ggx (expected ggx,ALPHA or beckmann,ALPHA, with ALPHA 0 or 1e-4..2)" check "$work/bad.mci"
+expect_code 2 check "$work/both.mci" --set layer1.alpha=0.1
+grep -q 'boundary0.alpha, boundary1.alpha' "$work/err" || complain "the names of --set: $(cat "$work/err")"
+finish

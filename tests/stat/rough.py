@@ -1,0 +1,76 @@
+"""Rough boundaries: light that is even on all sides stays even, and a relief of the same slopes is flown as geometry.
+
+The furnace of layers, a hill, a mesh that overhangs, a tile and a sphere, alpha 0.05 to 2, both kinds: what leaves obeys the cosine law, and
+every layer and body holds the light that its volume asks for. N = 2e4 packets a scene. The relief has Gaussian heights, a correlation length
+of a twentieth of the mean free path and facets of rms slope 0.5: its totals are those of `rough beckmann 0.5` within noise and 0.1 % (one standard deviation), and those of
+the smooth slab are not. N = 4e5. Statistic: z, level 1e-4 over all. The relief shares the facets' optics with nobody but the smooth walk."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+
+HEAD = "1.0\n1\nrough.mco A\n1000\n0.01 0.01\n20 20 5\n"
+
+
+def layers(top, bottom, inside="", n=1.4, beam=""):
+    return f"{HEAD}{beam}1\n1\n{top}\n{n} 0.5 20 0.8 0.3\n{inside}{bottom}\n1.2\n"
+
+
+def furnace_scenes():
+    overhang = os.path.abspath("meshes/overhang.obj")
+    for kind in ("ggx", "beckmann"):
+        for alpha in (0.05, 0.5, 1, 2):
+            line = f"rough {kind} {alpha}"
+            yield f"{kind} {alpha} planes", layers(line, line)
+        line = f"rough {kind} 0.4"
+        yield f"{kind} hill", layers(f"b 2 0.1 0.2 0 1\n{line}", line)
+        yield f"{kind} overhang", layers(f'm "{overhang}"\n{line}', line)
+        yield f"{kind} tile", layers(f"m gaussian 0.3 0.02 tile points=16\n{line}", line)
+        yield f"{kind} sphere", layers("", line, f"i sphere 0 0 0.15 0.1 1.2 0 30 0.5 rough={kind},0.6\n")
+
+
+def furnace(verdict, folder):
+    path = os.path.join(folder, "rough.mci")
+    for name, text in furnace_scenes():
+        with open(path, "w") as file:
+            file.write(text)
+        done = subprocess.run([cml.PROGRAM, "furnace", path, "--photons", "2e4", "--json", "--alpha", "1e-9"], capture_output=True, text=True, check=False)
+        verdict.check(name, done.returncode == 0, done.stderr)
+        for run in map(json.loads, done.stdout.splitlines()):
+            for place in run["places"]:
+                if place["untested"] is None:
+                    verdict.z(f"{name}: {place['name']}", place["ratio"], place["error"], 1)
+
+
+def totals(folder, boundary):
+    text = HEAD.replace("1000", "400000", 1) + f"beam rectangle 0.0128 0.0128\n1\n1\n{boundary}\n1.5 1 20 0.8 0.5\n{boundary}\n1\n"
+    path = os.path.join(folder, "rough.mci")
+    with open(path, "w") as file:
+        file.write(text)
+    told = json.loads(subprocess.run([cml.PROGRAM, path, "--json", "--output-dir", folder], capture_output=True, text=True, check=True).stdout)
+    return {name: (told[name], told[name + "_se"]) for name in ("Rd", "A", "Tt")}
+
+
+def relief(verdict, folder):
+    drawn = totals(folder, "m gaussian 0.5 0.002 tile points=64")
+    walked, smooth = totals(folder, "rough beckmann 0.5"), totals(folder, "")
+    for name in ("Rd", "A", "Tt"):
+        error = (drawn[name][1] ** 2 + walked[name][1] ** 2 + (0.001 * walked[name][0]) ** 2) ** 0.5
+        verdict.z(f"relief {name}", drawn[name][0], error, walked[name][0])
+    off = (smooth["Rd"][0] - walked["Rd"][0]) / (smooth["Rd"][1] ** 2 + walked["Rd"][1] ** 2) ** 0.5
+    verdict.check("smooth Rd", abs(off) > 6, f"{off:.1f} errors from the rough one")
+
+
+def main():
+    verdict = cml.Verdict("rough")
+    with tempfile.TemporaryDirectory() as folder:
+        furnace(verdict, folder)
+        relief(verdict, folder)
+    verdict.finish(limit=4.8)  # some 45 values at 1e-4 in all
+
+
+main()

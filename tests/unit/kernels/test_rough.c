@@ -1,0 +1,2 @@
+/* SPDX-License-Identifier: MIT */
+#include "unit/kernels/rough_cases.h"

@@ -308,13 +308,13 @@ static cml_status check_flight(const struct cml_scene *scene, const struct cml_b
                                struct cml_error *err)
 {
     char value[120], expected[200];
-    if (!(distance > origin->shapes) || mut * distance > 20) return CML_OK;
+    if (!(distance > origin->flight) || mut * distance > 20) return CML_OK;
     snprintf(value, sizeof value, "(%g %g %g)", beam->x, beam->y, beam->z);
     snprintf(
         expected, sizeof expected,
-        "light that starts at most %.3g cm from (%g %g), the origin; it starts %.3g cm away, where single "
-        "precision has steps of %.2g cm",
-        origin->shapes, origin->at[0], origin->at[1], distance, distance * (double)FLT_EPSILON);
+        "light that starts at most %.3g cm from (%g %g) and the top of its layer; it starts %.3g cm away, "
+        "where single precision has steps of %.2g cm",
+        origin->flight, origin->at[0], origin->at[1], distance, distance * (double)FLT_EPSILON);
     return cml_fail_field(err, scene->file, beam->line, "beam: place", value, expected);
 }
 

@@ -65,6 +65,7 @@ struct demands {
     const struct cml_scene *scene;
     struct range range;
     double distance; /* the smallest of all */
+    double flight;   /* the same for light that comes from elsewhere, which meets rings as it meets facets */
 };
 
 /* A part at a place; length: of its parts. */
@@ -85,6 +86,9 @@ static cml_status ask(struct demands *all, const struct part *part, struct cml_e
     if (!is_empty(range)) {
         all->range = range;
         all->distance = fmin(all->distance, distance);
+        all->flight =
+            fmin(all->flight,
+                 distance_for(part->length, part->steps < STEPS_OF_FACET ? part->steps : STEPS_OF_FACET));
         return CML_OK;
     }
     for (int k = 0; k < 2; k++)
@@ -169,6 +173,7 @@ static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
     const double distance = distance_for(size, STEPS_OF_LENGTH);
     const struct range range = common(all->range, about(middle, distance - extent));
     all->distance = fmin(all->distance, distance);
+    all->flight = fmin(all->flight, distance);
     if (!is_empty(range)) all->range = range;
 }
 
@@ -182,24 +187,53 @@ static cml_status ask_of_all(struct demands *all, struct cml_error *err)
 
 /* ---- bins, which may lie where no light is ---- */
 
-static void ask_of_bins(const double at[2], double length, double extent, struct demands *all)
+/* The number of a beam whose axis meets the scene in the range, from 1; 0: none does. */
+static int beam_in(const struct cml_scene *scene, struct range range)
 {
-    const double distance = distance_for(length, STEPS_OF_LENGTH);
-    const struct range range = common(all->range, about(at, distance - extent));
-    all->distance = fmin(all->distance, distance);
-    if (!is_empty(range)) all->range = range;
+    double at[2];
+    for (int k = 0; k < scene->num_beams; k++) {
+        find_anchor(scene, &scene->beams[k], at);
+        if (holds(range, at)) return k + 1;
+    }
+    return 0;
 }
 
-static struct demands with_bins(const struct demands *from)
+/* Bins that shapes, bodies and detectors leave no place for: nothing is lost where no light is, but where a
+ * beam shines all results near it would be smeared. */
+static cml_status ask_of_bins(const double at[2], double length, double extent, struct demands *all,
+                              struct cml_error *err)
 {
-    const struct cml_scene *scene = from->scene;
+    const struct cml_scene *scene = all->scene;
+    const double distance = distance_for(length, STEPS_OF_LENGTH);
+    const struct range own = about(at, distance - extent), range = common(all->range, own);
+    double away = 0;
+    all->distance = fmin(all->distance, distance);
+    if (!is_empty(range)) {
+        all->range = range;
+        return CML_OK;
+    }
+    const int beam = is_empty(own) ? 0 : beam_in(scene, own);
+    for (int k = 0; k < 2; k++)
+        away = fmax(away, fmax(all->range.low[k] - at[k], at[k] - all->range.high[k]));
+    if (beam == 0) return CML_OK;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: beam %d shines on bins of %g cm about (%g %g) cm, and a shape, body or detector is "
+        "so far away that single precision has steps of %g cm here (expected at most %g cm: parts "
+        "nearer to each other)",
+        scene->file, scene->beams[beam - 1].given ? scene->beams[beam - 1].line : scene->line, beam, length,
+        at[0], at[1], FLT_EPSILON * away, length / STEPS_OF_LENGTH);
+}
+
+static cml_status add_bins(struct demands *all, struct cml_error *err)
+{
+    const struct cml_scene *scene = all->scene;
     const struct cml_map_def *map = &scene->map;
     const double zero[2] = {0, 0}, own[2] = {scene->beams[0].x, scene->beams[0].y};
-    struct demands all = *from;
-    ask_of_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, &all);
-    if (map->nx > 0)
-        ask_of_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), &all);
-    return all;
+    CML_TRY(ask_of_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, all, err));
+    if (map->nx == 0) return CML_OK;
+    return ask_of_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), all,
+                       err);
 }
 
 /* ---- the origin ---- */
@@ -227,10 +261,11 @@ static void find_nearest(const struct cml_scene *scene, struct range range, doub
 /* Far from x = y = 0 the origin itself is a number of single precision, so that all agree on it. */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
-    struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY};
+    struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};
     CML_TRY(ask_of_all(&parts, err));
-    const struct demands all = with_bins(&parts);
-    origin->shapes = parts.distance;
+    struct demands all = parts;
+    CML_TRY(add_bins(&all, err));
+    origin->flight = parts.flight;
     origin->all = all.distance;
     if (!find_beam(scene, all.range, origin->at) && !find_beam(scene, parts.range, origin->at))
         find_nearest(scene, parts.range, origin->at);

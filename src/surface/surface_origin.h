@@ -8,8 +8,9 @@
 /* Lengths in cm. Within a distance single precision tells places to a share of every length in question. */
 struct cml_origin {
     double at[2];  /* scene position */
-    double shapes; /* the distance for shapes, bodies and detectors; infinite without any */
-    double all;    /* and for the bins of results, too */
+    double flight; /* the distance from which light may come to shapes, bodies and detectors in one flight;
+                    * infinite without any */
+    double all;    /* the distance for all these and the bins of results */
 };
 
 /* CML_E_INPUT: "FILE:LINE: boundary 1: mesh at (1e+06 0) cm: ...": parts of the scene lie too far from each

@@ -26,7 +26,7 @@ LED, STRIPES = (os.path.join(cases.ROOT, *path) for path in (("samples", "led.tx
 BEAMS = {
     "pencil": "pencil", "disk": "disk 0.2", "gaussian": "gaussian 0.15", "ring": "ring 0.1 0.2", "rectangle": "rectangle 0.3 0.2",
     "image": 'image "%s"' % STRIPES, "isotropic": "pencil z=0.25 light=isotropic", "lambertian": "pencil light=lambertian",
-    "lambertian inside": "pencil z=0.1 light=lambertian", "na": "gaussian 0.1 light=na:0.8", "table": 'pencil light="%s"' % LED,
+    "lambertian inside": "pencil z=0.1 light=lambertian", "na": "gaussian 0.1 light=na:0.8", "table": 'pencil z=0.1 light="%s"' % LED,
     "lambertian disk": "disk 0.2 light=lambertian", "isotropic rectangle": "rectangle 0.3 0.2 z=0.25 light=isotropic"}
 HILL = {0: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1"}
 SCENES = {"slab": (dict(layers=["1.4 0.5 1 0.8 0.5"]), (1024, 2048, 3000, 10000, 16384, 50000, 131072)),

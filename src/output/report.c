@@ -257,8 +257,8 @@ static void print_trapped(FILE *stream, const struct cml_result *result)
     const double share = cml_result_share(result, CML_BALANCE_TRAPPED);
     if (!(share > LEAST_TRAPPED)) return;
     fprintf(stream, is_small(share) ? "  trapped %.3e" : "  trapped %.6f", share);
-    fputs(" of the light, given up in a clear medium: each result may lack up to as much (a small mua there "
-          "shows where it goes)\n",
+    fputs(" of the light, given up in a clear medium: each result may lack up to as much (a mua of 1e-3 1/cm "
+          "there shows where it goes)\n",
           stream);
 }
 

@@ -208,8 +208,11 @@ static cml_status check_identity(const struct source *source, const char *mine, 
         mine += m + 1;
         theirs += t + 1;
     }
-    return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here",
-                    source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here (expected that run; without "
+        "--resume or --more this one begins anew)",
+        source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
 }
 
 /* Which rounds a run has, the run knows. */

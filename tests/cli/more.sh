@@ -61,7 +61,7 @@ expect_code 0 samples/thick.mci --more $more --resume --quiet -o "$work/more"
 expect_code 0 samples/thick.mci --photons $((more + 10000)) --quiet -o "$work/one"
 compare "stopped"
 
-expect_error 2 "$checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here" \
+expect_error 2 "$checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here (expected that run; without --resume or --more this one begins anew)" \
     samples/thick.mci --more 5 --seed 2 --quiet -o "$work/more"
 missing="(expected the checkpoint of a run that was flown with --keep)"
 expect_error 2 "--more: $work/thick.mco.checkpoint is not there $missing" samples/thick.mci --more 5 --quiet -o "$work"

@@ -169,6 +169,6 @@ until test -e "$work/long.mco.checkpoint"; do sleep 0.05; done
 kill -TERM $run
 wait $run || code=$?
 test $code -eq 75 || complain "stopped: exit $code, $(cat "$work/err")"
-expect_error 2 "$work/long.mco.checkpoint: the checkpoint is of another run: 'set photons = 1e9' there, 'set photons = 1000000000' here" \
+expect_error 2 "$work/long.mco.checkpoint: the checkpoint is of another run: 'set photons = 1e9' there, 'set photons = 1000000000' here (expected that run; without --resume or --more this one begins anew)" \
     "$work/plain.mci" --set photons=1000000000 --quiet -o "$work" --output long.mco --resume
 finish

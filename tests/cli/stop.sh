@@ -129,7 +129,7 @@ test "$(grep -c '^{"scene":.*"photons":1000,.*}$' "$work/out")" -eq 1 || complai
 test "$(grep -c '^{"scene":.*"photons":400000,.*}$' "$work/out")" -eq 1 || complain "--json, the second run: $(cat "$work/out")"
 test "$(wc -l <"$work/out")" -eq 2 || complain "--json: $(cat "$work/out")"
 test "$(date -r "$work/thick.mco" +%Y)" = 2001 || complain "a finished file flew again"
-expect_error 2 "$work/first.mco.checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here" \
+expect_error 2 "$work/first.mco.checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here (expected that run; without --resume or --more this one begins anew)" \
     "$work/two.mci" --resume --seed 2 --json -o "$work"
 
 # Without a checkpoint a result counts that says to be of this run, but for --json, which has more digits than it.

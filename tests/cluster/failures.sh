@@ -86,9 +86,9 @@ refuse() { # MESSAGE ARGUMENTS...
     shift
     expect_error 2 "$message" samples/thick.mci --photons 1e8 --resume --quiet -o "$work" "$@"
 }
-refuse "$c: the checkpoint is of another run: 'seed 1' there, 'seed 2' here" --seed 2
-refuse "$c: the checkpoint is of another run: 'photons 100000000' there, 'photons 1000' here" --photons 1e3
-refuse "$c: the checkpoint is of another run: 'engine cpu' there, 'engine reference' here" --engine reference
+refuse "$c: the checkpoint is of another run: 'seed 1' there, 'seed 2' here (expected that run; without --resume or --more this one begins anew)" --seed 2
+refuse "$c: the checkpoint is of another run: 'photons 100000000' there, 'photons 1000' here (expected that run; without --resume or --more this one begins anew)" --photons 1e3
+refuse "$c: the checkpoint is of another run: 'engine cpu' there, 'engine reference' here (expected that run; without --resume or --more this one begins anew)" --engine reference
 { cat samples/thick.mci; echo "# more"; } >"$work/thick.mci"
 code=0
 "$program" "$work/thick.mci" --photons 1e8 --resume -o "$work" >"$work/out" 2>"$work/err" || code=$?

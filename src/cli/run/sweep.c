@@ -179,21 +179,21 @@ static cml_status fail_label(const struct cml_sweep_table *table, int column, st
 }
 
 /* A name in quotation marks is a label, and must be no name of the scene's. Programs that write tables leave
- * the marks out: a name that is far from all that could be set is a label, too, beside columns that are set.
- * Any other is left as it is, and the reader of the rows refuses it. */
+ * the marks out: a name that is far from all that could be set is a label, too, beside columns that are meant
+ * to set something. Any other is left as it is, and the reader of the rows refuses it. */
 static cml_status find_labels(struct cml_sweep_run *sweep, const struct cml_scene *scene,
                               struct cml_error *err)
 {
     struct cml_sweep_table *table = &sweep->table;
     bool known[CML_MOST_SETTINGS];
-    int num_set = 0;
+    int num_meant = 0;
     for (int c = 0; c < table->num_columns; c++) {
         CML_TRY(cml_mci_is_setting(scene, table->name[c], &known[c], err));
         known[c] = known[c] || strcmp(table->name[c], "seed") == 0;
         if (known[c] && table->label[c]) return fail_label(table, c, err);
-        num_set += known[c];
+        num_meant += known[c] || cml_mci_resembles_setting(table->name[c]);
     }
-    for (int c = 0; num_set > 0 && c < table->num_columns; c++) {
+    for (int c = 0; num_meant > 0 && c < table->num_columns; c++) {
         if (known[c] || table->label[c] || cml_mci_resembles_setting(table->name[c])) continue;
         table->label[c] = sweep->unmarked[c] = true;
     }

@@ -167,7 +167,7 @@ static double float_at(const char *data, bool reversed)
 /* Whether no length in any unit is so large or so small. */
 static bool is_absurd(double value)
 {
-    return fabs(value) > 1e30 || (value != 0 && fabs(value) < 1e-30);
+    return fabs(value) > 1e30 || (value != 0 && fabs(value) < 1e-18);
 }
 
 /* Floats with their bytes reversed lie anywhere between 1e-45 and 1e38. Some of them are absurd, and none is

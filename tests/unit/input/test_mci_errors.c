@@ -504,10 +504,10 @@ static void lines_in_the_wrong_place(void **state)
         {ONE "fluence\n", "x.mci:9: line = fluence (expected layer 1; a fluence line stands between a run's "
                           "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
-         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, backing, beam, map, "
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, rough, i, phase, backing, beam, map, "
          "facets, time, directions, fluence, detector or photons behind #@)"},
         {NAME "#@baem disk 1\n",
-         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, backing, beam, map, facets, "
+         "x.mci:4: line = #@baem disk 1 (expected b, m, rough, i, phase, backing, beam, map, facets, "
          "time, directions, fluence, detector or photons behind #@)"},
     };
     CHECK_ALL(state, table);

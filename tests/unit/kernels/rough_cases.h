@@ -16,7 +16,7 @@ static const double err_rounding = sizeof(real) == 4 ? 1 : 1e-8; /* of float's b
 
 static struct cml_rough rough_of(int i)
 {
-    return (struct cml_rough){surfaces[i].kind, (real)surfaces[i].alpha};
+    return (struct cml_rough){(int)surfaces[i].kind, (real)surfaces[i].alpha};
 }
 
 /* A direction at an angle from the normal, in degrees; above 90 it goes down. */

@@ -33,7 +33,7 @@ enum cml_beam_shape {
     CML_BEAM_IMAGE /* pixels, each evenly */
 };
 
-/* How a boundary's facets below the resolution of its shape lie (P20). */
+/* Distributions of the facets that are finer than a boundary's shape (P20). */
 enum cml_rough_kind { CML_SMOOTH, CML_ROUGH_GGX, CML_ROUGH_BECKMANN };
 
 enum cml_detector_shape { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };

@@ -307,7 +307,7 @@ CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon,
     return block;
 }
 
-/* What has become of a packet at a rough boundary. */
+/* The end of a walk: a packet that leaves the rough boundary. */
 struct cml_rough_exit {
     struct cml_vec u; /* unit */
     int transmitted;

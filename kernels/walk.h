@@ -271,7 +271,7 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
     return v;
 }
 
-/* What a backing reflects at a rough boundary's facets; NULL: the boundary refracts. */
+/* The backing that a boundary's facets reflect like; NULL: the boundary refracts. */
 CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, int boundary)
 {
     return boundary == world->setup.backing.boundary ? &world->setup.backing : NULL;

@@ -32,7 +32,7 @@ static cml_status fail_large(const char *path, const char *more, unsigned long l
     return fail_reading(cml_text_name(path), reason, expected, err);
 }
 
-/* Of a regular file the size is known before it is read. */
+/* A regular file that is too large is refused before it is read. */
 static cml_status check_size(FILE *stream, const char *path, size_t most, struct cml_error *err)
 {
     struct stat about;

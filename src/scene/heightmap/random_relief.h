@@ -22,8 +22,7 @@ struct cml_random_relief {
     double length; /* correlation length L, cm */
     double hurst;  /* H of a fractal relief, 0 < H <= 1; 0: the gaussian spectrum */
     int points;    /* samples along each axis; a power of two */
-    uint64_t
-        seed; /* the same seed and points: the same relief on every machine to some 1e-15 of its height */
+    uint64_t seed; /* the same seed and points: the same relief, but for the rounding of the C library */
 };
 
 /* Heights up in cm, points x points of them, L / CML_RELIEF_STEPS apart, the middle at x = y = 0. Free the

@@ -38,6 +38,6 @@ for end in "KILL 137" "TERM 75"; do
     ranks 2 "$work/x.mci" --photons 3e5 --aim Tt,near --resume --quiet -o "$work"
     expect_bits "${end% *}, and continued" "$work/x.mco" "$work/expected"
 done
-expect_error 2 "$work/x.mco.checkpoint: the checkpoint is of another run: 'aim Tt,near' there, 'no aim' here" \
+expect_error 2 "$work/x.mco.checkpoint: the checkpoint is of another run: 'aim Tt,near' there, 'no aim' here (expected that run; without --resume or --more this one begins anew)" \
     "$work/x.mci" --photons 3e5 --resume --quiet -o "$work"
 finish

@@ -111,8 +111,6 @@ def answers():
         "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
     yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),
            "python3 bench/choices/roulette.py", "2", "")
-    yield ("What does the flat twin gain?", "%s in the time of Rd, Tt, A (hihill, random)" % rows(
-        "choices/results/control.csv", scene="hihill")[0]["random, 1e4"], "python3 bench/choices/control.py", "2", "")
     yield ("What does --aim gain?", "%s in the time of Tt (S6a, rough), %s where it is 2.6e-6" % tuple(
         cells("choices/results/aim.md", scene)[6] for scene in ("S6a rough top", "slab 3.2 cm rough top")),
         "python3 bench/choices/aim.py", "2", "")

@@ -111,7 +111,6 @@ static cml_status check_folder(const char *name, struct cml_error *err)
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"
-                         : options->control            ? "--control"
                          : !options->engine->reweights ? "--engine opencl"
                                                        : NULL;
     if (!options->engine_options.derivatives || !beside) return CML_OK;
@@ -135,8 +134,6 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
 {
     CML_TRY(check_output(options->output, err));
     CML_TRY(check_folder(options->directory, err));
-    if (options->control && options->ignore_heightfields)
-        return cml_fail(err, CML_E_INPUT, "--control flat (expected no --ignore-heightfields beside it)");
     if (options->more > 0) options->keep = true;
     if (options->keep && options->target_error > 0)
         return cml_fail(err, CML_E_INPUT, "--%s (expected no --target-error beside it)",
@@ -157,8 +154,7 @@ static cml_status describe(const struct cml_options *options, char **text, struc
     const struct cml_run_setup setup = {.engine = options->engine,
                                         .options = options->engine_options,
                                         .photons = options->photons,
-                                        .target_error = options->target_error,
-                                        .controlled = options->control};
+                                        .target_error = options->target_error};
     char rest[4 * PATH_MAX] = "";
     if (options->sweep)
         snprintf(rest, sizeof rest,

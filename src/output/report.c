@@ -44,9 +44,6 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
 {
     fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total((int)total)].name);
     cml_report_estimate(stream, cml_result_total(report->sums, total), cml_result_error(report->sums, total));
-    if (report->control)
-        fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
-                report->control[total].error);
     if (report->exact)
         fprintf(stream,
                 is_small(report->exact->value[total]) ? "   exact %.4e +- %.1g" : "   exact %.7f +- %.1g",
@@ -288,9 +285,6 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     if (!isnan(report->flat_below) && !report->exact)
         fprintf(stream, "  all is flat below z = %.4g cm: --aim Tt would give Tt a smaller error\n",
                 report->flat_below);
-    if (report->control)
-        fprintf(stream, "  control: the flat twin took %.3g s of processor time\n",
-                report->control_processor);
 }
 
 /* Shares of each rank's own time. */

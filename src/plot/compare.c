@@ -60,8 +60,8 @@ static cml_status check_grids(const struct cml_outcome *a, const struct cml_outc
 /* No weight of packets that might be taken together with its neighbour's. */
 static bool is_alone(enum cml_quantity which)
 {
-    return cml_compare_comes_of(which, CML_FROM_MEANS) || cml_compare_comes_of(which, CML_FROM_TWIN) ||
-           cml_compare_comes_of(which, CML_FROM_FACETS) || cml_quantity_is_derivative(which);
+    return cml_compare_comes_of(which, CML_FROM_MEANS) || cml_compare_comes_of(which, CML_FROM_FACETS) ||
+           cml_quantity_is_derivative(which);
 }
 
 /* Both errors are known, and of a detector's means enough packets. */

@@ -153,7 +153,7 @@ static void write_errors(FILE *out, const struct cml_outcome *o)
         if (o->error[i]) fprintf(out, total, o->error[i][0]);
     for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (!o->error[i] || cml_quantities[i].estimator == CML_FROM_TWIN) continue;
+        if (!o->error[i]) continue;
         const size_t size = cml_outcome_part_size(o, quantity);
         for (int part = 0; part < cml_outcome_parts(o, quantity); part++) {
             cml_outcome_key(o, quantity, part, key);
@@ -218,20 +218,6 @@ static void write_heights(FILE *out, const struct cml_outcome *o)
     }
 }
 
-/* The totals with the flat twin as control variate, then their standard errors, if it was flown. */
-static void write_control(FILE *out, const struct cml_outcome *o)
-{
-    double *const *value = o->value + CML_QUANTITY_Rsp_control, *const *error =
-                                                                    o->error + CML_QUANTITY_Rsp_control;
-    const bool backed = o->value[CML_QUANTITY_A_backing_control];
-    if (!value[0] || o->merged) return;
-    fprintf(out,
-            "\ncontrol # Rsp, Rd, A, Tt%s with the flat twin as control variate, then their errors [-]\n",
-            backed ? ", A_backing" : "");
-    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.9G\n", value[i][0]);
-    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.6G\n", error[i][0]);
-}
-
 /* Errors of single prints stay with the stream, and the commit looks at it. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
@@ -247,7 +233,6 @@ cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct c
         write_balance(file.stream, o);
         write_ours(file.stream, o);
         write_heights(file.stream, o);
-        write_control(file.stream, o);
         fputs("\n" CML_MCO_END "\n", file.stream);
     }
     return cml_file_commit(&file, err);

@@ -1,5 +1,5 @@
 /* What stands in an .mco behind the sections of original MCML. Nothing here is refused: a section that is not
- * whole is as if it were not there, and `damage` says so to who wants it. What --control adds is for people.
+ * whole is as if it were not there, and `damage` says so to who wants it.
  * SPDX-License-Identifier: MIT */
 #include "result/mco_sections.h"
 

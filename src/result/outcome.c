@@ -474,8 +474,7 @@ static cml_status check_quantity(const struct cml_outcome *o, const char *file, 
     const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
     const bool negative =
         info->estimator == CML_FROM_RESIDUE ||
-        (!errors && (info->estimator == CML_FROM_TWIN || cml_quantity_is_derivative(quantity) ||
-                     quantity == CML_QUANTITY_detector_deepest));
+        (!errors && (cml_quantity_is_derivative(quantity) || quantity == CML_QUANTITY_detector_deepest));
     char name[64];
     if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
     snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);

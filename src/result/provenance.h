@@ -29,7 +29,6 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
     D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL, "absorption by place")                                    \
     D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \
     D(derivatives, options->derivatives, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \
     D(flat, flat, 0, NULL, NULL, NULL, NULL)                                                                         \
     D(boundaries, surface->force, 0, NULL, NULL, NULL, NULL)                                                         \
     D(tolerance, surface->tolerance, 0, NULL, NULL, NULL, NULL)                                                      \

@@ -304,7 +304,7 @@ static cml_status decide(struct flight *flight, bool stop, double begin, enum ne
     if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
     const bool complete = flight->state.open.total == 0;
     if (complete) *next = FINISHED;
-    const bool whole = flight->setup->controlled || flight->setup->options.rows.count > 0;
+    const bool whole = flight->setup->options.rows.count > 0;
     if (flight->setup->checkpoint && (complete ? whole : stop || cml_now() > flight->due))
         return write_checkpoint(flight, stop, begin, err);
     return CML_OK;

@@ -33,9 +33,7 @@ struct cml_run_setup {
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;                    /* of the run, see identity.h; with a checkpoint */
     const struct cml_provenance *provenance; /* for whom publishes it; cml_run does not read it */
-    bool controlled;      /* a flat twin is flown before it is published, so the complete result goes into the
-                             checkpoint, too */
-    bool resume;          /* continue from the checkpoint, if there is one */
+    bool resume;                             /* continue from the checkpoint, if there is one */
     const char *gone;     /* a file that a finished run has written and that is no longer there: its tallies
                            * are the result, or where the checkpoint has none, the run begins anew. Rank 0's
                            * word counts; NULL: all are there */

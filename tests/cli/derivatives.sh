@@ -102,7 +102,7 @@ test "$(first "$work/three/trap.mco" dRd_dmua | grep -ci nan)" = 0 || complain "
 
 # Refused.
 printf 'layer1.mua\n1\n' >"$work/t.csv"
-for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv"; do
+for option in "--engine opencl" "--reweight --sweep $work/t.csv"; do
     case $option in
         --engine*) name=$option ;;
         *) name=${option%% *} ;;

@@ -48,7 +48,6 @@ COMMANDS = {
     "rounds": ["flat.mci", "--photons", "64", "--threads", "1", "--target-error", "0.3", "--checkpoint", "1e-9", "--quiet", "-o", "OUT"],
     "threads": ["flat.mci", "--photons", "200", "--threads", "2", "--quiet", "-o", "OUT"],
     "two beams": ["beams.mci", "--threads", "1", "--json", "-o", "OUT"],
-    "control": ["hill.mci", "--control", "flat", "--threads", "1", "--quiet", "-o", "OUT"],
     "trace": ["trace", "scene.mci", "3"],
     "compare": ["compare", "a.mco", "b.mco", "-o", "OUT/z.svg"],
     "plot": ["plot", "a.mco", "b.mco", "c.csv", "-o", "OUT/r.svg"],
@@ -92,7 +91,6 @@ def prepare(folder):
     write("beams.mci", (flat % "beams.mco").replace("0.01 0.02", 'photons "exits" limit=50\nbeam pencil\nbeam disk 0.1\n0.01 0.02', 1))
     for name in ("flat", "a", "b"):
         write(f"{name}.mci", flat % f"{name}.mco")
-    write("hill.mci", (flat % "hill.mco").replace("1.4 0.5", "b 2 0 0.1 0.02 0\n1.4 0.5"))
     for seed, name in enumerate("ab", 1):
         subprocess.run([PROGRAM, f"{name}.mci", "--seed", str(seed), "--quiet"], cwd=folder, check=True, capture_output=True)
     subprocess.run([PROGRAM, *RUN], cwd=folder, check=True, capture_output=True)

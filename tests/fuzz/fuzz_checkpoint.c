@@ -72,7 +72,7 @@ static void repair(struct file *file, size_t cells)
 }
 
 /* What is open and what was flown make up the round, each index once; run.c relies on it. Nothing need be
- * open: a run that is kept for its control has flown all. */
+ * open: rows that are to be written have flown all. */
 static void check(const struct cml_run_state *state, const struct cml_result *result)
 {
     const struct cml_ranges *open = &state->open;

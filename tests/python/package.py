@@ -54,7 +54,7 @@ class Files(unittest.TestCase):
         for end in (".mco", ".h5"):
             command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
         scene.write(os.path.join(cls.folder.name, "a.mci"))
-        command(os.path.join(cls.folder.name, "a.mci"), "--quiet", "--control", "flat", "-o", cls.folder.name)
+        command(os.path.join(cls.folder.name, "a.mci"), "--quiet", "-o", cls.folder.name)
         cls.mco, cls.h5 = (os.path.join(cls.folder.name, "a" + end) for end in (".mco", ".h5"))
 
     @classmethod

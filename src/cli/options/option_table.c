@@ -86,9 +86,6 @@ const struct cml_option cml_option_table[] = {
     {"roulette", 0, "WR,WS|mcml", TALLYING, NULL,
      "packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default 0.003,0.01",
      .read = cml_read_roulette},
-    {"control", 0, "flat", RUN, NULL,
-     "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
-     WORD(control, "flat"), .least = true},
     {"aim", 0, "Tt|Tt_r|A_l:N|DETECTOR[,...]", RUN | PLAN, NULL,
      "more of the light that goes deep, or to a detector: what packets that go down into flat layers below "
      "all shapes are expected to bring, "

@@ -19,7 +19,6 @@ struct cml_options {
     bool ignore_heightfields;
     const char
         *aim; /* NAME[,NAME ...] of what shall be known better (P15, P19 of kernels/README.md); NULL: none */
-    bool control;               /* the flat twin of a run is flown, too, and makes its totals sharper */
     double target_error;        /* 0: none */
     const char *error_of;       /* of what that is; NULL: of Rd, A and Tt */
     double checkpoint_interval; /* s; 0: no checkpoints */

@@ -429,7 +429,7 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     return refuse(scene, name, length, expected, err);
 }
 
-/* media: of the flat twin. tail: it is wanted, too, which takes longest, and which no scene is refused for
+/* media: of the flat scene. tail: it is wanted, too, which takes longest, and which no scene is refused for
  * but by its numbers. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
@@ -486,10 +486,9 @@ static cml_status create_for(const struct cml_options *options, const struct cml
         return cml_fail(err, CML_E_INPUT, "%s:%d: --aim %s: %.400s", scene->file, scene->line, options->aim,
                         why.text);
     }
-    if (to->windows.cells == 0 || !(options->control || options->engine_options.derivatives)) return status;
+    if (to->windows.cells == 0 || !options->engine_options.derivatives) return status;
     cml_aim_clear(to);
-    return cml_fail(err, CML_E_INPUT, "--%s (expected no --aim beside it that splits packets)",
-                    options->control ? "control flat" : "derivatives");
+    return cml_fail(err, CML_E_INPUT, "--derivatives (expected no --aim beside it that splits packets)");
 }
 
 cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,

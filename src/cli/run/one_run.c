@@ -7,8 +7,6 @@
 #include "cli/run/aim.h"
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
-#include "cli/run/twin.h"
-#include "cli/run/unaimed.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/cluster.h"
@@ -112,6 +110,9 @@ static void announce(const struct cml_options *options, const struct cml_run_set
         printf("  no file of saved photons: this program was built without HDF5\n");
     const struct cml_options all = all_photons(options, setup);
     cml_print_memory(&all, scene, setup->surfaces);
+    const struct cml_window_table *windows = setup->options.windows;
+    if (windows && windows->gain == 0)
+        printf("  windows gain nothing for what %.2g of the light comes to\n", windows->worth);
     fflush(stdout);
 }
 
@@ -151,9 +152,7 @@ static bool may_aim(const struct cml_run_setup *setup)
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                              struct cml_run_result *run, const struct cml_run_result *twin,
-                              const struct cml_controlled *control, struct cml_record *record,
-                              struct cml_error *err)
+                              struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
     if (cml_cluster_rank() != 0) return CML_OK;
@@ -172,12 +171,9 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         .row = call->row,
         .tail = setup->options.tail,
         .flat_below = may_aim(setup) ? cml_aim_proposal(setup->scene, setup->surfaces, &run->result) : NAN,
-        .control = control,
-        .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
         .command = options->command};
     cml_identity_sum(setup->identity, report.identity);
-    if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !control &&
-        !setup->options.derivatives)
+    if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !setup->options.derivatives)
         report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
     const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
@@ -276,24 +272,10 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     return worst;
 }
 
-/* The flat twin's flight lies between the run's and its publication. That the twin's books balance is looked
- * at last, as the run's own results are good without it. */
-static cml_status control_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                              struct cml_run_result *run, const struct cml_twin *twin,
-                              struct cml_record *record, struct cml_error *err)
-{
-    CML_AT_END(cml_run_result_free) struct cml_run_result flight = {0};
-    struct cml_controlled control[CML_NUM_TOTALS];
-    CML_TRY(cml_twin_fly(twin, setup, &run->result, &flight, control, err));
-    CML_TRY(publish_run(call, setup, run, &flight, control, record, err));
-    return cml_cluster_rank() == 0 ? cml_run_verdict(&twin->scene, &flight.result, err) : CML_OK;
-}
-
 /* What cml_run reads of a run, and what of it is owned here. */
 struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
-    struct cml_twin twin;
     struct cml_aim aim;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
@@ -305,21 +287,15 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
                       struct cml_record *record, struct cml_error *err)
 {
     const struct cml_run_setup *setup = &prepared->setup;
-    const struct cml_twin *twin = &prepared->twin;
     struct cml_run_result run;
     if (setup->base == 0 && cml_cluster_rank() == 0)
         cml_before_note(call->options, setup, call->row, &prepared->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
-    cml_status status = call->rows ? publish_rows(call, setup, &run, err)
-                        : setup->controlled && run.intent != CML_RUN_NOTHING_LEFT
-                            ? control_run(call, setup, &run, twin, record, err)
-                            : publish_run(call, setup, &run, NULL, NULL, record, err);
-    if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
-        cml_checkpoint_remove(twin->checkpoint);
+    cml_status status =
+        call->rows ? publish_rows(call, setup, &run, err) : publish_run(call, setup, &run, record, err);
     status = cml_cluster_agree(status, err);
-    if (status == CML_OK && call->row == 0) cml_unaimed_show(call->options, setup, &run);
     cml_run_result_free(&run);
     return status;
 }
@@ -438,7 +414,6 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
     cml_aim_use(&run->aim, &setup->options);
     CML_TRY(cml_find_error_of(&options, setup->scene, &setup->error_of, err));
-    setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (!call->rows && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));
@@ -447,16 +422,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     setup->result_stands = run->before.stands;
     if (call->row == 0 && cml_cluster_rank() == 0)
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
-    return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
-}
-
-/* The run flies all the same, for other runs of the file may have shapes. */
-static void note_nothing_to_control(const struct cml_scene *scene)
-{
-    char text[512];
-    snprintf(text, sizeof text, "%.400s: --control flat has nothing to do where all boundaries are planes",
-             scene->output);
-    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
+    return CML_OK;
 }
 
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
@@ -487,10 +453,8 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
-    if (status == CML_OK && options->control && !run.setup.controlled) note_nothing_to_control(call->scene);
     if (status == CML_OK) status = fly(call, &run, record, err);
     cml_progress_end(&display);
-    cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
     cml_aim_clear(&run.aim);
     free(run.checkpoint);

@@ -88,8 +88,8 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
          hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]), advice);
 }
 
-/* How many periods of a tile the rectangle of a beam lights along its own x and y: on a level plane it is
- * 1 / cos(angle) times as long. Each is whole, or part of the tile has more light than the rest. */
+/* Notes a rectangle that lights no whole number of periods of a tile along its own x and y: then part of the
+ * tile has more light than the rest. On a level plane the rectangle is 1 / cos(angle) times as long. */
 static void note_periods(const struct cml_scene *scene, int k, int b)
 {
     const struct cml_beam *beam = &scene->beams[k];

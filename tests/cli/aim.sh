@@ -172,8 +172,6 @@ windows() { # OPTIONS: in force, without expected values, and the same bytes on 
     rm -f "$work"/[abc]/x.mco
     # shellcheck disable=SC2086,SC2048
     expect_code 0 "$work/x.mci" $* --threads 1 -o "$work/a"
-    grep -Eq '^  to the same error as without windows Rd takes some [0-9.e+-]+, A takes some .* times the steps \(by 4096 photons without\)$' "$work/out" ||
-        complain "$*: no cost: $(cat "$work/out")"
     grep -q ' parts of packets a photon were split off$' "$work/out" && ! grep -q ' expected' "$work/out" || complain "$*: $(cat "$work/out")"
     # shellcheck disable=SC2086,SC2048
     expect_code 0 "$work/x.mci" $* --threads 3 --chunk 7 --quiet -o "$work/b"
@@ -194,8 +192,6 @@ grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 windows --aim Tt
 windows --aim A_l:2
-expect_code 0 "$work/x.mci" --aim A_l:2 -o "$work/d"
-grep -Eq '^  windows gain nothing for what 0\.[0-9]+ of the light comes to$' "$work/out" || complain "A_l:2: $(cat "$work/out")"
 windows --aim Tt_r
 mv "$work/b/x.mco" "$work/deep.mco"
 # A detector, alone or beside expected values.

@@ -8,7 +8,6 @@
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
-#include "cli/run/unaimed.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/cluster.h"
@@ -319,7 +318,6 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
     if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
         cml_checkpoint_remove(twin->checkpoint);
     status = cml_cluster_agree(status, err);
-    if (status == CML_OK && call->row == 0) cml_unaimed_show(call->options, setup, &run);
     cml_run_result_free(&run);
     return status;
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # --aim: nothing that is counted changes, gates and detectors included; expected values have the same bytes on any number of
-# threads, with --keep and --more, and join in merge; what cannot be aimed at is refused by name. stat.tail judges the numbers.
+# threads, with --keep and --more; what cannot be aimed at is refused by name. stat.tail judges the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 mkdir "$work/a" "$work/b" "$work/c" "$work/d"
@@ -45,12 +45,8 @@ grep -Eq '^  Tt   0\.[0-9]+ \+- [0-9.e-]+ expected, as by [0-9.]+ times the phot
     complain "summary: $(cat "$work/out")"
 grep -Eq '^  A of layer 3 0\.[0-9]+ \+- [0-9.e-]+ expected' "$work/out" || complain "summary: $(cat "$work/out")"
 
-# A mean of means.
 expect_code 0 "$work/x.mci" --aim Tt --seed 2 --quiet -o "$work/a"
-expect_code 0 merge "$work/a/x.mco" "$work/c/x.mco" --output "$work/m.mco"
 of() { sed -n "/^$1 #/{n;p;}" "$2"; }
-awk -v a="$(of Tt_expected "$work/a/x.mco")" -v b="$(of Tt_expected "$work/c/x.mco")" -v m="$(of Tt_expected "$work/m.mco")" \
-    'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge"
 
 # compare tests them; a sweep has them in its tables, plan beside Tt.
 expect_code 0 compare "$work/a/x.mco" "$work/c/x.mco"
@@ -207,9 +203,6 @@ same "--more" "$work/c/x.mco" "$work/b/x.mco"
 expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
 grep -q "of another run: 'aim near' there, 'no aim' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
 expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
-expect_code 0 merge "$work/b/x.mco" "$work/d/x.mco" --output "$work/m.mco"
-awk -v a="$(of detector_near "$work/b/x.mco")" -v b="$(of detector_near "$work/d/x.mco")" -v m="$(of detector_near "$work/m.mco")" \
-    'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge of windows"
 # --error-of: until that is known so well, and no sooner; plan says what it takes, flown as --aim has it.
 expect_code 0 "$work/x.mci" --aim far --photons 2048 --target-error 0.03 --error-of far --json -o "$work/d"
 cp "$work/out" "$work/until"

@@ -280,7 +280,11 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  %.3g s, %llu photons, %.3g photons/s, %.3g steps", seconds,
             (unsigned long long)result->photons, (double)result->photons / seconds, steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);
-    fprintf(stream, " on %d thread%s\n", report->timing->threads, report->timing->threads == 1 ? "" : "s");
+    if (report->timing->threads == 0)
+        fputs(" in all parts\n", stream);
+    else
+        fprintf(stream, " on %d thread%s\n", report->timing->threads,
+                report->timing->threads == 1 ? "" : "s");
     print_seconds_to(stream, report);
     if (!isnan(report->flat_below) && !report->exact)
         fprintf(stream, "  all is flat below z = %.4g cm: --aim Tt would give Tt a smaller error\n",

@@ -51,23 +51,6 @@ static cml_status gather(const char *text, const char *word, const char *or_word
     return CML_OK;
 }
 
-cml_status cml_mco_read_merged(const char *line, struct cml_outcome *o, struct cml_error *err)
-{
-    uint64_t seed, run;
-    const char *at = NULL;
-    for (const char *next = line; (next = strstr(next, ": seed ")) && next < line + strcspn(line, "\n");
-         next++)
-        at = next;
-    if (!begins(line, "merged ") || !at || sscanf(at, ": seed %" SCNu64 ", run %" SCNu64, &seed, &run) != 2)
-        return CML_OK;
-    char *file = strndup(line + strlen("merged "), (size_t)(at - line) - strlen("merged "));
-    if (!file) return cml_fail_memory(err, 1, "a name");
-    const cml_status status = cml_outcome_add_stream(o, file, seed, run, err);
-    free(file);
-    o->merged = true;
-    return status;
-}
-
 /* What is not the scene is the head, line by line. */
 static cml_status read_head(const struct reader *r, struct cml_error *err)
 {
@@ -82,8 +65,6 @@ static cml_status read_head(const struct reader *r, struct cml_error *err)
         snprintf(head, sizeof head, "%.*s", (int)strcspn(line, "\r\n"), line);
         if (begins(head, "# clustermcml ") && !o->program)
             CML_TRY(cml_text_copy(head + strlen("# clustermcml "), &o->program, err));
-        else if (begins(line, "# merged "))
-            CML_TRY(cml_mco_read_merged(line + 2, o, err));
         else
             cml_provenance_read(head, &o->provenance);
         if (begins(head, "# engine ")) sscanf(head, "# engine %31[^,]", o->provenance.engine);

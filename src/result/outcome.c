@@ -204,7 +204,6 @@ cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
-    for (int i = 0; i < o->num_streams; i++) free(o->stream[i].file);
     for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
     void *const owned[] = {o->output,  o->program,   o->stream, o->settings, o->beam,
@@ -219,21 +218,13 @@ double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
     return &o->value[CML_QUANTITY_layer_n + number][layer];
 }
 
-cml_status cml_outcome_add_stream(struct cml_outcome *o, const char *file, uint64_t seed, uint64_t run,
-                                  struct cml_error *err)
-{
-    CML_TRY(cml_array_grow(&o->stream, (size_t)o->num_streams, sizeof *o->stream, "a list of seeds", err));
-    o->stream[o->num_streams] = (struct cml_seed){NULL, seed, run};
-    if (file) CML_TRY(cml_text_copy(file, &o->stream[o->num_streams].file, err));
-    o->num_streams++;
-    return CML_OK;
-}
-
 cml_status cml_outcome_own_stream(struct cml_outcome *o, struct cml_error *err)
 {
     const double seed = o->provenance.value[CML_DECIDES_seed], run = o->provenance.value[CML_DECIDES_run];
-    if (o->merged || !(seed >= 0 && seed <= 0x1p53 && run >= 0 && run <= 0x1p53)) return CML_OK;
-    return cml_outcome_add_stream(o, NULL, (uint64_t)seed, (uint64_t)run, err);
+    if (!(seed >= 0 && seed <= 0x1p53 && run >= 0 && run <= 0x1p53)) return CML_OK;
+    CML_TRY(cml_array_grow(&o->stream, (size_t)o->num_streams, sizeof *o->stream, "a list of seeds", err));
+    o->stream[o->num_streams++] = (struct cml_seed){(uint64_t)seed, (uint64_t)run};
+    return CML_OK;
 }
 
 const double *cml_outcome_errors(const struct cml_outcome *o, enum cml_quantity quantity)

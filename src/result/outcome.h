@@ -1,5 +1,5 @@
-/* What a run, or several that were merged, has found: the structure that readers fill, writers write, and
- * plots, comparisons and merging use. SPDX-License-Identifier: MIT */
+/* What a run has found: the structure that readers fill, writers write, and plots and comparisons use.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -7,9 +7,8 @@
 #include "result/quantity.h"
 #include "tally/result.h"
 
-/* The random numbers that it has: of a run one, of a merged result one for each run. */
+/* The random numbers that it has. */
 struct cml_seed {
-    char *file; /* of which it was merged; NULL: a run's own. Owned */
     uint64_t seed, run;
 };
 
@@ -49,10 +48,9 @@ struct cml_outcome {
     char *program; /* that has written it: "1.0 (abc)"; NULL: another than ours, of which nothing below is
                       known */
     struct cml_provenance provenance;
-    char identity[CML_IDENTITY_SUM]; /* of its run; "": not known, or of several */
+    char identity[CML_IDENTITY_SUM]; /* of its run; "": not known */
     int num_streams;
     struct cml_seed *stream;
-    bool merged;
     struct cml_lost_list lost;
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
@@ -119,10 +117,7 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
 
-CML_NODISCARD cml_status cml_outcome_add_stream(struct cml_outcome *outcome, const char *file, uint64_t seed,
-                                                uint64_t run, struct cml_error *err);
-
-/* Gives the result the random stream of its provenance, unless it was merged or has none. */
+/* Gives the result the random stream of its provenance, unless it has none. */
 CML_NODISCARD cml_status cml_outcome_own_stream(struct cml_outcome *outcome, struct cml_error *err);
 
 /* Standard errors of a profile or total; NULL where they are not known, or one of them is not. */

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a backing keeps, wherever totals stand: tables of sweeps, merge, plan, --tolerance. stat.backings judges
+# What a backing keeps, wherever totals stand: tables of sweeps, plan, --tolerance. stat.backings judges
 # the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -37,19 +37,6 @@ fi
 expect_code 0 check "$work/b.mci" --json
 grep -q '"flat":{"Rsp":[0-9.e-]*,"Rd":[0-9.]*,"A":[0-9.]*,"Tt":[0-9.e-]*,"A_backing":0\.[0-9]*,"error"' "$work/out" ||
     complain "check --json: $(cat "$work/out")"
-
-# merge: the mean of what both kept.
-for seed in 1 2; do
-    mkdir "$work/$seed"
-    expect_code 0 "$work/b.mci" --seed $seed --json -o "$work/$seed"
-    value A_backing "$work/out" >>"$work/kept"
-done
-expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco" --json
-value A_backing "$work/out" >>"$work/kept"
-awk '{ v[NR] = $1 } END { exit !(NR == 3 && v[1] != v[2] && (v[3] - (v[1] + v[2]) / 2) ^ 2 < 1e-16) }' "$work/kept" ||
-    complain "merge: $(cat "$work/kept" "$work/out")"
-expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco"
-grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}$' "$work/out" || complain "merge: $(cat "$work/out")"
 
 # What people read: no Tt and no limit of it, what each detector has seen, and rows of a sweep with all totals.
 scene seen.mco "backing 0.5"

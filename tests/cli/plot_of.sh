@@ -176,16 +176,8 @@ for z in range(29):
 END
 }
 expect_code 0 "$work/shared.mci" --quiet -o "$work"
-mkdir "$work/second"
-expect_code 0 "$work/shared.mci" --quiet --seed 2 -o "$work/second"
 gaps "$work/shared.mco"
 test $h5 = 0 || gaps "$work/shared.h5"
-for ending in mco h5; do
-    test -e "$work/shared.$ending" || continue
-    expect_code 0 merge "$work/shared.$ending" "$work/second/shared.$ending" -o "$work/merged.$ending"
-    expect_code 0 plot "$work/merged.$ending" --of fluence -o "$work/told.svg"
-    told 'gaps: bins that two media share' "merged .$ending"
-done
 # Files that do not say so: those of older versions, and of the program of 2019, which has a copy of its input.
 where="(expected a result that names its depths, for a fluence: fly the scene again)"
 sed '/^# boundary/s/ (z = [^)]*)//' "$work/shared.mco" >"$work/older.mco"

@@ -1,5 +1,5 @@
-/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result, map and fields, and
- * merged. The input is a list of changes: one byte each for what is done, to which object and how; so every
+/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result, map and fields.
+ * The input is a list of changes: one byte each for what is done, to which object and how; so every
  * file is one that HDF5 itself has made, and what it holds is anything. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <zlib.h>
 
-#include "output/study/merge_parts.h"
+#include "output/files/hdf5_arrays.h"
 #include "plot/files/map_h5.h"
 #include "result/h5.h"
 
@@ -161,7 +161,7 @@ static void put_attribute(hid_t file, struct input *in)
 {
     static const char *const names[] = {
         "title",      "sampling", "input",          "beam",          "photons",
-        "seed",       "run",      "reentry",        "merged",        "settings",
+        "seed",       "run",      "reentry",        "other",         "settings",
         "boundaries", "scene",    "units",          "long_name",     "ancillary_variables",
         "CLASS",      "NAME",     "REFERENCE_LIST", "DIMENSION_LIST"};
     hsize_t n[8];
@@ -266,7 +266,6 @@ static void change(hid_t file, struct input *in)
 
 /* ---- reading ---- */
 
-/* Files that are merged are .h5 by their names. */
 static const char *path_of(const char *what)
 {
     static char path[300];
@@ -274,44 +273,18 @@ static const char *path_of(const char *what)
     return path;
 }
 
-/* Means of all arrays; they are written now and then, as that takes long. */
-static void merge(const struct cml_merge_input inputs[2], bool write)
+static void read_result(const char *path)
 {
-    struct cml_outcome merged;
-    struct cml_merge_arrays all;
+    struct cml_outcome found;
     struct cml_error err = {CML_OK, ""};
-    const struct cml_hdf5_call call = {"merge", "a.h5"};
-    cml_status status = cml_merge(inputs, 2, "m.h5", &merged, &err);
-    if (status == CML_OK) {
-        status = cml_merge_arrays_open(inputs, 2, &merged, &all, &err);
-        for (int i = 0; status == CML_OK && i < all.count; i++) {
-            const size_t size = cml_field_size(&all.field[i]), count = sizeof room / sizeof(double);
-            all.field[i].values(all.field[i].context, 0, size < count ? size : count, (double *)room);
-        }
-        if (status == CML_OK) cml_merge_arrays_close(&all);
-        if (write) status = cml_merge_write_h5(path_of("merged"), &merged, inputs, 2, &call, &err);
-        cml_outcome_clear(&merged);
-    }
-    if (status != CML_OK) fuzz_refused(status, &err);
-}
-
-static void read_result(const char *path, bool merged, bool write)
-{
-    static struct cml_outcome mco[2];
-    struct cml_error err = {CML_OK, ""};
-    char other[300];
-    strcpy(other, path_of("base"));
-    const struct cml_merge_input inputs[2] = {{other, &mco[0]}, {path, &mco[1]}};
-    const cml_status status = cml_h5_read(path, &mco[1], &err);
+    const cml_status status = cml_h5_read(path, &found, &err);
     if (status != CML_OK) {
         fuzz_refused(status, &err);
         return;
     }
-    FUZZ_CHECK(mco[1].photons >= 1 && isfinite(mco[1].value[CML_QUANTITY_Rd][0]) &&
-               isfinite(mco[1].value[CML_QUANTITY_Tt_a][NA - 1]));
-    if (!mco[0].output) FUZZ_CHECK(cml_h5_read(other, &mco[0], &err) == CML_OK);
-    if (merged) merge(inputs, write);
-    cml_outcome_clear(&mco[1]);
+    FUZZ_CHECK(found.photons >= 1 && isfinite(found.value[CML_QUANTITY_Rd][0]) &&
+               isfinite(found.value[CML_QUANTITY_Tt_a][NA - 1]));
+    cml_outcome_clear(&found);
 }
 
 static void read_map(const char *path)
@@ -350,7 +323,7 @@ static void read_as(unsigned long how, const char *path)
     else if (how < 48)
         read_fields(path);
     else
-        read_result(path, how >= 62, how == 63);
+        read_result(path);
 }
 
 /* What is left open in it would stay for the next input. */
@@ -374,7 +347,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                1 << 20); /* regular ones have few sizes */
         write_base(path_of("base"), 2);
         FUZZ_CHECK(cml_text_read_file(path_of("base"), SIZE_MAX, &base, &base_size, &err) == CML_OK);
-        write_base(path_of("base"), 1); /* the other half of what is merged */
         FUZZ_CHECK(H5Fopen(path_of("base"), H5F_ACC_RDONLY, H5P_DEFAULT) >= 0);
         strcpy(path, path_of("changed"));
         changed = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -11,7 +11,7 @@
 #
 # Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each as it is and with maps, a volume and facets.
 # - run: engines cpu, reference and opencl, with 1 and 2 threads on 1 and 2 ranks; every option that changes a result
-# - check, mesh, trace, crosscheck, exact, merge, compare and plot; devices, --help and --version
+# - check, mesh, trace, crosscheck, exact, compare and plot; devices, --help and --version
 # Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
 # What an engine or option refuses must be refused in the same words. A refusal is expected only of opencl, crosscheck,
 # exact, --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
@@ -289,7 +289,7 @@ follow() { # the events of single photons
     alone crosscheck "$scene" --photons 100 --threads 2 --dump got/dump
 }
 
-# Both programs compare, merge and draw the same two results of OLD.
+# Both programs compare and draw the same two results of OLD.
 judge() {
     alone run "$scene" --photons "$photons" --threads 2 -o got
     keep one
@@ -299,7 +299,6 @@ judge() {
         other=$work/kept/two/$(basename "$mco")
         alone compare "$mco" "$other" -o got/picture.svg
         alone compare "$mco" "$other" --json
-        alone merge "$mco" "$other" -o got/merged.mco
         alone plot "$mco" "$other" -o got/picture.svg --caption "two seeds"
         alone plot "$mco" -o got/picture.svg --linear
     done

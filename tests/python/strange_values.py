@@ -29,7 +29,7 @@ CALLS = {  # each with the arguments that stay, and those that become strange
     mc.trace: ({"scene": mc.Scene([LAYER], photons=100), "photon": 1}, ("photon", "seed")),
     mc.mesh: ({"scene": mc.Scene([LAYER], photons=100)}, ("output_dir",)),
     mc.compare: ({"a": "none", "b": "none"}, ("a",)),
-    mc.merge: ({"results": ["none"], "output": "x.mco"}, ("results", "output")),
+    mc.merge: ({"results": ["none", "none"]}, ("results",)),
     mc.read: ({}, ("path",)),
     mc.read_photons: ({}, ("path",)),
     mc.fit: ({"scene": mc.Scene([LAYER], photons=100), "parameters": {"layer1.mua": (0.1, 10)}, "measured": {"Rd": (0.3, 0.01)}},

@@ -24,11 +24,13 @@ struct cml_options {
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool seed_given;            /* by --seed */
     bool resume;
-    bool replace;    /* --resume may replace results with more photons */
-    bool no_clobber; /* a result that is there is not replaced */
-    bool keep;       /* checkpoints of finished runs stay, with all tallies */
-    uint64_t more;   /* photons to be added to finished runs; 0: none */
-    double timeout;  /* s of a rank's silence */
+    bool replace;                  /* --resume may replace results with more photons */
+    bool no_clobber;               /* a result that is there is not replaced */
+    bool keep;                     /* checkpoints of finished runs stay, with all tallies */
+    uint64_t more;                 /* photons to be added to finished runs; 0: none */
+    uint64_t part, parts;          /* `part`, from 1, of `parts` is flown of each run; 0: all */
+    struct cml_part_files *joined; /* of `merge`: parts whose sums take the place of flights; NULL: none */
+    double timeout;                /* s of a rank's silence */
     bool quiet, json, verbose;
     double alpha;                /* level of `compare` */
     struct cml_plot_style style; /* of `plot` */
@@ -49,4 +51,6 @@ struct cml_options {
     bool help, version;
     bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */
+    char
+        call[4096]; /* that without --part and --resume, each word ended by a line feed; "": it is too long */
 };

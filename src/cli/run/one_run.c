@@ -11,6 +11,7 @@
 #include "output/report.h"
 #include "run/cluster.h"
 #include "run/identity.h"
+#include "run/join.h"
 #include "run/stop.h"
 #include "tally/row_result.h"
 
@@ -108,11 +109,10 @@ static void announce(const struct cml_options *options, const struct cml_run_set
         printf("  no .h5 file: this program was built without HDF5\n");
     if (scene->saved.limit && !cml_hdf5_available())
         printf("  no file of saved photons: this program was built without HDF5\n");
+    if (setup->part.count > 0)
+        printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
     const struct cml_options all = all_photons(options, setup);
     cml_print_memory(&all, scene, setup->surfaces);
-    const struct cml_window_table *windows = setup->options.windows;
-    if (windows && windows->gain == 0)
-        printf("  windows gain nothing for what %.2g of the light comes to\n", windows->worth);
     fflush(stdout);
 }
 
@@ -282,17 +282,44 @@ struct prepared {
     struct cml_before before; /* rank 0's */
 };
 
+/* Of a part that is complete in its file. */
+static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                     const struct cml_run_result *run)
+{
+    if (cml_cluster_rank() != 0) return;
+    cml_checkpoint_remove_older(setup->checkpoint);
+    if (call->options->quiet || call->row > 0) return;
+    if (run->intent == CML_RUN_NOTHING_LEFT)
+        printf("  finished before\n");
+    else
+        printf("  %.3g s, %.0f photons\n", run->timing.seconds,
+               (double)run->result.summary.count[CML_COUNT_PHOTONS]);
+    printf("  -> %s\n", setup->checkpoint);
+}
+
+/* The files of one call of `merge` are of one run where the call has no other. */
+static cml_status join(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                       struct cml_run_result *run, struct cml_error *err)
+{
+    return cml_run_join(setup, call->options->joined, call->only, run, err);
+}
+
 /* On all ranks. Signals are remembered only where a checkpoint can follow them. */
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
     const struct cml_run_setup *setup = &prepared->setup;
     struct cml_run_result run;
-    if (setup->base == 0 && cml_cluster_rank() == 0)
+    if ((setup->base == 0 || setup->part.count > 0) && cml_cluster_rank() == 0)
         cml_before_note(call->options, setup, call->row, &prepared->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
-    CML_TRY(cml_run(setup, &run, err));
+    CML_TRY(call->options->joined ? join(call, setup, &run, err) : cml_run(setup, &run, err));
+    if (setup->part.count > 0) {
+        say_part(call, setup, &run);
+        cml_run_result_free(&run);
+        return CML_OK;
+    }
     cml_status status =
         call->rows ? publish_rows(call, setup, &run, err) : publish_run(call, setup, &run, record, err);
     status = cml_cluster_agree(status, err);
@@ -303,13 +330,13 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
 /* Whether the run has checkpoints: of what is written to a device there is nothing to continue. */
 static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
 {
-    return (options->checkpoint_interval > 0 || options->resume || options->keep) &&
+    return (options->checkpoint_interval > 0 || options->resume || options->keep || options->parts > 0) &&
            !cml_file_is_device(scene->output);
 }
 
 bool cml_run_leaves_checkpoints(const struct cml_options *options)
 {
-    return options->resume || options->keep;
+    return options->resume || options->keep || options->parts > 0;
 }
 
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
@@ -317,7 +344,14 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
 {
     CML_FREED char *output = NULL;
     CML_TRY(cml_output_path(options, scene->output, &output, err));
-    return cml_checkpoint_path(output, path, err);
+    return cml_checkpoint_of(options, output, path, err);
+}
+
+cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
+                             struct cml_error *err)
+{
+    const struct cml_part part = {options->part, options->parts};
+    return part.count > 0 ? cml_part_path(output, part, path, err) : cml_checkpoint_path(output, path, err);
 }
 
 /* ---- --more ---- */
@@ -333,7 +367,8 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
                             struct cml_error *err)
 {
     const struct cml_checkpoint_about about = cml_checkpoint_look(path);
-    const bool same = options->resume && about.begin > 0 && about.end - about.begin == options->more;
+    const bool part = options->parts > 0,
+               same = !part && options->resume && about.begin > 0 && about.end - about.begin == options->more;
     setup->photons = about.end;
     if (about.kind == CML_CHECKPOINT_NONE && access(path, F_OK) == 0)
         return fail_more(path, "is damaged (expected the checkpoint of a run that was flown with --keep)",
@@ -349,13 +384,23 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
                          err);
     setup->base = about.end;
     setup->photons = about.end + options->more;
-    setup->resume = false;
+    setup->resume = part && options->resume;
     if (setup->photons > (uint64_t)1 << 48)
         return cml_fail(err, CML_E_INPUT,
                         "--more %" PRIu64 " (expected at most 2^48 photons together with the %" PRIu64
                         " of %s)",
                         options->more, about.end, path);
     return CML_OK;
+}
+
+/* A part has a file of its own beside the checkpoint of the run that is extended. */
+static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_setup *setup,
+                               struct cml_error *err)
+{
+    CML_FREED char *output = NULL, *path = NULL;
+    CML_TRY(cml_output_path(call->options, call->scene->output, &output, err));
+    CML_TRY(cml_checkpoint_path(output, &path, err));
+    return plan_more(call->options, setup, path, err);
 }
 
 /* On all ranks, before anything that may fail on one alone. */
@@ -368,10 +413,14 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
         status = cml_run_checkpoint(options, call->scene, &run->checkpoint, err);
     CML_TRY(cml_cluster_agree(status, err));
     setup->checkpoint = run->checkpoint;
+    if (setup->part.count > 0 && !run->checkpoint)
+        status = cml_fail(err, CML_E_INPUT, "--part: %s is no file (expected a result in a file)",
+                          call->scene->output);
+    CML_TRY(cml_cluster_agree(status, err));
     if (options->more == 0) return CML_OK;
     if (!run->checkpoint) status = fail_more(call->scene->output, "is no file that could be extended", err);
     CML_TRY(cml_cluster_agree(status, err));
-    if (cml_cluster_rank() == 0) status = plan_more(options, setup, run->checkpoint, err);
+    if (cml_cluster_rank() == 0) status = plan_more_of(call, setup, err);
     CML_TRY(cml_cluster_agree(status, err));
     uint64_t words[] = {setup->photons, setup->base, setup->resume};
     CML_TRY(cml_cluster_share(words, sizeof words, err));
@@ -432,6 +481,8 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
                                   .engine = options->engine,
                                   .options = options->engine_options,
                                   .photons = options->photons ? options->photons : call->scene->photons,
+                                  .part = {options->part, options->parts},
+                                  .call = options->parts > 0 ? options->call : NULL,
                                   .target_error = options->target_error,
                                   .interval = options->checkpoint_interval,
                                   .resume = options->resume,

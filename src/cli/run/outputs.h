@@ -19,6 +19,7 @@ struct cml_output_file {
 struct cml_outputs {
     size_t count;
     struct cml_output_file *file; /* [count] */
+    bool of_part;                 /* of a part of a run: only its own file is written */
     size_t num_locks;
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
 };

@@ -348,7 +348,7 @@ static void what_is_ours_is_read(void **state)
     assert_true(options[CML_DECIDES_reentry] == 0 && options[CML_DECIDES_sampling] == 1);
     assert_true(options[CML_DECIDES_roulette_below] == 0.001 && options[CML_DECIDES_roulette_weight] == 0.1);
     assert_true(options[CML_DECIDES_absorption] == 1 && isnan(options[CML_DECIDES_tolerance]));
-    assert_true(o.num_streams == 1 && o.stream[0].seed == 7 && o.stream[0].run == 2 && !o.merged);
+    assert_true(o.num_streams == 1 && o.stream[0].seed == 7 && o.stream[0].run == 2);
     assert_string_equal(o.settings, "layer1.mua = 2\n");
     assert_int_equal(strncmp(o.beam, "beam disk", 9), 0);
     assert_true(o.error[CML_QUANTITY_Rd][0] == 0.25 && o.error[CML_QUANTITY_Tt_r][1] == 6e-3);
@@ -364,16 +364,6 @@ static void what_is_ours_is_read(void **state)
     assert_true(heights && heights->n == 2 && heights->pair[3] == -0.02 && !cml_outcome_heights(&o, 0));
     assert_null(o.damage);
     cml_outcome_clear(&o);
-}
-
-/* What a head does not say is not known, and merge refuses nothing for it. */
-static void options_that_tell_results_apart_stand_in_heads(void **state)
-{
-    (void)state;
-    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
-        const struct cml_option_info *info = &cml_options_of_bits[i];
-        if (info->apart && info->before) assert_true(info->zero[0] && info->other[0]);
-    }
 }
 
 /* A name is a whole word, with something behind it, at the start of a line. */
@@ -501,7 +491,6 @@ int main(void)
         cmocka_unit_test(a_reader_that_counts_lines),
         cmocka_unit_test(a_reader_that_searches_keys),
         cmocka_unit_test(what_is_ours_is_read),
-        cmocka_unit_test(options_that_tell_results_apart_stand_in_heads),
         cmocka_unit_test(sections_that_are_none),
         cmocka_unit_test(sections_that_are_not_whole),
         cmocka_unit_test(an_error_may_be_no_number),

@@ -1,6 +1,6 @@
 """Rough boundaries: light that is even on all sides stays even, and a relief of the same slopes is flown as geometry.
 
-The furnace of layers, a hill, a mesh that overhangs, a tile and a sphere, alpha 0.05 to 2, both kinds: what leaves obeys the cosine law, and
+The furnace of layers, a hill, a mesh that overhangs, a prism with upright gables, a tile and a sphere, alpha 0.05 to 2, both kinds: what leaves obeys the cosine law, and
 every layer and body holds the light that its volume asks for. N = 2e4 packets a scene. The relief has Gaussian heights, a correlation length
 of a twentieth of the mean free path and facets of rms slope 0.5: its totals are those of `rough beckmann 0.5` within noise and 0.1 % (one standard deviation), and those of
 the smooth slab are not. N = 4e5. Statistic: z, level 1e-4 over all. The relief shares the facets' optics with nobody but the smooth walk.
@@ -28,7 +28,7 @@ def layers(top, bottom, inside="", n=1.4, beam=""):
 
 
 def furnace_scenes():
-    overhang = os.path.abspath("meshes/overhang.obj")
+    overhang, prism = os.path.abspath("meshes/overhang.obj"), os.path.abspath("meshes/prism.obj")
     for kind in ("ggx", "beckmann"):
         for alpha in (0.05, 0.5, 1, 2):
             line = f"rough {kind} {alpha}"
@@ -36,6 +36,7 @@ def furnace_scenes():
         line = f"rough {kind} 0.4"
         yield f"{kind} hill", layers(f"b 2 0.1 0.2 0 1\n{line}", line)
         yield f"{kind} overhang", layers(f'm "{overhang}"\n{line}', line)
+        yield f"{kind} prism", layers(f'm "{prism}"\n{line}', line)
         yield f"{kind} tile", layers(f"m gaussian 0.3 0.02 tile points=16\n{line}", line)
         yield f"{kind} sphere", layers("", line, f"i sphere 0 0 0.15 0.1 1.2 0 30 0.5 rough={kind},0.6\n")
 

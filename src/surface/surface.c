@@ -334,7 +334,7 @@ static double outer_height(const struct cml_boundary *boundary)
 
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
-    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
     make_plane(boundary->z - outer_height(boundary),
                boundary->form == CML_FORM_MESH   ? "mesh"
                : boundary->form == CML_FORM_TILE ? "heightmap repeated"
@@ -349,7 +349,7 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
     const double height = outer_height(boundary);
     double r[] = {0, 1}, h[] = {height, height};
     const struct cml_radial level = {2, r, h};
-    *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE};
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE, .rough = boundary->rough};
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 

@@ -13,6 +13,7 @@
 struct listener {
     const struct cml_scene *scene;
     long row;
+    uint32_t rough_draws; /* until the event before */
 };
 
 /* Nine digits and more: events of one photon are compared between engines and machines. */
@@ -27,6 +28,9 @@ static void print_event(void *context, const struct cml_trace_event *event)
     printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", listener->row++, event->what,
            event->medium, event->position[0], event->position[1], event->position[2], event->direction[0],
            event->direction[1], event->direction[2], event->weight);
+    if (event->rough_draws > listener->rough_draws)
+        printf("# rough: %u steps\n", event->rough_draws - listener->rough_draws - 1);
+    listener->rough_draws = event->rough_draws;
 }
 
 /* Notes a photon beyond those of the scene; it is flown all the same, as a run may have had more. */
@@ -52,7 +56,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
                         uint64_t photon, struct cml_error *err)
 {
     struct cml_fate_record record;
-    struct listener listener = {scene, 0};
+    struct listener listener = {scene, 0, 0};
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);

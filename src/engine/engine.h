@@ -85,7 +85,8 @@ struct cml_trace_event {
     int medium;       /* 0..L+1, L+2 and up: bodies */
     double position[3]; /* of the scene, cm */
     double direction[3];
-    double weight; /* share of a packet */
+    double weight;        /* share of a packet */
+    uint32_t rough_draws; /* blocks of random words at rough boundaries so far: one a facet, one an event */
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 

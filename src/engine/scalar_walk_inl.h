@@ -198,6 +198,7 @@ static void forward_event(void *context, const char *what, const struct cml_pack
                      packet->p.z + tracing->world->media[packet->medium].depth},
         .direction = {packet->u.x, packet->u.y, packet->u.z},
         .weight = packet->w * CML_WEIGHT_UNIT,
+        .rough_draws = packet->rough_draws,
     };
     tracing->on_event(tracing->context, &event);
 }

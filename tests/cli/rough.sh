@@ -45,6 +45,14 @@ plain "$work/both.mco" >"$work/a"
 plain "$work/threads.mco" | cmp -s - "$work/a" || complain "one thread has other bytes"
 totals "$work/smooth.mco" | paste - "$work/a" | cmp -s "$work/a" - && complain "rough is smooth"
 
+# A trace says how many facets each event met.
+for engine in cpu reference; do
+    expect_code 0 trace "$work/both.mci" 17 --engine $engine
+    events=$(grep -c '^ .*\(reflect\|transmit\)' "$work/out")
+    test "$events" -gt 1 && test "$(grep -c '^# rough: [1-9][0-9]* steps$' "$work/out")" = "$events" ||
+        complain "trace on $engine: $(cat "$work/out")"
+done
+
 # Settings: the file in which the number stands.
 scene set 'rough ggx 0.1' 'rough beckmann 0'
 expect_code 0 "$work/set.mci" --quiet --set boundary0.alpha=0.3 --set boundary1.alpha=0.5 -o "$work"

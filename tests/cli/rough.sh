@@ -111,6 +111,19 @@ backing 0.8 lambertian'
 expect_error 2 "$work/bad.mci:12: backing = lambertian (expected mirror or metal beside a rough line: light from a lambertian backing has no facets)" check "$work/bad.mci"
 printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0 rough=ggx\n1\n' >"$work/bad.mci"
 expect_error 2 "$work/bad.mci:10: body 1: rough = ggx (expected ggx,ALPHA or beckmann,ALPHA, with ALPHA 0 or 1e-4..2)" check "$work/bad.mci"
+# Behind a sphere text is no option, but what looks like one is not passed over. A tab parts words, too.
+words() { # WORDS
+    printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0%b\n1\n' "$1" >"$work/bad.mci"
+}
+words '\trough=ggx,0.3 a bubble # rough=ggx,9'
+expect_code 0 check "$work/bad.mci"
+grep -q '^  body 1: sphere .*, rough ggx 0.3, in layer 1' "$work/out" || complain "rough= behind a tab: $(cat "$work/out")"
+words ' rough=ggx,0.3 rough=beckmann,1'
+expect_error 2 "$work/bad.mci:10: body 1: rough = beckmann,1 (expected this option only once)" check "$work/bad.mci"
+words ' rogh=ggx,0.3'
+expect_error 2 "$work/bad.mci:10: body 1: option = rogh=ggx,0.3 (expected rough=KIND,ALPHA, or none)" check "$work/bad.mci"
+words ' rough ggx 0.3'
+expect_error 2 "$work/bad.mci:10: body 1: option = rough (expected rough=KIND,ALPHA, or none)" check "$work/bad.mci"
 expect_code 2 check "$work/both.mci" --set layer1.alpha=0.1
 grep -q 'boundary0.alpha, boundary1.alpha' "$work/err" || complain "the names of --set: $(cat "$work/err")"
 finish

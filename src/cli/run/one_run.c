@@ -27,7 +27,8 @@
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
-    struct cml_exact_options options = {.tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK};
+    struct cml_exact_options options = {
+        .tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK, .walks = CML_EXACT_FEW_WALKS};
     for (int i = 0; i < CML_NUM_GOALS; i++)
         options.tolerance =
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
@@ -438,7 +439,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
     cml_aim_use(&run->aim, &setup->options);
     CML_TRY(cml_find_error_of(&options, setup->scene, &setup->error_of, err));
-    setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
+    setup->controlled = options.control && !cml_surfaces_are_smooth_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (!call->rows && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));

@@ -26,7 +26,7 @@ struct search {
     int num_rough;                     /* boundaries */
     bool *spreads;                     /* [num_layers + 1] of boundaries (directions.h) */
     struct cml_rough_response *walked; /* [num_layers + 1] of one order, zeroed where smooth */
-    struct cml_rough_matrices *chosen; /* [num_layers + 1] of these */
+    struct cml_stack_rough rough;      /* of these, those by all walks or by a part */
     double *history[3];                /* all shares, of the newest order first */
     double *spread; /* standard errors of the newest shares by walks; behind them room for as many shares */
     double defect;  /* what the newest shares lack of 1 */
@@ -34,19 +34,21 @@ struct search {
     bool enough;    /* the next order was too much work */
 };
 
-/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). */
+/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). With rough
+ * boundaries layers are added up again for each part of the walks. */
 static double work(const struct search *search, const struct cml_directions *directions)
 {
     const struct cml_medium_def *media = search->media;
+    const double again = search->num_rough > 0 ? 5 * CML_ROUGH_PARTS : 0;
     double sum = 0;
     for (int m = 1; m < directions->num_media - 1; m++) {
         if (!(media[m].mus > 0)) continue;
         const int n = directions->live[m];
         const double steepest = cml_directions_cosine(directions, n - 1, media[m].n);
         const double depth = media[m].d * cml_medium_mut(&media[m]) / steepest;
-        sum += pow(n, 3) * (40 + 7.5 * fmax(0, log2(depth)));
+        sum += pow(n, 3) * (40 + again + 7.5 * fmax(0, log2(depth)));
     }
-    return search->num_rough > 0 ? (1 + CML_ROUGH_PARTS) * sum : sum;
+    return sum;
 }
 
 /* Whether facets do anything. Between equal indices nothing happens. */
@@ -72,7 +74,7 @@ static double specular(const struct search *search, const struct cml_directions 
 {
     const struct cml_medium_def *media = search->media;
     const double normal = cml_exact_light_normal(search->light);
-    if (is_rough(search, 0)) return reflected_by(search->chosen[0].R, directions);
+    if (is_rough(search, 0)) return reflected_by(search->rough.boundary[0].R, directions);
     double sum = normal * (cml_specular_split(media, search->num_layers, !is_rough(search, 1)).reflected -
                            cml_stack_fresnel(media[0].n, 1, media[1].n, 1));
     for (int i = 0; i < directions->live[0]; i++)
@@ -87,7 +89,8 @@ static cml_status solve_shares(struct search *search, const struct cml_direction
                                double *value, struct cml_error *err)
 {
     double *absorbed = value + CML_EXACT_LAYERS, reflected, transmitted, sum = 0;
-    CML_TRY(cml_stack_shares(search->media, search->options->backing, search->chosen, directions,
+    CML_TRY(cml_stack_shares(search->media, search->options->backing,
+                             search->num_rough > 0 ? &search->rough : NULL, directions,
                              TERMS_PER_NODE * order, &reflected, &transmitted, absorbed, err));
     for (int l = 0; l < search->num_layers; l++) sum += absorbed[l];
     value[CML_EXACT_RSP] = specular(search, directions);
@@ -109,7 +112,7 @@ static cml_status find_spread(struct search *search, const struct cml_directions
     double *part = search->spread + count;
     memset(search->spread, 0, (size_t)count * sizeof *search->spread);
     for (int k = 0; k < CML_ROUGH_PARTS && search->num_rough > 0; k++) {
-        for (int b = 0; b <= search->num_layers; b++) search->chosen[b] = search->walked[b].part[k];
+        for (int b = 0; b <= search->num_layers; b++) search->rough.boundary[b] = search->walked[b].part[k];
         CML_TRY(solve_shares(search, directions, order, part, err));
         for (int i = 0; i < count; i++) search->spread[i] += (part[i] - value[i]) * (part[i] - value[i]);
     }
@@ -123,7 +126,7 @@ static cml_status solve_order(struct search *search, const struct cml_directions
                               struct cml_error *err)
 {
     double *value = search->history[2];
-    for (int b = 0; b <= search->num_layers; b++) search->chosen[b] = search->walked[b].mean;
+    for (int b = 0; b <= search->num_layers; b++) search->rough.boundary[b] = search->walked[b].mean;
     CML_TRY(solve_shares(search, directions, order, value, err));
     const double defect = search->defect;
     CML_TRY(find_spread(search, directions, order, value, err));
@@ -162,7 +165,10 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
     search->enough = search->spent > search->options->most_work;
     cml_status status = search->enough ? CML_OK : walk_boundaries(search, &directions, order, err);
     if (status == CML_OK && !search->enough) status = solve_order(search, &directions, order, err);
-    for (int b = 0; b <= search->num_layers; b++) cml_rough_response_clear(&search->walked[b]);
+    for (int b = 0; b <= search->num_layers; b++) {
+        cml_rough_response_clear(&search->walked[b]);
+        cml_layer_response_clear(&search->rough.layer[b]);
+    }
     cml_directions_clear(&directions);
     return status;
 }
@@ -251,7 +257,8 @@ static cml_status allocate(struct cml_arrays *arrays, struct search *search, str
     search->spread = cml_arrays_add(arrays, 2 * count, sizeof(double));
     search->spreads = cml_arrays_add(arrays, boundaries, sizeof *search->spreads);
     search->walked = cml_arrays_add(arrays, boundaries, sizeof *search->walked);
-    search->chosen = cml_arrays_add(arrays, boundaries, sizeof *search->chosen);
+    search->rough.boundary = cml_arrays_add(arrays, boundaries, sizeof *search->rough.boundary);
+    search->rough.layer = cml_arrays_add(arrays, boundaries, sizeof *search->rough.layer);
     return cml_arrays_check(arrays, "totals", err);
 }
 

@@ -195,12 +195,12 @@ static void end_block(struct stack *stack)
 }
 
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
-                        const struct cml_rough_matrices *rough, const struct cml_directions *directions,
+                        const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)
 {
     const int num_layers = directions->num_media - 2;
-    if (backing && rough && rough[num_layers].R)
-        begin_rough(stack, &rough[num_layers], directions->live[num_layers]);
+    if (backing && rough && rough->boundary[num_layers].R)
+        begin_rough(stack, &rough->boundary[num_layers], directions->live[num_layers]);
     else if (backing)
         begin_backed(stack, backing, directions, media[num_layers].n, directions->live[num_layers]);
     else
@@ -208,20 +208,20 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
     begin_block(stack, num_layers);
     for (int b = num_layers; b >= 0; b--) {
         const struct block *block = &stack->block[stack->num_blocks - 1];
-        struct cml_layer_response layer;
+        struct cml_layer_response own = {.count = 0}, *layer = rough ? &rough->layer[b] : &own;
         if (b > 0 && b < block->first) {
             end_block(stack);
             begin_block(stack, b);
             block++;
         }
-        if (rough && rough[b].R && (b < num_layers || !backing))
-            add_rough(stack, directions, &rough[b], directions->live[b]);
+        if (rough && rough->boundary[b].R && (b < num_layers || !backing))
+            add_rough(stack, directions, &rough->boundary[b], directions->live[b]);
         else if (b < num_layers || !backing)
             add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
         if (b == 0) break;
-        CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
-        add_layer(stack, directions, &layer, block->passed + b - block->first);
-        cml_layer_response_clear(&layer);
+        if (!layer->R) CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, layer, err));
+        add_layer(stack, directions, layer, block->passed + b - block->first);
+        cml_layer_response_clear(&own);
     }
     end_block(stack);
     return CML_OK;
@@ -252,7 +252,7 @@ static void share_out(const struct stack *stack, const double *light, int step, 
 }
 
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
-                            const struct cml_rough_matrices *rough, const struct cml_directions *directions,
+                            const struct cml_stack_rough *rough, const struct cml_directions *directions,
                             int terms, double *reflected, double *transmitted, double *absorbed,
                             struct cml_error *err)
 {

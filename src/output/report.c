@@ -128,8 +128,10 @@ static void print_flattened(FILE *stream, const struct cml_scene *scene)
 
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
-    fprintf(stream, "%s (%s:%d): adding-doubling, order %d\n", scene->output, scene->file, scene->line,
+    fprintf(stream, "%s (%s:%d): adding-doubling, order %d", scene->output, scene->file, scene->line,
             exact->order);
+    if (exact->walks > 0) fprintf(stream, ", %.0f walks at each rough boundary", exact->walks);
+    fputc('\n', stream);
     print_flattened(stream, scene);
     for (int i = 0; i < exact->count; i++) {
         if (i == CML_EXACT_BACKING && scene->backing.kind == CML_BACKING_NONE) continue;

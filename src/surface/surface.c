@@ -375,8 +375,15 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
     for (int b = 0; b < set->count; b++)
-        if (set->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&set->item[b].rough)) return false;
+        if (set->item[b].kind != CML_SURFACE_PLANE) return false;
     return true;
+}
+
+bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
+{
+    for (int b = 0; b < set->count; b++)
+        if (cml_is_rough(&set->item[b].rough)) return false;
+    return cml_surfaces_are_planes(set);
 }
 
 /* One period, up to the first samples of the next. */

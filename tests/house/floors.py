@@ -36,7 +36,7 @@ ROOMS = {
     "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
-    "src/exact": "src/scene src/base",
+    "src/exact": "src/vector src/scene src/base kernels/rough.h",
     "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/run/crosscheck": "src/run src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",

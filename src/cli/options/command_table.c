@@ -32,7 +32,7 @@ const struct cml_command_def cml_commands[] = {
     [CML_COMMAND_EXACT] = {"exact", "scene.mci", 1, 1,
                            "totals of the flat scene without photons, by adding-doubling",
                            "Computes Rsp, Rd, A, Tt and the absorption of every layer to 1e-7, without "
-                           "noise. Shapes count as planes at "
+                           "noise; with rough boundaries to some 1e-4. Shapes count as planes at "
                            "their nominal depths.",
                            "clustermcml exact samples/skin7.mci\n"},
     [CML_COMMAND_MESH] =

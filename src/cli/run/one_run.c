@@ -26,7 +26,8 @@
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
-    struct cml_exact_options options = {.tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK};
+    struct cml_exact_options options = {
+        .tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK, .walks = CML_EXACT_FEW_WALKS};
     for (int i = 0; i < CML_NUM_GOALS; i++)
         options.tolerance =
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));

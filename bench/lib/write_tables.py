@@ -21,7 +21,7 @@ COMMANDS = {
                  ["accuracy/results/unbiased.md"]),
     "stability": (["stability/atlas.py", "--readme"],),
     "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-amd-epyc-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"],
-              ["peers/results/peers-shared-amd-epyc-2core.md"]),
+              ["peers/results/peers-shared-amd-epyc-2core.md"], ["peers/results/rough_faces.md"]),
     "choices": tuple(["choices/results/" + name] for name in ("roulette.md", "aim.md", "lattice.csv", "lights.md", "lattice-tried.csv")),
     "parts": (["parts/limits.py", "parts/results/speed-intel-xeon-2core.csv", PARTS], ["parts/gpu_static.py", "--readme", "parts/results/gpu-static.csv"],
               ["parts/results/lanes.csv"]),

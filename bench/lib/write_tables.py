@@ -18,7 +18,7 @@ COMMANDS = {
     "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED]),
     "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
                  ["accuracy/frontier_table.py", "accuracy/results/frontier-amd-epyc-2core.csv"],
-                 ["accuracy/results/unbiased.md"]),
+                 ["accuracy/results/roughness.md"], ["accuracy/results/unbiased.md"]),
     "stability": (["stability/atlas.py", "--readme"],),
     "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-amd-epyc-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"],
               ["peers/results/peers-shared-amd-epyc-2core.md"], ["peers/results/rough_faces.md"]),

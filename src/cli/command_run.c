@@ -133,10 +133,7 @@ static cml_status check_differentiated(const struct cml_options *options, const 
 /* Refuses beside --part what needs the whole run, or a command that cannot be called again. */
 static cml_status check_part(const struct cml_options *options, struct cml_error *err)
 {
-    const char *beside = options->target_error > 0 ? "--target-error"
-                         : options->control        ? "--control"
-                         : options->json           ? "--json"
-                                                   : NULL;
+    const char *beside = options->target_error > 0 ? "--target-error" : options->json ? "--json" : NULL;
     if (options->parts == 0) return CML_OK;
     if (beside) return cml_fail(err, CML_E_INPUT, "--part (expected no %s beside it)", beside);
     if (!options->call[0])

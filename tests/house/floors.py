@@ -37,6 +37,7 @@ ROOMS = {
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/vector src/scene src/base kernels/rough.h",
+    "src/aim": "src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/run/crosscheck": "src/run src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
@@ -45,8 +46,8 @@ ROOMS = {
     "src/plot": "src/plot/files src/result src/output/files src/tally src/input/sweep src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
+    "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 

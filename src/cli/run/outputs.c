@@ -416,19 +416,6 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     return status;
 }
 
-cml_status cml_output_claim(const char *path, struct cml_outputs *outputs, struct cml_error *err)
-{
-    *outputs = (struct cml_outputs){0};
-    CML_TRY(check_writable(path, NULL, err));
-    cml_status status = add(outputs, path, 0, true, err);
-    if (status == CML_OK) status = lock_stem(path, outputs, err);
-    if (status == CML_OK)
-        remove_leftovers(outputs);
-    else
-        cml_outputs_release(outputs);
-    return status;
-}
-
 void cml_outputs_release(struct cml_outputs *outputs)
 {
     for (size_t i = 0; i < outputs->num_locks; i++) cml_file_lock_release(&outputs->lock[i]);

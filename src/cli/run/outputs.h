@@ -35,10 +35,6 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
 
-/* Claims one file more. CML_E_IO when it cannot be written or is locked. */
-CML_NODISCARD cml_status cml_output_claim(const char *path, struct cml_outputs *outputs,
-                                          struct cml_error *err);
-
 void cml_outputs_release(struct cml_outputs *outputs);
 
 /* CML_E_INPUT when `output`, that of a command, is one of the files it reads. */

@@ -6,7 +6,7 @@
  * by mus. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "tally/tally.h"
+#include "tally/tally_cells.h"
 
 #include <math.h>
 

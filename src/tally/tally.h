@@ -159,12 +159,6 @@ CML_NODISCARD cml_status cml_tally_create(const struct cml_tally_grid *grid, str
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
 
-/* The parts of an array: one of each group, or sums and squares. */
-static inline size_t cml_once_parts(struct cml_once once)
-{
-    return once.step ? CML_NUM_GROUPS : 2;
-}
-
 /* What escapes from facets. */
 static inline struct cml_once cml_facet_once(const struct cml_tally_grid *grid)
 {

@@ -1,10 +1,16 @@
 /* The sizes and places of the arrays that a tally and a result have in common: maps, volume and facets, which
  * are kept only when asked for. They lie behind all other arrays of the block, in this order:
- * Rd_xya, Tt_xya, A_xyz, phi_xyz, facets, detector_map, Rd_dir, Tt_dir and Rsp_dir. Private to tally.c,
- * result.c and groups.c. SPDX-License-Identifier: MIT */
+ * Rd_xya, Tt_xya, A_xyz, phi_xyz, facets, detector_map, Rd_dir, Tt_dir and Rsp_dir. Private to src/tally.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "tally/tally.h"
+
+/* The parts of an array: one of each group, or sums and squares. */
+static inline size_t cml_once_parts(struct cml_once once)
+{
+    return once.step ? CML_NUM_GROUPS : 2;
+}
 
 /* Cells of one of the two maps, with the pixel for what lies outside; 0 without a map. */
 static inline size_t cml_cells_map(const struct cml_tally_grid *grid)

@@ -1,4 +1,6 @@
 /* Tallies: their cells, and how those of threads come together. SPDX-License-Identifier: MIT */
+#include "tally/tally_cells.h"
+
 #include "unit/tally/tally_cases.h"
 
 #include "tally/groups.h"

@@ -8,7 +8,7 @@ all runs, 28 times sharper than one run; the means of the totals must agree with
 sampling, by Sidak's limit.
 
 Lights and shapes over a thin slab: 100 runs of 2048 photons, 32 in a batch, and 40 of 131072. The spread of the runs over their own
-errors is the root of the mean over all bins of 40 packets or more. It must be 0.9 to 1.1 for profiles, whose errors come from 64
+errors is the root of the mean over all bins of 10 packets or more. It must be 0.9 to 1.1 for profiles, whose errors come from 64
 batches, and for directions, whose errors come from 16 groups. Bins depend on each other, so the noise of the ratio comes of the
 runs, by leaving out one after the other; 3 times the noise is let pass beyond the bounds. Errors from squares per packet were up to 3
 times too large, and a lattice that put points of a launch side by side made them 2 times too small."""
@@ -32,7 +32,7 @@ LIGHTS = {"isotropic": "pencil z=0.25 light=isotropic", "lambertian": "pencil z=
           "pencil": "pencil"}
 CLEAR = {"layers": ["1.4 0.5 1 0.8 0.5"], "grid": "0.1 0.1", "bins": "5 5 3"}
 LIT = ((2048, 100), (131072, 40))  # photons, runs
-LIT_PACKETS, NOISES, KINDS = 40, 3, {"profiles": PROFILES, "directions": ["Rd_dir", "Tt_dir"]}
+LIT_PACKETS, NOISES, KINDS = 10, 3, {"profiles": PROFILES, "directions": ["Rd_dir", "Tt_dir"]}
 
 
 def fly(scene, photons, runs, *options):

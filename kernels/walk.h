@@ -569,7 +569,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
                            CML_PACKET struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
-    if (world->setup.num_sources > 1) cml_add_specular(to, cml_split_off(world, index));
+    if (world->setup.num_sources > 1) cml_add_specular(to, index, cml_split_off(world, index));
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
     cml_mark_first(world, to, packet);
 }

@@ -129,11 +129,17 @@ static void estimate(const struct cml_compare_quantity *q, const struct cml_comp
     if (lent && !says) variance[lender] = own;
 }
 
+/* Errors of arrays of files come from groups, or from squares, which know more. */
+static bool is_by_groups(enum cml_quantity which)
+{
+    return cml_compare_comes_of(which, CML_FROM_GROUPS) || cml_compare_comes_of(which, CML_FROM_ONCE) ||
+           cml_compare_is_of_files(which);
+}
+
 /* Degrees of freedom of the difference [Welch, Biometrika 34 (1947) 28]. */
 static double freedom_of(const struct cml_compare_quantity *q, const double variance[2])
 {
-    const bool by_groups = cml_compare_comes_of(q->which, CML_FROM_GROUPS) || is_deep_of_files(q->which);
-    const double each = by_groups ? CML_NUM_GROUPS - 1 : CML_COMPARE_BATCHES - 1,
+    const double each = is_by_groups(q->which) ? CML_NUM_GROUPS - 1 : CML_COMPARE_BATCHES - 1,
                  sum = variance[0] + variance[1];
     if ((!q->error[0] && !q->error[1]) || !(sum > 0)) return INFINITY;
     if (!q->error[0] || !q->error[1]) return each;

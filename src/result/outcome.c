@@ -288,8 +288,8 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
               n = first > 0 ? (int)cml_tally_media(&sums->grid) : size;
     double sum;
     if (info->estimator == CML_FROM_ONCE) {
-        sum = (double)cells[i];
-        *error = cml_result_once_error(sums, cells[i], cells[i + (sums->Rd_dir2 - sums->Rd_dir)]);
+        sum = cml_result_once_sum(cells + i, 1, sums->grid.direction_once);
+        *error = cml_result_once_error(sums, cells + i, 1, sums->grid.direction_once);
     } else if (info->estimator == CML_FROM_GROUPS) {
         const int groups = cml_cell_groups(&sums->grid);
         sum = cml_result_cell_sum(cells + i, groups, (size_t)size);

@@ -19,7 +19,8 @@ enum cml_estimator {
     CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
     CML_FROM_GROUPS,   /* cells over two axes, of sums by group, with errors where groups are kept apart: a
                           member */
-    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors from squares: a member */
+    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors by group or from squares:
+                          directions, a member */
     CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
                           nothing */
     CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */

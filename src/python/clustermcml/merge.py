@@ -55,13 +55,13 @@ def _check_alike(names: Sequence[str], data: Sequence[xr.Dataset]) -> None:
         if ("A_z_se" in first) != ("A_z_se" in other):  # an .mco has zeros for what --ignore-absorption leaves out
             raise _differ(name, "absorption by place", "on" if "A_z_se" in other else "off", names[0], "on" if "A_z_se" in first else "off")
         for key in (str(key) for key in first.variables if key in other.variables):
-            one, two = first[key], other[key]
-            if one.dims != two.dims or one.shape != two.shape:
-                raise _differ(name, f"shape of {key}", two.shape, names[0], one.shape)
-            apart = ~np.isclose(one.values, two.values, rtol=DIGITS, atol=0, equal_nan=True).ravel() if key in first.coords or OF_THE_SCENE.fullmatch(key) else np.array([False])
+            mine, others = first[key], other[key]
+            if mine.dims != others.dims or mine.shape != others.shape:
+                raise _differ(name, f"shape of {key}", others.shape, names[0], mine.shape)
+            apart = ~np.isclose(mine.values, others.values, rtol=DIGITS, atol=0, equal_nan=True).ravel() if key in first.coords or OF_THE_SCENE.fullmatch(key) else np.array([False])
             if apart.any():
                 at = np.flatnonzero(apart)[0]
-                raise _differ(name, f"{key}[{at}]", two.values.ravel()[at], names[0], one.values.ravel()[at])
+                raise _differ(name, f"{key}[{at}]", others.values.ravel()[at], names[0], mine.values.ravel()[at])
 
 
 def _streams(name: str, data: xr.Dataset) -> list[tuple[int, int]]:
@@ -140,7 +140,7 @@ def merge(results: Sequence[Result]) -> xr.Dataset:
     if left:
         warnings.warn(f"merge: left out what not all results have: {', '.join(left)}", stacklevel=2)
     arrays = {name: data[0][name].copy(data=values.astype(data[0][name].dtype)) for name, values in _joined(data, common).items()}
-    attributes = {name: value for name, value in data[0].attrs.items() if all(np.array_equal(other.attrs.get(name), value) for other in data[1:])}
+    attributes = {name: value for name, value in data[0].attrs.items() if all(name in other.attrs and np.array_equal(other.attrs[name], value) for other in data[1:])}
     for name in ("seed", "run", "identity"):
         attributes.pop(name, None)
     attributes.update(photons=sum(int(result.attrs["photons"]) for result in data), merged="".join(f"seed {seed}, run {run}\n" for seed, run in streams))

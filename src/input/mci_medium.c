@@ -36,13 +36,26 @@ struct cml_medium_def cml_mci_medium(const struct cml_mci_reader *reader,
 
 /* ---- the name of a layer ---- */
 
-/* Where name= begins, as a word of its own; NULL: nowhere. */
-static char *find_name(char *line)
+/* Where a word of its own begins with `key`; NULL: nowhere. */
+static char *find_word(char *line, const char *key)
 {
-    static const char key[] = "name=";
     char *found = strstr(line, key);
     while (found && found > line && !strchr(" \t", found[-1])) found = strstr(found + 1, key);
     return found;
+}
+
+/* Roughness belongs to a boundary and has a line of its own. Original MCML passes over any word behind the
+ * five numbers, so only words that can mean nothing else are refused. */
+static cml_status refuse_rough(struct cml_mci_reader *reader, const char *owner)
+{
+    static const char *const keys[] = {"rough=", "rough ggx", "rough beckmann"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const char *word = find_word(reader->cursor, keys[i]);
+        if (word)
+            return cml_mci_fail(reader, owner, word,
+                                "a line `rough KIND ALPHA` before the layer whose top it is");
+    }
+    return CML_OK;
 }
 
 /* Words that `--set` and columns of a sweep have for something else: photons, above, layer2 ... */
@@ -79,12 +92,13 @@ cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, 
 {
     char field[64];
     cml_mci_cut_comment(reader->cursor);
-    char *word = find_name(reader->cursor);
+    CML_TRY(refuse_rough(reader, owner));
+    char *word = find_word(reader->cursor, "name=");
     if (!word) return CML_OK;
     *word = '\0'; /* the numbers end here */
     const char *name = word += strlen("name=");
     word += strcspn(word, " \t\v\f\r");
-    const bool again = *word && find_name(word + 1);
+    const bool again = *word && find_word(word + 1, "name=");
     *word = '\0';
     const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
     snprintf(field, sizeof field, "%s: name", owner);
@@ -434,6 +448,7 @@ cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct c
     const char *name = cml_text_word(&reader->cursor);
     if (!set_rough_kind(name, rough)) return cml_mci_fail(reader, field, name, "ggx or beckmann");
     const char *alpha = cml_text_word(&reader->cursor), *rest = cml_text_word(&reader->cursor);
+    snprintf(field, sizeof field, "boundary %d: rough alpha", index);
     if (!alpha || !cml_mci_parse(&alpha_field, alpha, &rough->alpha))
         return cml_mci_fail(reader, field, alpha, alpha_field.expected);
     if (rest) return cml_mci_fail(reader, field, rest, "the end of the line, or a comment behind #");

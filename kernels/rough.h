@@ -17,14 +17,15 @@
 #include "optics.h"
 #include "types.h"
 
-#define CML_ROUGH_LIMIT 1000 /* facets met in one event */
+#define CML_ROUGH_LIMIT 1000                               /* facets met in one event */
+#define CML_ROUGH_FN CML_FN __attribute__((always_inline)) /* in vector loops, however large */
 
 /* ---- functions of the error integral ---- */
 
 /* exp(x^2) erfc(x) for x >= 0. Relative error < 5e-7 in float (unit.rough): a polynomial in
  * (x - 2) / (x + 2), fitted at Chebyshev's nodes, after Shepherd, Laframboise, Math. Comput. 36, 249 (1981).
  */
-CML_FN real cml_erfcx(real x)
+CML_ROUGH_FN real cml_erfcx(real x)
 {
 #ifdef CML_DOUBLE
     const double q = 1 / (x * x);
@@ -47,7 +48,7 @@ CML_FN real cml_erfcx(real x)
 /* The x of erf(x) = 1 - y, for 1e-7 < y < 2 - 1e-7. In float erfc(x) is y to 4e-7, and in the tail to
  * 1e-6 (1 + x^2) of y (unit.rough). Giles, Approximating the erfinv function, GPU Computing Gems Jade (2012);
  * in double two of Newton's steps more. */
-CML_FN real cml_erfc_inverse(real y)
+CML_ROUGH_FN real cml_erfc_inverse(real y)
 {
     const real w = -cml_log(y * (2 - y));
     real p, q;
@@ -83,7 +84,7 @@ CML_FN real cml_erfc_inverse(real y)
 
 /* -ln(1 - exp(-e)) for e > 0: the depth e of a facet seen from the other side. Finite; relative error < 5e-7
  * in float. */
-CML_FN real cml_other_depth(real e)
+CML_ROUGH_FN real cml_other_depth(real e)
 {
 #ifdef CML_DOUBLE
     return e < 0.69 ? fmin(-log(-expm1(-e)), 700) : -log1p(-exp(-e));
@@ -112,22 +113,21 @@ CML_FN real cml_other_depth(real e)
 /* ---- Smith's shadowing ---- */
 
 /* Lambda of a direction with z > 0, >= 0: infinite where it is level. */
-CML_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
+CML_ROUGH_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
 {
     const real across = rough.alpha * rough.alpha * CML_FMA(v.x, v.x, v.y * v.y), z = CML_FABS(v.z);
     if (rough.kind == CML_ROUGH_GGX) return (real)0.5 * across / (z * (z + CML_SQRT(CML_FMA(z, z, across))));
     const real t = CML_SQRT(across) / z;
     const real x = 1 / t, flat = (real)0.5641895835477563 * t; /* t / sqrt(pi) */
-    if (!(t < (real)1e9)) return (real)0.5 * flat;
-    if (!(t > (real)0.05)) return 0; /* exp(-400) */
-    const real above = flat - cml_erfcx(x);
-    return above > 0 ? (real)0.5 * cml_exp_minus(x * x) * above : (real)0;
+    const int level = !(t < (real)1e9), some = t > (real)0.05; /* exp(-400) */
+    const real above = flat - cml_erfcx(x), lambda = (real)0.5 * cml_exp_minus(x * x) * above;
+    return level ? (real)0.5 * flat : (some & (above > 0) ? lambda : (real)0);
 }
 
 /* ---- the normals that a direction sees ---- */
 
 /* The direction in which a stretched surface of alpha 1 is seen from -v. */
-CML_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
+CML_ROUGH_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
 {
     const struct cml_vec w = {-alpha * v.x, -alpha * v.y, -v.z};
     const real k = 1 / CML_SQRT(cml_dot(w, w));
@@ -136,7 +136,7 @@ CML_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
 }
 
 /* Uniform in (0, 1), never 0 or 1, exact in float. */
-CML_FN real cml_uniform_inside(cml_u32 word)
+CML_ROUGH_FN real cml_uniform_inside(cml_u32 word)
 {
     return CML_FMA((real)(int)(word >> 9), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);
 }
@@ -156,7 +156,7 @@ CML_FN struct cml_vec cml_rough_normal_ggx(real alpha, struct cml_vec w, cml_u32
 
 /* What w sees of slopes: F(x) is the integral from -infinity to x of (wz - t side) exp(-t^2). Returns F(x),
  * for x < 0 times exp(x^2), and side exp(-x^2) / F(x). */
-CML_FN real cml_rough_share(real wz, real side, real x, real *density)
+CML_ROUGH_FN real cml_rough_share(real wz, real side, real x, real *density)
 {
     const real tail = cml_erfcx(CML_FABS(x)), part = x < 0 ? (real)0.5 : (real)-0.5 * cml_exp_minus(x * x);
     const real whole = CML_FMA(part, tail, x < 0 ? (real)0 : (real)1);
@@ -175,7 +175,7 @@ struct cml_rough_at {
  * Near the top, and wherever top < 0.95, y is a rational function of v; k = sqrt(2 F(top) exp(top^2) / side)
  * makes its first two terms k v - 2 top (k v)^2 / 3 exact. Light from higher above sees slopes by the normal
  * law, whose x would be g, lowered by some 1 / (2 top - g). Numbers were fitted to slopes by bisection. */
-CML_FN struct cml_rough_at cml_rough_guess(real top, real k, real v, real xi)
+CML_ROUGH_FN struct cml_rough_at cml_rough_guess(real top, real k, real v, real xi)
 {
     struct cml_rough_at at = {0, 0};
     if (top < 4) {
@@ -198,7 +198,7 @@ CML_FN struct cml_rough_at cml_rough_guess(real top, real k, real v, real xi)
 /* The slope x of beckmann along w's azimuth, with density (wz - x side)+ exp(-x^2), by Halley's step for
  * V = sqrt(-ln(F(x) / F(top))), which is almost straight; in double by two. F(x) / F(top) is xi to 1e-6 in
  * float for light from less than 120 degrees, 1e-5 to 150 (unit.rough). */
-CML_FN real cml_rough_slope(real wz, real side, real xi)
+CML_ROUGH_FN real cml_rough_slope(real wz, real side, real xi)
 {
     real density = 2;
     const real top = wz / side, v = CML_SQRT(-cml_log(xi));
@@ -221,8 +221,8 @@ CML_FN real cml_rough_slope(real wz, real side, real xi)
 }
 
 /* A normal of beckmann, not of unit length. */
-CML_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec w, cml_u32 along_word,
-                                                cml_u32 across_word)
+CML_ROUGH_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec w, cml_u32 along_word,
+                                                      cml_u32 across_word)
 {
     const real side = CML_SQRT(CML_FMA(w.x, w.x, w.y * w.y));
     const real y = -cml_erfc_inverse(2 * cml_uniform_inside(across_word)),
@@ -235,8 +235,8 @@ CML_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec w, cm
 }
 
 /* The unit normal of the facet that is met from -v; v may go up. */
-CML_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_vec v, cml_u32 first,
-                                       cml_u32 second)
+CML_ROUGH_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_vec v, cml_u32 first,
+                                             cml_u32 second)
 {
     const struct cml_vec w = cml_rough_stretched(rough.alpha, v);
     const struct cml_vec m = rough.kind == CML_ROUGH_GGX
@@ -254,7 +254,7 @@ struct cml_frame {
     struct cml_vec x, y, z;
 };
 
-CML_FN struct cml_frame cml_frame_about(struct cml_vec z)
+CML_ROUGH_FN struct cml_frame cml_frame_about(struct cml_vec z)
 {
     const real sign = CML_COPYSIGN((real)1, z.z), k = -1 / cml_frame_divisor(z), both = z.x * z.y * k;
     const struct cml_frame frame = {{CML_FMA(sign * z.x * k, z.x, (real)1), sign * both, -sign * z.x},
@@ -263,16 +263,16 @@ CML_FN struct cml_frame cml_frame_about(struct cml_vec z)
     return frame;
 }
 
-CML_FN struct cml_vec cml_in_frame(const struct cml_frame *frame, struct cml_vec u)
+CML_ROUGH_FN struct cml_vec cml_in_frame(struct cml_frame frame, struct cml_vec u)
 {
-    const struct cml_vec v = {cml_dot(u, frame->x), cml_dot(u, frame->y), cml_dot(u, frame->z)};
+    const struct cml_vec v = {cml_dot(u, frame.x), cml_dot(u, frame.y), cml_dot(u, frame.z)};
     return v;
 }
 
-CML_FN struct cml_vec cml_from_frame(const struct cml_frame *frame, struct cml_vec v)
+CML_ROUGH_FN struct cml_vec cml_from_frame(struct cml_frame frame, struct cml_vec v)
 {
     const struct cml_vec none = {0, 0, 0};
-    return cml_along(cml_along(cml_along(none, v.x, frame->x), v.y, frame->y), v.z, frame->z);
+    return cml_along(cml_along(cml_along(none, v.x, frame.x), v.y, frame.y), v.z, frame.z);
 }
 
 /* A packet on the surface, seen from the side that it is on: z up, away from the surface. */
@@ -283,35 +283,32 @@ struct cml_rough_walk {
     int steps;        /* facets met */
 };
 
-/* Step 1: whether the packet leaves; else it is at the next facet. */
-CML_FN int cml_rough_fly(struct cml_rough rough, struct cml_rough_walk *walk, cml_u32 word)
+/* Step 1 in direction v: whether the packet leaves; else it is at the next facet, whose depth is *e. */
+CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e, cml_u32 word)
 {
-    const real flown = -cml_log(cml_uniform_inside(word));
-    if (walk->v.z == 0) return 0;
-    const real lambda = cml_rough_lambda(rough, walk->v);
-    if (walk->v.z < 0) {
-        walk->e += flown / (1 + lambda);
-        return 0;
-    }
-    if (!(walk->e * lambda > flown)) return 1;
-    walk->e -= flown / lambda;
-    return 0;
+    const real flown = -cml_log(cml_uniform_inside(word)), lambda = cml_rough_lambda(rough, v), from = *e;
+    const int leaves = (v.z > 0) & !(from * lambda > flown);
+    const real next = from + flown / (v.z < 0 ? 1 + lambda : -lambda);
+    *e = leaves | (v.z == 0) ? from : next;
+    return leaves;
 }
 
 /* Step 3 at a facet with the unit normal m: reflection by Fresnel's share R, else refraction. */
-CML_FN void cml_rough_turn(struct cml_rough_walk *walk, struct cml_vec m, real n1, real n2, cml_u32 word)
+CML_ROUGH_FN struct cml_rough_walk cml_rough_turn(struct cml_rough_walk walk, struct cml_vec m, real n1,
+                                                  real n2, cml_u32 word)
 {
-    const real cosine = -cml_dot(walk->v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+    const real cosine = -cml_dot(walk.v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
     real ct;
     const real R = cml_fresnel(n1, n2, ci, &ct);
     if (cml_uniform(word) <= R) {
-        walk->v = cml_normalise(cml_along(walk->v, 2 * ci, m));
-        return;
+        walk.v = cml_normalise(cml_along(walk.v, 2 * ci, m));
+        return walk;
     }
-    walk->v = cml_refract(walk->v, m, n1 / n2, ci, ct);
-    walk->v.z = -walk->v.z;
-    walk->e = cml_other_depth(walk->e);
-    walk->beyond = !walk->beyond;
+    walk.v = cml_refract(walk.v, m, n1 / n2, ci, ct);
+    walk.v.z = -walk.v.z;
+    walk.e = cml_other_depth(walk.e);
+    walk.beyond = !walk.beyond;
+    return walk;
 }
 
 /* Step 3 on a backing: the share of the weight that is reflected. */
@@ -351,21 +348,21 @@ CML_FN struct cml_rough_exit cml_rough_event(struct cml_stream stream, cml_u64 p
                                              const struct cml_backing *backing)
 {
     const struct cml_frame frame = cml_frame_about(against);
-    struct cml_rough_walk walk = {cml_in_frame(&frame, u), 0, 0, 0};
+    struct cml_rough_walk walk = {cml_in_frame(frame, u), 0, 0, 0};
     struct cml_rough_exit exit = {u, 0, 0, 1};
     struct cml_block draw = cml_draw_rough(stream, photon, crossing, (*blocks)++, 0);
-    while (walk.steps < CML_ROUGH_LIMIT && !cml_rough_fly(rough, &walk, draw.w[0])) {
+    while (walk.steps < CML_ROUGH_LIMIT && !cml_rough_fly(rough, walk.v, &walk.e, draw.w[0])) {
         /* The next step needs this block for sure: a processor draws it while it waits for what follows. */
         const struct cml_block next = cml_draw_rough(stream, photon, crossing, (*blocks)++, ++walk.steps);
         const struct cml_vec m = cml_rough_normal(rough, walk.v, draw.w[1], draw.w[2]);
         if (backing)
             exit.stays *= cml_rough_mirror(&walk, m, backing);
         else
-            cml_rough_turn(&walk, m, walk.beyond ? n2 : n1, walk.beyond ? n1 : n2, draw.w[3]);
+            walk = cml_rough_turn(walk, m, walk.beyond ? n2 : n1, walk.beyond ? n1 : n2, draw.w[3]);
         draw = next;
     }
     if (walk.beyond) walk.v.z = -walk.v.z;
-    exit.u = cml_normalise(cml_from_frame(&frame, walk.v));
+    exit.u = cml_normalise(cml_from_frame(frame, walk.v));
     exit.transmitted = walk.beyond;
     exit.steps = walk.steps;
     return exit;

@@ -411,7 +411,7 @@ CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct 
     }
     if (!outside)
         packet->entered = 1;
-    else if (!world->setup.reentry || cml_is_plane(world, boundary))
+    else if (packet->fate == CML_FATE_ALIVE && (!world->setup.reentry || cml_is_plane(world, boundary)))
         cml_score_exit(packet);
 }
 

@@ -48,7 +48,7 @@ static struct cml_block draw(const struct walks *w, int k, int step)
 static void turn(const struct walks *w, struct cml_rough_walk *walk, struct cml_vec m, cml_u32 word)
 {
     const real n[2] = {(real)w->start->near, (real)w->start->far};
-    cml_rough_turn(walk, m, n[walk->beyond], n[!walk->beyond], word);
+    *walk = cml_rough_turn(*walk, m, n[walk->beyond], n[!walk->beyond], word);
 }
 
 /* Walks on behind the first facet. The power of a walk that meets too many facets goes where it is last. */
@@ -56,7 +56,7 @@ static void finish(struct walks *w, struct cml_rough_walk walk, int k, double po
 {
     for (walk.steps = 1; walk.steps < CML_ROUGH_LIMIT; walk.steps++) {
         const struct cml_block block = draw(w, k, walk.steps);
-        if (cml_rough_fly(w->rough, &walk, block.w[0])) break;
+        if (cml_rough_fly(w->rough, walk.v, &walk.e, block.w[0])) break;
         const struct cml_vec m = cml_rough_normal(w->rough, walk.v, block.w[1], block.w[2]);
         if (w->start->backed)
             power *= (double)cml_rough_mirror(&walk, m, &w->backing);
@@ -73,7 +73,7 @@ static void walk(struct walks *w, int k, double power)
     const double sine = sqrt(1 - w->start->cosine * w->start->cosine);
     const struct cml_block block = draw(w, k, 0);
     struct cml_rough_walk first = {{(real)sine, 0, (real)-w->start->cosine}, 0, 0, 0};
-    if (cml_rough_fly(w->rough, &first, block.w[0])) return;
+    if (cml_rough_fly(w->rough, first.v, &first.e, block.w[0])) return;
     const struct cml_vec m = cml_rough_normal(w->rough, first.v, block.w[1], block.w[2]);
     if (w->start->backed) {
         const double kept = (double)cml_rough_mirror(&first, m, &w->backing);

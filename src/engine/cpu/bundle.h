@@ -11,6 +11,7 @@
  *   bundle_launch_inl.h           into a lane: queue of new packets, launch, compaction of lanes at the end
  *   bundle_walk_inl.h             a pass over all lanes; planes; roulette; exits
  *   bundle_loops_inl.h            the vector loops of a pass: draw, fly, planes
+ *   bundle_rough_inl.h            rough planes: walks on facets, all lanes together
  *   bundle_interact_inl.h         and the interaction
  *   bundle_marks_inl.h            where fluence is asked for: marks on paths
  *   bundle_curved_reach_inl.h     curved boundaries, 1: on which part of its path a lane can meet one

@@ -35,6 +35,7 @@ struct cml_flight {
     const struct cml_world *world;
     struct cml_bundle *b;
     struct cml_gathered *gathered; /* scratch of bundle_curved_reach_inl.h */
+    struct cml_rough_lanes *rough; /* scratch of bundle_rough_inl.h */
     struct cml_regions *regions;   /* of lanes, for bundle_bodies_inl.h */
     struct cml_tally *tally;
     const struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
@@ -55,10 +56,11 @@ struct cml_flight {
     real reflectance; /* there */
     struct cml_ballistic ballistic;
     /* the scene */
-    int curves;     /* not all boundaries are planes */
-    real steepest;  /* slope of those that are none */
-    int safe_cells; /* some of these have safe distances */
-    int books_more; /* deposits go into gates or rows, too */
+    int curves;       /* not all boundaries are planes */
+    real steepest;    /* slope of those that are none */
+    int rough_planes; /* some planes are rough */
+    int safe_cells;   /* some of these have safe distances */
+    int books_more;   /* deposits go into gates or rows, too */
     /* lanes */
     uint64_t live, ended;     /* masks: lanes that hold packets; those of them whose packet has ended */
     uint64_t past_bodies;     /* mask: lanes that meet no body any more before they interact in this pass */

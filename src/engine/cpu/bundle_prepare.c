@@ -4,18 +4,17 @@
 #include "surface/mesh/mesh_surface.h"
 
 /* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). One with a
- * backing counts as curved, and so does a rough one: lanes go by kernels/walk.h there. A medium
- * without a boundary on one side, an outer one or that of a body, has infinite depths there, and its own
- * index beyond it. */
+ * backing counts as curved: lanes go by kernels/walk.h there. A medium without a boundary on one side, an
+ * outer one or that of a body, has infinite depths there, and its own index beyond it. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
     const int layers = world->setup.num_layers, in_body = m > layers + 1;
     const struct cml_surface *top = m > 0 && !in_body ? &world->surfaces[m - 1] : NULL;
     const struct cml_surface *bottom = m <= layers ? &world->surfaces[m] : NULL;
-    const int plane_top = top && top->kind == CML_SURFACE_PLANE && !top->rough.kind;
-    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE && !bottom->rough.kind &&
-                             m != world->setup.backing.boundary;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
+    const int plane_bottom =
+        bottom && bottom->kind == CML_SURFACE_PLANE && m != world->setup.backing.boundary;
     const real stop_above = top ? top->highest : -CML_INFINITY;
     const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
     const struct cml_lane_medium lane = {

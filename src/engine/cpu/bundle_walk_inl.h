@@ -10,6 +10,7 @@
 #include "engine/cpu/bundle_interact_inl.h"
 #include "engine/cpu/bundle_marks_inl.h"
 #include "engine/cpu/bundle_prepare.h"
+#include "engine/cpu/bundle_rough_inl.h"
 
 /* ---- what must hold between two passes, for CML_ASSERT: in release builds nothing calls it ---- */
 
@@ -304,7 +305,8 @@ static void cml_cross_planes(struct cml_flight *f)
     const int any =
         f->to.phi ? cml_reach_planes_with_marks(f) : cml_bundle_reach_planes(b, setup->keeps_paths);
     if (above) cml_score_tail_at_planes(f, above);
-    if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
+    const int smooth = any & CML_ANY_AT_PLANE && !(f->rough_planes && cml_cross_rough_planes(f));
+    if (smooth) cml_bundle_reflect_or_refract(setup, b);
     if (b->trail_length) cml_bundle_count_reflected_depths(b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
@@ -522,8 +524,10 @@ static void cml_flight_begin(struct cml_flight *f)
     f->curves = setup->backing.kind != CML_BACKING_NONE;
     for (int i = 0; i <= setup->num_layers; i++) {
         const struct cml_surface *surface = &f->world->surfaces[i];
-        f->curves |= surface->rough.kind != CML_SMOOTH;
-        if (surface->kind == CML_SURFACE_PLANE) continue;
+        if (surface->kind == CML_SURFACE_PLANE) {
+            f->rough_planes |= surface->rough.kind != CML_SMOOTH;
+            continue;
+        }
         f->curves = 1;
         f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;
         f->safe_cells |= f->world->safe_cells[i].nx > 0;
@@ -569,10 +573,12 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
 {
     struct cml_bundle bundle = {0};
     struct cml_gathered gathered = {0};
+    struct cml_rough_lanes rough = {0};
     struct cml_regions regions = {0};
     struct cml_flight f = {.world = world,
                            .b = &bundle,
                            .gathered = &gathered,
+                           .rough = &rough,
                            .regions = &regions,
                            .tally = tally,
                            .media = media,

@@ -146,13 +146,6 @@ static cml_status cut_tile(const struct cml_boundary *boundary, double x_low, do
     return CML_OK;
 }
 
-double cml_outer_depth(const struct cml_boundary *boundary)
-{
-    if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
-    if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
-    return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
-}
-
 cml_status cml_section_add_body(const struct cml_mesh *mesh, struct cml_cut *cut, struct cml_error *err)
 {
     return cut_triangles(mesh, 0, cut, err);

@@ -20,6 +20,3 @@ CML_NODISCARD cml_status cml_section_add_body(const struct cml_mesh *mesh, struc
                                               struct cml_error *err);
 
 void cml_cut_clear(struct cml_cut *cut);
-
-/* Depth of the plane in which the boundary goes on outside its shape; mean depth of a tile; cm. */
-double cml_outer_depth(const struct cml_boundary *boundary);

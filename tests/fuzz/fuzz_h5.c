@@ -1,4 +1,4 @@
-/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result, map and fields, and
+/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result and fields, and
  * merged. The input is a list of changes: one byte each for what is done, to which object and how; so every
  * file is one that HDF5 itself has made, and what it holds is anything. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 #include "output/study/merge_parts.h"
-#include "plot/files/map_h5.h"
 #include "result/h5.h"
 
 enum { NR = 3, NZ = 2, NA = 2, NX = 3, NY = 2 };
@@ -314,17 +313,6 @@ static void read_result(const char *path, bool merged, bool write)
     cml_outcome_clear(&mco[1]);
 }
 
-static void read_map(const char *path)
-{
-    struct cml_pixels map;
-    struct cml_error err = {CML_OK, ""};
-    char unit[CML_HDF5_UNIT];
-    const struct cml_voxel_cut none = {0, 0};
-    const cml_status status = cml_hdf5_read_map(path, "Rd_xy", &none, "", &map, unit, &err);
-    if (status != CML_OK) fuzz_refused(status, &err);
-    cml_pixels_clear(&map);
-}
-
 static void read_fields(const char *path)
 {
     struct cml_hdf5_arrays fields;
@@ -346,9 +334,7 @@ static void read_as(unsigned long how, const char *path)
 {
     how %= 64;
     if (how < 40)
-        read_map(path);
-    else if (how < 48)
-        read_fields(path);
+        else if (how < 48) read_fields(path);
     else
         read_result(path, how >= 62, how == 63);
 }

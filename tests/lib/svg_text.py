@@ -33,8 +33,9 @@ def matrix(transform):
         elif name == "scale":
             m = times(m, (v[0], 0, 0, v[-1], 0, 0))
         else:
+            x, y = v[1:] if len(v) > 1 else (0, 0)
             sine, cosine = math.sin(math.radians(v[0])), math.cos(math.radians(v[0]))
-            m = times(m, (cosine, sine, -sine, cosine, 0, 0))
+            m = times(m, (cosine, sine, -sine, cosine, x - cosine * x + sine * y, y - sine * x - cosine * y))
     return m
 
 
@@ -49,23 +50,33 @@ def box_of(element, m, size, anchor):
 
 
 def words_of(element):
-    return "".join(element.itertext()).strip()
+    return "".join(text.strip() for text in element.itertext()) if len(element) and element.get("style") is None else "".join(element.itertext()).strip()
+
+
+def styled(element, key, otherwise):
+    """An attribute, or the same in `style`, where `font` has the size."""
+    found = re.search(r"font:[^;]*?([0-9.]+)px" if key == "font-size" else key + ": *([^;]*)", element.get("style", ""))
+    return element.get(key, found[1] if found else otherwise)
 
 
 def texts_of(element, m=SAME, size=12.0, anchor="start"):
     """(words, box) of every text below the element."""
     m = times(m, matrix(element.get("transform")))
-    size = float(LENGTH.match(element.get("font-size", str(size))).group())
-    anchor = element.get("text-anchor", anchor)
+    size = float(LENGTH.match(styled(element, "font-size", str(size))).group())
+    anchor = styled(element, "text-anchor", anchor)
     if element.tag == SVG + "text":
         for part in element:
-            size = float(LENGTH.match(part.get("font-size", str(size))).group()) if part.text else size
+            size = max(size if element.get("style") else 0, float(LENGTH.match(styled(part, "font-size", str(size))).group())) if part.text else size
         return [(words_of(element), box_of(element, m, size, anchor))] if words_of(element) else []
     return [found for child in element if child.tag != SVG + "defs" for found in texts_of(child, m, size, anchor)]
 
 
 def on_white(root, view):
     """Whether a white rectangle fills the picture."""
+    for part in root.iter(SVG + "path"):
+        corners = [float(word) for word in LENGTH.findall(part.get("d", ""))] if "fill: #ffffff" in part.get("style", "") else []
+        if corners and [min(corners[::2]), min(corners[1::2]), max(corners[::2]), max(corners[1::2])] == view:
+            return True
     return any(part.get("fill", "").lower() == "#ffffff" and [float(part.get(key)) for key in ("x", "y", "width", "height")] == view
                for part in root.iter(SVG + "rect"))
 

@@ -10,6 +10,7 @@ import contextlib
 import io
 import math
 import os
+import re
 import sys
 import tempfile
 from typing import Any, Callable, NoReturn, Optional, Sequence
@@ -54,7 +55,10 @@ class Parser(argparse.ArgumentParser):
         self.command = command
 
     def error(self, message: str) -> NoReturn:
-        raise errors.InputError(f"{self.command}: {message} (try clustermcml help {self.command})")
+        """argparse's "argument -o/--output: TEXT" is "--output TEXT" for us."""
+        own = re.fullmatch(r"argument (?:-\w/)?(--[\w-]+): (.*)", message)
+        text = f"{own[1]} {own[2]}" if own and "(expected" in own[2] else f"{self.command}: {message}"
+        raise errors.InputError(text if "(expected" in text else f"{text} (try clustermcml {self.command} --help)")
 
     def print_help(self, file: Any = None) -> None:
         raise SystemExit(print_text(self.format_help()))
@@ -79,10 +83,10 @@ def picture_name(path: str) -> str:
     return path
 
 
-def check_overwrite(output: Optional[str], inputs: Sequence[str]) -> None:
+def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) -> None:
     for path in inputs if output is not None else ():
         if os.path.exists(path) and os.path.exists(str(output)) and os.path.samefile(path, str(output)):
-            raise errors.InputError(f"--output {output} is one of the files that are read (expected another name)")
+            raise errors.InputError(f"{command}: -o {output} would overwrite its input {path}")
 
 
 def readable(path: str) -> str:

@@ -482,12 +482,12 @@ def main(words: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one line with one object on standard output, nothing else there")
     parser.add_argument("--quiet", action="store_true", help="no summary")
     given = parser.parse_args(words)
-    check_overwrite(given.output, given.files)
+    check_overwrite("compare", given.output, given.files)
     comparison = _compared([readable(path) for path in given.files], given.files)
     if given.output is not None:
         from .pictures import draw_comparison
         draw_comparison(comparison, given.alpha, given.output)
-    text = json.dumps(comparison.told(given.alpha)) + "\n" if given.json else "" if given.quiet else comparison.summary(given.alpha)
+    text = json.dumps(comparison.told(given.alpha), separators=(",", ":")) + "\n" if given.json else "" if given.quiet else comparison.summary(given.alpha)
     code = print_text(text) if text else 0
     if code or not comparison.p < given.alpha:
         return code

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .compare import Comparison
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442")  # Okabe and Ito: told apart by all eyes
-STYLE = {"font.size": 10, "axes.titlesize": 11, "axes.titleweight": "bold", "axes.grid": True, "axes.axisbelow": True, "grid.color": "#E4E4E4", "grid.linewidth": 0.6,
+STYLE = {"font.size": 10, "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"], "axes.titlesize": 11, "axes.titleweight": "bold", "axes.grid": True, "axes.axisbelow": True, "grid.color": "#E4E4E4", "grid.linewidth": 0.6,
          "axes.edgecolor": "#404040", "axes.linewidth": 0.8, "legend.frameon": False, "image.cmap": "viridis", "savefig.dpi": 192, "svg.fonttype": "none",
          "svg.hashsalt": "clustermcml"}
 

@@ -90,7 +90,7 @@ class Result:
             ends = array[axis].values
             half = abs(ends[-1] - ends[0]) / max(ends.size - 1, 1) / 2
             if not ends.min() - half <= place <= ends.max() + half:
-                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g}, in {shown_path(self.path)})")
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g} {array[axis].attrs.get('units', '')}, in {shown_path(self.path)})")
             array, known = array.sel({axis: place}, method="nearest"), None if known is None else known.sel({axis: place}, method="nearest")
         return array, known
 
@@ -535,6 +535,6 @@ def main(words: list[str]) -> int:
     given = _parser().parse_args(words)
     if len(given.files) > MOST or len(given.label) > len(given.files):
         raise errors.InputError(f"plot: {len(given.files)} files and {len(given.label)} labels (expected at most {MOST} files, and a label for each)")
-    check_overwrite(given.output, given.files)
+    check_overwrite("plot", given.output, given.files)
     draw(given)
     return 0 if given.quiet else print_text(shown_path(given.output) + "\n")

@@ -14,7 +14,7 @@ from typing import Any, Iterable, Optional, Union
 import numpy as np
 
 from . import errors
-from .command_line import Parser, picture_name, print_text, shown_path
+from .command_line import Parser, check_overwrite, picture_name, print_text, shown_path
 from .commands import check, mesh
 from .pictures import COLOURS, drawing, save
 from .program import scratch_folder
@@ -277,6 +277,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             for x in (-reach, reach):
                 axes.axvline(x, color="#808080", lw=1.0, ls="-.")
             words.append("map, {nx} x {ny} pixels of {dx:g} x {dy:g} cm".format(**scene["map"]))
+        figure.get_layout_engine().set(w_pad=0.25)
         axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [cm]", ylabel="depth z [cm]")
         axes.set_title("\n".join(words), loc="left", fontsize="small", fontweight="normal", color=COLOURS[1])
         figure.suptitle(f"{shown_path(scene['output'])}, seen along y", fontweight="bold")
@@ -310,6 +311,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--style", metavar="FILE", help="a style of matplotlib (.mplstyle), over ours")
     parser.add_argument("--quiet", action="store_true", help="does not name the picture")
     given = parser.parse_args(words)
+    check_overwrite("view", given.output, [given.scene])
     settings = {name: value for name, _, value in (word.partition("=") for word in given.set)}
     options = {**({"set": settings} if settings else {}), **({"ignore_heightfields": True} if given.ignore_heightfields else {})}
     view(given.scene, picture_name(given.output), int(given.run), given.style, **options)

@@ -32,7 +32,7 @@ draw many "$work/many.mci" 'layer 4, n = 1.34' 'layer 60, n = 1.9' 'at y = 0.2 c
 awk 'BEGIN { print "1.0\n1\nmost.mco A\n1000\n0.01 0.02\n20 50 10\n100000\n1.0"
     for (i = 0; i < 100000; i++) print "1.4 1 10 0.8 1e-5"
     print "1.0" }' >"$work/most.mci"
-draw most "$work/most.mci" 'layer 1, n = 1.4'
+draw most "$work/most.mci" 'layer 5001, n = 1.4'
 for beam in 'disk 0.02 at=-0.9,0 angle=60' 'disk 0.02 at=0.9,0 angle=89 azimuth=180' 'pencil angle=45 azimuth=90' 'pencil at=-5,0' \
     'gaussian 3 angle=60 azimuth=180'; do
     printf '1.0\n1\nsea.mco A\n1000\nbeam %s\nmap 10 10 0.2 0.2\n0.01 0.02\n20 50 10\n2\n1.0\n%s\n%s\n1.33 1 10 0.8 1e9\n1.0\n' \

@@ -147,6 +147,7 @@ def main() -> int:
     commands = {"compare": ".compare", "plot": ".plot", "view": ".view"}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         return fit_main()
+    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
     try:
         found: int = importlib.import_module(commands[sys.argv[1]], __package__).main(sys.argv[2:])
         return found

@@ -83,6 +83,13 @@ def picture_name(path: str) -> str:
     return path
 
 
+def picture_path(output: Any) -> str:
+    """The argument `output` of a function that draws."""
+    if not isinstance(output, (str, os.PathLike)) or not os.fspath(output).lower().endswith(PICTURES) or "\0" in os.fspath(output):
+        raise errors.refuse("output", output, "a name that ends in .svg, .png, .pdf or .eps")
+    return os.fspath(output)
+
+
 def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) -> None:
     for path in inputs if output is not None else ():
         if os.path.exists(path) and os.path.exists(str(output)) and os.path.samefile(path, str(output)):

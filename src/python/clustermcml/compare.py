@@ -28,7 +28,7 @@ import numpy as np
 import xarray as xr
 
 from . import errors
-from .command_line import Parser, check_overwrite, print_text, readable, shown_path
+from .command_line import Parser, check_overwrite, picture_path, print_text, readable, shown_path
 from .results import read_as
 
 ENOUGH = 20.0  # packets of the mean weight in the smaller run, for a test
@@ -456,11 +456,13 @@ def _same_axes(a: xr.DataArray, b: xr.DataArray) -> bool:
 def compare(a: Union[str, os.PathLike[str]], b: Union[str, os.PathLike[str]], alpha: float = 0.01, output: Union[str, os.PathLike[str], None] = None) -> dict[str, Any]:
     """Whether two results (.mco, .h5) agree within their noise at the level alpha: `agree`, `p`, the `worst` tests, and those of all
     `quantities`. output: a picture of z over every profile, .svg, .png, .pdf or .eps."""
-    comparison = _compared([errors.existing_file("a", a), errors.existing_file("b", b)], [os.fspath(a), os.fspath(b)])
     errors.number("alpha", alpha, math.ulp(0.0), 1 - 2**-53, "a number above 0 and below 1")
-    if output is not None:
+    picture = None if output is None else picture_path(output)
+    files = [errors.existing_file("a", a), errors.existing_file("b", b)]
+    comparison = _compared(files, files)
+    if picture is not None:
         from .pictures import draw_comparison
-        draw_comparison(comparison, alpha, os.fspath(output))
+        draw_comparison(comparison, alpha, picture)
     return comparison.told(alpha)
 
 

@@ -245,7 +245,8 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
                 if not given.of:
                     curve = curve._replace(y=curve.y * curve.x, error=None if curve.error is None else curve.error * curve.x)
             _draw_curve(axes, curve, given.labels[k], COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
-            lit = curve.x[np.nan_to_num(np.asarray(curve.y, dtype=float)) > 0]
+            values: Any = np.nan_to_num(np.asarray(curve.y, dtype=float))
+            lit = curve.x[values > 0]
             beyond = max(beyond, float(lit[-1]) if lit.size else 0.0)
             if curve.axis:
                 axes.set(xlabel=curve.axis, ylabel=curve.drawn_as)

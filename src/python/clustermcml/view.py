@@ -14,7 +14,7 @@ from typing import Any, Iterable, Optional, Union
 import numpy as np
 
 from . import errors
-from .command_line import Parser, check_overwrite, picture_name, print_text, shown_path
+from .command_line import Parser, check_overwrite, picture_path, print_text, shown_path
 from .commands import check, mesh
 from .pictures import COLOURS, drawing, save
 from .program import scratch_folder
@@ -168,13 +168,14 @@ def _arrow(axes: Any, tip: Any, foot: Any, **style: Any) -> None:
     """As far as it lies in the frame."""
     drawn = axes.annotate("", tuple(tip), tuple(foot), annotation_clip=False, arrowprops={"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, **style})
     drawn.arrow_patch.set_clip_path(axes.patch)
+    drawn.set_in_layout(False)
 
 
 def _draw_beam(axes: Any, beam: dict[str, Any], frame: tuple[float, float, float, float]) -> None:
     """Its axis, its sides, and the rays at its sides. One that starts inside has arrows from its middle."""
     left, right, top, bottom = frame
     angle, across, half = math.radians(beam["angle"]), math.cos(math.radians(beam["azimuth"])), _half(beam)
-    style = {"color": COLOURS[1], "lw": 1.3}
+    style: dict[str, Any] = {"color": COLOURS[1], "lw": 1.3}
     spread = math.radians(beam["spread"])
     if beam["z"] is None:
         length, axis = -top, np.array([math.sin(angle) * across, math.cos(angle)])
@@ -201,7 +202,7 @@ def _draw_detector(axes: Any, detector: dict[str, Any]) -> None:
     """Where it stands, seen along y; the direction that it looks along, against the light, is short and dashed."""
     x, z, reach = detector["x"], detector["z"], _reach(detector)
     angle, across = math.radians(detector["angle"]), math.cos(math.radians(detector["azimuth"]))
-    style = {"color": COLOURS[2], "lw": 3.0, "solid_capstyle": "butt"}
+    style: dict[str, Any] = {"color": COLOURS[2], "lw": 3.0, "solid_capstyle": "butt"}
     spans = [(-reach, reach)] if detector["shape"] != "ring" else [(-reach, -min(detector["size"])), (min(detector["size"]), reach)]
     for low, high in spans:
         axes.plot([x + low, x + high], [z, z], **style)
@@ -277,7 +278,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             for x in (-reach, reach):
                 axes.axvline(x, color="#808080", lw=1.0, ls="-.")
             words.append("map, {nx} x {ny} pixels of {dx:g} x {dy:g} cm".format(**scene["map"]))
-        figure.get_layout_engine().set(w_pad=0.25)
+        figure.get_layout_engine().set(rect=(0, 0, 0.97, 1))
         axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [cm]", ylabel="depth z [cm]")
         axes.set_title("\n".join(words), loc="left", fontsize="small", fontweight="normal", color=COLOURS[1])
         figure.suptitle(f"{shown_path(scene['output'])}, seen along y", fontweight="bold")
@@ -289,6 +290,9 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
 def view(scene: Union[Scene, str, os.PathLike[str]], output: Union[str, os.PathLike[str]], run: int = 1, style: Optional[str] = None, **options: Any) -> None:
     """Draws the section through a scene along x into a file, .svg, .png, .pdf or .eps: boundaries, layers, bodies, beams, detectors, the map.
     run: which of the file's. Options are those of mc.mesh."""
+    path, run = picture_path(output), errors.whole("run", run, 1, 2**31)
+    if style is not None:
+        style = errors.existing_file("style", style)
     runs = check(scene, **options)
     if not 1 <= run <= len(runs):
         raise errors.InputError(f"--run {run} (expected 1 to {len(runs)}, the runs of {'the Scene' if isinstance(scene, Scene) else os.fspath(scene)})")
@@ -297,7 +301,7 @@ def view(scene: Union[Scene, str, os.PathLike[str]], output: Union[str, os.PathL
         curved = any(boundary["kind"] != "plane" for boundary in told["boundaries"]) or any(body["form"] != "sphere" for body in told.get("bodies", []))
         if curved:
             mesh(scene, folder, **options)
-        draw(told, folder, os.fspath(output), style)
+        draw(told, folder, path, style)
 
 
 def main(words: list[str]) -> int:
@@ -313,6 +317,6 @@ def main(words: list[str]) -> int:
     given = parser.parse_args(words)
     check_overwrite("view", given.output, [given.scene])
     settings = {name: value for name, _, value in (word.partition("=") for word in given.set)}
-    options = {**({"set": settings} if settings else {}), **({"ignore_heightfields": True} if given.ignore_heightfields else {})}
-    view(given.scene, picture_name(given.output), int(given.run), given.style, **options)
+    options: dict[str, Any] = {**({"set": settings} if settings else {}), **({"ignore_heightfields": True} if given.ignore_heightfields else {})}
+    view(given.scene, given.output, int(given.run), given.style, **options)
     return 0 if given.quiet else print_text(shown_path(given.output) + "\n")

@@ -73,7 +73,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     has cut.svg 'A_xyz  [1/cm³], z = 0.05' '>x  [cm]<' '>y  [cm]<'
     expect_code 0 plot "$work/v.h5" --of Rd_dir -o "$work/dir.svg"
     expect_code 0 plot "$work/v.h5" "$work/v.h5" --label one --label two --of Tt -o "$work/two.svg"
-    has two.svg '>one<' '>two<' '>Tt  [1/cm²]<'
+    has two.svg '>one<' '>two<' '>Tt  [1/cm²]'
     expect_code 0 plot "$work/v.h5" --of boundary0_irradiance_above -o "$work/facets.png"
     refused "--cut y=9 (expected a place of -0.15 to 0.15 cm, in $work/v.h5)" plot "$work/v.h5" --of A_xyz --cut y=9
     refused "--of Rd_xya: over y x alpha (expected --cut at a place of one of them)" plot "$work/v.h5" --of Rd_xya

@@ -296,11 +296,12 @@ def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
 
 def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> Any:
     """One scale for all maps: linear up to a range of FAR, logarithmic beyond; the faintest hundredth of what is lit has the darkest colour."""
-    lit = np.concatenate([array[np.isfinite(array) & (array > 0)] for array in map(np.ravel, arrays)])
+    flat: list[Any] = [np.ravel(array) for array in arrays]
+    lit = np.concatenate([array[np.isfinite(array) & (array > 0)] for array in flat])
     log = given.scale == "log" or given.scale is None and lit.size > 0 and lit.max() > FAR * lit.min()
     low, high = given.crange or (None, None)
     high = high if high is not None else float(np.percentile(lit, given.percentile)) if lit.size else 1.0
-    least = min((float(array[np.isfinite(array)].min()) for array in map(np.ravel, arrays) if np.isfinite(array).any()), default=0.0)
+    least = min((float(array[np.isfinite(array)].min()) for array in flat if np.isfinite(array).any()), default=0.0)
     low = low if low is not None else (float(np.percentile(lit, 1)) if lit.size else high / 10) if log else min(0.0, least)
     if log and not low > 0:
         raise errors.InputError(f"--crange {low:g}: on a logarithmic scale (expected a lower end above 0, or --linear)")

@@ -262,10 +262,15 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
         for line in lines:
             line.draw(axes, color="#202020", lw=1.2)
+        labels: list[tuple[float, float, str]] = []
         for k, pieces in enumerate(bodies):
             Line(pieces).draw(axes, color=COLOURS[0], lw=1.2)
-            if len(pieces) and k < BODIES:
-                axes.annotate(f"body {k + 1}, n = {scene['bodies'][k]['n']:g}", (pieces[..., 0].max(), pieces[..., 1].mean()), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
+            if len(pieces) and len(labels) < BODIES:
+                labels.append((float(pieces[..., 1].mean()), float(pieces[..., 0].max()), f"body {k + 1}, n = {scene['bodies'][k]['n']:g}"))
+        last = -math.inf
+        for depth, x, text in sorted(labels):  # one below the other
+            last = max(depth, last + 0.045 * (bottom - top))
+            axes.annotate(text, (x, last), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
         frame = (left, right, top, bottom)
         words = []
         for k, beam in enumerate(scene["beams"]):

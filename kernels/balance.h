@@ -3,9 +3,16 @@
  * `residue`. SPDX-License-Identifier: MIT */
 #pragma once
 
-/* A packet escapes once, so the sum of its squared weights gives a standard error. Weights are rounded to
+/* A packet escapes once. So the sum of squared weights gives a standard error that lattice sampling makes too
+ * large, where an array has too many cells for sums of each group of packets. Weights are rounded to
  * 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
 #define CML_SQUARE_SHIFT 15
+
+/* An array to whose cells a packet adds at most once. A cell of one group of packets and that of the next lie
+ * `step` apart. 0: there is one for all groups, and its sum of squares lies `squares` behind it. */
+struct cml_once {
+    unsigned long step, squares; /* 64 bits in C and OpenCL C */
+};
 
 /* The photons of a run are dealt out in turn to 64 batches: photon i is point i / 64 of batch i mod 64. How
  * many photons there are does not matter, so a longer run has all packets of a shorter one, in the same

@@ -3,8 +3,8 @@
  * that scenes and tallies can stand on it. SPDX-License-Identifier: MIT */
 #pragma once
 
-/* Cells of grids, voxels and facets are too many for 64 sums of each, those of the batches (balance.h):
- * their errors come from 16 groups of four batches, photon i in group i mod 16. */
+/* Cells of grids, maps, voxels, facets and directions are too many for 64 sums of each, those of the batches
+ * (balance.h): their errors come from 16 groups of four batches, photon i in group i mod 16. */
 #define CML_NUM_GROUPS 16
 
 enum cml_surface_kind {
@@ -51,7 +51,8 @@ enum cml_facet_score {
     CML_FACET_EXITANCE_ABOVE, /* leaves into the medium above, transmitted or reflected */
     CML_FACET_EXITANCE_BELOW,
     CML_FACET_ESCAPED,         /* part of Rd (boundary 0) or Tt (boundary L) that touched this facet last */
-    CML_FACET_ESCAPED_SQUARES, /* of the packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h) */
+    CML_FACET_ESCAPED_SQUARES, /* of the packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h); none where
+                                * groups have facets of their own */
     CML_FACET_SCORES
 };
 

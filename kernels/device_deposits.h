@@ -115,8 +115,9 @@ CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_t
     if (amount) cml_add_local(to->local_cells + CML_CELL_BALANCE + (cml_u32)term, amount);
 }
 
-CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
+CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u64 index, cml_u32 w)
 {
+    (void)index;
     cml_add_to_balance(to, CML_BALANCE_SPECULAR, w);
 }
 

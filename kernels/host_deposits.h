@@ -25,11 +25,12 @@ struct cml_deposits {
     cml_u32 group_cells;            /* from A_rz of a group to that of the next; 0: they have one */
     cml_u64 voxel_step, facet_step; /* the same of A_xyz and facets */
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
-    cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
-    int phi_is_shared;   /* by all threads */
-    cml_u64 *phi_xyz;    /* [nz ny nx][CML_NUM_GROUPS] or NULL, all threads' */
-    cml_u64 *specular;   /* one thread's sum */
-    cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
+    cml_u64 *phi;      /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
+    int phi_is_shared; /* by all threads */
+    cml_u64 *phi_xyz;  /* [nz ny nx][CML_NUM_GROUPS] or NULL, all threads' */
+    cml_u64 *specular; /* one thread's sum */
+    cml_u64 *upright;  /* all threads' sum of it, which goes straight up (P7); or NULL */
+    struct cml_once upright_once;
     struct cml_branches *branches; /* where the world has windows */
 };
 
@@ -67,19 +68,24 @@ CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 
     to->A_l[medium] += dw;
 }
 
-/* `times` packets' weight, and its square in units of 2^CML_SQUARE_SHIFT squared, so that 64 bits hold the
- * sum of all, into cells that other threads score into, too. */
-CML_FN void cml_add_once(cml_u64 *weight, cml_u64 *square, cml_u32 w, cml_u64 times)
+/* The square of a weight in units of 2^CML_SQUARE_SHIFT squared: 64 bits hold the sum over all packets. */
+CML_FN cml_u64 cml_square_of(cml_u64 w)
 {
-    const cml_u64 rounded = ((cml_u64)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
-    cml_add_shared(weight, times * w);
-    cml_add_shared(square, times * rounded * rounded);
+    const cml_u64 rounded = (w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
+    return rounded * rounded;
 }
 
-CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
+/* The weight of `times` packets like packet `index`, into a cell that other threads score into, too. */
+CML_FN void cml_add_once(cml_u64 *cell, struct cml_once once, cml_u64 index, cml_u32 w, cml_u64 times)
+{
+    cml_add_shared(cell + index % CML_NUM_GROUPS * once.step, times * w);
+    if (!once.step) cml_add_shared(cell + once.squares, times * cml_square_of(w));
+}
+
+CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u64 index, cml_u32 w)
 {
     *to->specular += w;
-    if (to->upright[0]) cml_add_once(to->upright[0], to->upright[1], w, 1);
+    if (to->upright) cml_add_once(to->upright, to->upright_once, index, w, 1);
 }
 
 /* The first cell of A_rz of the packet's group. */

@@ -213,7 +213,7 @@ CML_FN struct cml_vec cml_source_turn(const struct cml_world *world,
     return turn;
 }
 
-/* The same in the scene. */
+/* The launch direction in the coordinates of the scene: cml_source_turn about the axis of the source. */
 CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
                                            const CML_GLOBAL struct cml_source *source, struct cml_block draw,
                                            real n)

@@ -115,7 +115,8 @@ struct cml_direction_bins {
 };
 
 #ifndef __OPENCL_VERSION__
-/* What sees packets that have left for good (P13). Lengths in cm, places from the scene's origin. */
+/* A detector counts packets that have left for good (P13). Lengths are in cm, places from the scene's origin.
+ */
 struct cml_detector {
     int shape;             /* enum cml_detector_shape */
     int aimed, diffuse;    /* sees a cone about the axis, not all angles; no light that never was inside */

@@ -277,43 +277,6 @@ CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, i
     return boundary == world->setup.backing.boundary ? &world->setup.backing : NULL;
 }
 
-/* P20 about one normal, up; side: +1 the packet comes from below. */
-CML_FN struct cml_rough_exit cml_cross_rough_about(const struct cml_world *world,
-                                                   CML_PACKET const struct cml_packet *packet, cml_u32 *draws,
-                                                   const struct cml_hit *hit, struct cml_vec up, real side,
-                                                   real n1, real n2)
-{
-    const struct cml_vec against = {-side * up.x, -side * up.y, -side * up.z};
-    return cml_rough_event(world->setup.stream, packet->index, packet->crossings, draws,
-                           world->surfaces[hit->boundary].rough, packet->u, against, n1, n2,
-                           cml_backing_at(world, hit->boundary));
-}
-
-/* P20. The facet has the last word, as in cml_reflect_or_refract: with an interpolated normal that the packet
- * does not come against, or which sends it to the wrong side, the event is done again about the facet's own,
- * with the same random numbers. */
-CML_RARE struct cml_rough_exit cml_cross_rough(const struct cml_world *world,
-                                               CML_PACKET struct cml_packet *packet,
-                                               const struct cml_hit *hit, real side, real n1, real n2)
-{
-    const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
-    cml_u32 draws = packet->rough_draws, again = packet->rough_draws;
-    struct cml_rough_exit exit = cml_cross_rough_about(world, packet, &draws, hit, hit->normal, side, n1, n2);
-    if (shaded) {
-        const real leaving = side * cml_dot(exit.u, hit->facet);
-        const int wrong = exit.transmitted ? leaving < CML_SHADED_LEAST : leaving > -CML_SHADED_LEAST;
-        if (wrong || !(side * cml_dot(packet->u, hit->normal) > 0) || packet->bounces >= CML_SHADED_LIMIT) {
-            exit = cml_cross_rough_about(world, packet, &again, hit, hit->facet, side, n1, n2);
-            packet->shading_overruled++;
-        }
-    }
-    packet->rough_draws = draws > again ? draws : again;
-    packet->crossings++;
-    packet->u = exit.u;
-    if (exit.steps >= CML_ROUGH_LIMIT) cml_lose_packet(packet, CML_LOST_ROUGH);
-    return exit;
-}
-
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
  * again, with the same random number, from the facet's own normal. So is one in the facet's plane but for
  * rounding, to which the facet's neighbours in that plane would hold the packet for ever, and one after
@@ -323,8 +286,6 @@ CML_RARE struct cml_rough_exit cml_cross_rough(const struct cml_world *world,
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
-    if (CML_MAY_BE_ROUGH && world->surfaces[hit->boundary].rough.kind)
-        return cml_cross_rough(world, packet, hit, side, n1, n2).transmitted;
     const real xi = cml_uniform(cml_draw_reflection(world->setup.stream, packet->index, packet->crossings));
     int transmitted;
     packet->crossings++;
@@ -380,12 +341,6 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     struct cml_vec normal = hit->normal;
     packet->crossings++;
     if (cml_dot(from, hit->facet) > 0) return;
-    if (CML_MAY_BE_ROUGH && world->surfaces[hit->boundary].rough.kind) {
-        packet->crossings--;
-        const real stays = cml_cross_rough(world, packet, hit, (real)-1, 1, 1).stays;
-        cml_keep_in_backing(packet, stays > 0 ? 1 - stays : 1 + 4 * CML_EPSILON, draw);
-        return;
-    }
     packet->u = cml_backing_direction(backing, from, normal, draw);
     if (cml_dot(packet->u, hit->facet) < (shaded ? CML_SHADED_LEAST : (real)0) ||
         (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
@@ -397,6 +352,43 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
                           ? 1 - cml_metal_reflectance(backing.n, backing.k, cml_incidence(from, normal))
                           : backing.kept;
     cml_keep_in_backing(packet, kept, draw);
+}
+
+/* P20 at a rough boundary, a backing or between unequal indices n1 and n2: whether the packet goes through.
+ * The facet has the last word, as in cml_reflect_or_refract: with an interpolated normal that the packet does
+ * not come against, or which sends it to the wrong side, the event is done again about the facet's own, with
+ * the same random numbers. */
+CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
+                             const struct cml_hit *hit, real side, real n1, real n2)
+{
+    const struct cml_backing *backing = cml_backing_at(world, hit->boundary);
+    const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
+    const struct cml_vec from = packet->u;
+    const cml_u32 crossing = packet->crossings++, before = packet->rough_draws;
+    if (backing && cml_dot(from, hit->facet) > 0) return 0;
+    struct cml_rough_exit exit;
+    for (int by_facet = 0;; by_facet = 1) {
+        const struct cml_vec up = by_facet ? hit->facet : hit->normal,
+                             against = {-side * up.x, -side * up.y, -side * up.z};
+        cml_u32 draws = before;
+        exit = cml_rough_event(world->setup.stream, packet->index, crossing, &draws,
+                               world->surfaces[hit->boundary].rough, from, against, n1, n2, backing);
+        if (draws > packet->rough_draws) packet->rough_draws = draws;
+        const real leaving = side * cml_dot(exit.u, hit->facet);
+        const int wrong = exit.transmitted ? leaving < CML_SHADED_LEAST : leaving > -CML_SHADED_LEAST;
+        if (by_facet || !shaded ||
+            !(wrong || !(side * cml_dot(from, up) > 0) || packet->bounces >= CML_SHADED_LIMIT))
+            break;
+        packet->shading_overruled++;
+    }
+    packet->u = exit.u;
+    if (exit.steps >= CML_ROUGH_LIMIT) cml_lose_packet(packet, CML_LOST_ROUGH);
+    if (backing) {
+        const real kept = exit.stays > 0 ? 1 - exit.stays : 1 + 4 * CML_EPSILON;
+        cml_keep_in_backing(packet, kept,
+                            cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BACKING, crossing));
+    }
+    return exit.transmitted;
 }
 
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)
@@ -453,10 +445,14 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     if (CML_MAY_HAVE_BODIES && boundary > world->setup.num_layers) packet->off = hit->off;
     const int backed = boundary == world->setup.backing.boundary;
     packet->undeflected = !backed & (n1 == n2);
-    if (backed) cml_turn_back(world, packet, hit);
-    const int transmitted =
-        packet->undeflected ||
-        (!backed && cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2));
+    const real side = below ? (real)1 : (real)-1;
+    int transmitted = packet->undeflected;
+    if (CML_MAY_BE_ROUGH && !transmitted && world->surfaces[boundary].rough.kind)
+        transmitted = cml_cross_rough(world, packet, hit, side, n1, n2);
+    else if (backed)
+        cml_turn_back(world, packet, hit);
+    else if (!transmitted)
+        transmitted = cml_reflect_or_refract(world, packet, hit, side, n1, n2);
     CML_ASSERT(cml_is_unit(packet->u));
     if (transmitted) {
         cml_end_visit(world, packet);
@@ -573,7 +569,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
                            CML_PACKET struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
-    if (world->setup.num_sources > 1) cml_add_specular(to, cml_split_off(world, index));
+    if (world->setup.num_sources > 1) cml_add_specular(to, index, cml_split_off(world, index));
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
     cml_mark_first(world, to, packet);
 }

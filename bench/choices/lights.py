@@ -3,9 +3,11 @@
 
 Flies independent runs of every shape and light of BEAMS over a thin flat slab and over a hill, with lattice sampling, and compares the
 spread of the runs with two things: with the errors that the runs state, and with the errors of 24 runs of 16384 photons with random
-sampling, whose variance falls as 1 / photons. Ratios are means over all numbers of a kind with 20 packets or more; above 20000 photons two
-fifths of the runs are flown. Leaves lights.csv in DIR with a row for each beam, scene, number of photons and kind, and lights.md with a row
-for each beam: the least and the largest spread over error, and the largest variance over random's, of any kind. Needs numpy and h5py (Debian: python3-numpy, python3-h5py).
+sampling, whose variance falls as 1 / photons. Ratios are means over all numbers of a kind with 20 packets or more, and their noise comes
+from leaving out one run after the other. All runs are flown up to 4096 photons, fewer of more, 12 at least. Leaves lights.csv in DIR with
+a row for each beam, scene, number of photons and kind, and lights.md with two tables: by kind and number of photons, the ratios of all
+beams together; and by beam, of the ratios that differ from 1 most surely the least and the largest. Needs numpy and h5py (Debian:
+python3-numpy, python3-h5py).
 SPDX-License-Identifier: MIT
 """
 import importlib.util
@@ -29,23 +31,36 @@ BEAMS = {
     "lambertian inside": "pencil z=0.1 light=lambertian", "na": "gaussian 0.1 light=na:0.8", "table": 'pencil z=0.1 light="%s"' % LED,
     "lambertian disk": "disk 0.2 light=lambertian", "isotropic rectangle": "rectangle 0.3 0.2 z=0.25 light=isotropic"}
 HILL = {0: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1"}
-SCENES = {"slab": (dict(layers=["1.4 0.5 1 0.8 0.5"]), (1024, 2048, 3000, 10000, 16384, 50000, 131072)),
+SCENES = {"slab": (dict(layers=["1.4 0.5 1 0.8 0.5"]), (1024, 2048, 3000, 10000, 16384, 50000, 131072, 1048576)),
           "hill": (dict(layers=["1.4 0.5 5 0.8 0.5"], surfaces=HILL), (2048, 10000, 16384))}
 SCORED = ["map 8 8 0.1 0.1 volume", "facets", "directions 6 12", "fluence", "time 100 8", "detector map 6 6 0.1 0.1 na=0.5 name=camera"]
 KINDS = {"totals": ("Rd", "Tt", "A"), "profiles": ("A_z", "Rd_r", "Tt_r", "Rd_a", "Tt_a"), "grids": ("A_rz", "Rd_ra", "Tt_ra"),
          "pixels": ("Rd_xy", "Tt_xy", "detector_camera_map"), "directions": ("Rd_dir", "Tt_dir"),
          "facets": ("boundary0_Rd", "boundary1_Tt", "boundary0_exitance_above"), "volume": ("A_xyz", "phi_rz", "phi_xyz"), "gates": ("Rd_t", "Tt_t")}
-FEW = 20000  # photons up to which all runs are flown
+FEW, LEAST = 4096, 12  # photons up to which all runs are flown; runs of any number of photons
 REFERENCE_PHOTONS, REFERENCE_RUNS, PACKETS = 16384, 24, 20
-SPREAD, VARIANCE = "spread over error", "variance over random's"
+SPREAD, VARIANCE, NOISE = "spread over error", "variance over random's", "noise of "
 
 
 class Numbers:
-    """Means, variances and mean squares of stated errors of a kind's numbers, over runs."""
+    """A kind's numbers [run][number] with their stated errors."""
 
     def __init__(self, values, errors):
-        self.mean, self.variance, self.stated = values.mean(0), values.var(0, ddof=1), (errors ** 2).mean(0)
-        self.count = (self.stated > 0) & (self.mean ** 2 > PACKETS * self.stated)
+        self.values, self.squares = values, errors ** 2
+        self.stated = self.squares.mean(0)
+        self.count = (self.stated > 0) & (values.mean(0) ** 2 > PACKETS * self.stated)
+
+    def ratios(self, chosen, expected):
+        """{SPREAD, VARIANCE: ratio; NOISE + both: its standard error} of the chosen numbers, whose variance is expected to be so."""
+        import numpy
+        runs = len(self.values)
+
+        def over(rows):
+            variance = self.values[rows][:, chosen].var(0, ddof=1)
+            return [math.sqrt((variance / self.squares[rows][:, chosen].mean(0)).mean()), float((variance / expected).mean())]
+        without = numpy.array([over(numpy.arange(runs) != run) for run in range(runs)])
+        noise = (without.std(0) * math.sqrt(runs - 1)).tolist()
+        return dict(zip((SPREAD, VARIANCE, NOISE + SPREAD, NOISE + VARIANCE), over(numpy.arange(runs)) + noise))
 
 
 def fly(scene, beam, photons, runs, sampling):
@@ -68,27 +83,44 @@ def rows_of(beam, runs):
     for title, (scene, counts) in SCENES.items():
         random = fly(scene, BEAMS[beam], REFERENCE_PHOTONS, REFERENCE_RUNS, "random")
         for photons in counts:
-            for kind, even in fly(scene, BEAMS[beam], photons, runs if photons <= FEW else runs * 2 // 5, "lattice").items():
+            here = max(LEAST, min(runs, runs * FEW // photons))
+            for kind, even in fly(scene, BEAMS[beam], photons, here, "lattice").items():
                 chosen = even.count & (random[kind].stated > 0)
                 if chosen.any():
                     expected = random[kind].stated[chosen] * REFERENCE_PHOTONS / photons
-                    yield {"beam": beam, "scene": title, "photons": photons, "kind": kind, "numbers": int(chosen.sum()),
-                           SPREAD: math.sqrt((even.variance[chosen] / even.stated[chosen]).mean()),
-                           VARIANCE: float((even.variance[chosen] / expected).mean())}
+                    yield {"beam": beam, "scene": title, "photons": photons, "kind": kind, "runs": here, "numbers": int(chosen.sum()),
+                           **even.ratios(chosen, expected)}
+
+
+def together(rows, key):
+    """The mean of a ratio over rows, with its noise."""
+    mean = sum(row[key] for row in rows) / len(rows)
+    return "%.2f(%.0f)" % (mean, 100 * math.sqrt(sum(row[NOISE + key] ** 2 for row in rows)) / len(rows))
+
+
+def by_kind(rows, key):
+    """A table: of all beams together, kinds by scenes and photons."""
+    places = [(scene, photons) for scene, (_, counts) in SCENES.items() for photons in counts]
+    lines = []
+    for kind in KINDS:
+        here = {place: [row for row in rows if (row["kind"], row["scene"], row["photons"]) == (kind, *place)] for place in places}
+        lines.append([kind] + [together(found, key) if found else "-" for found in here.values()])
+    return tables.table(["%s; 1 in () is 0.01" % key] + ["%s, %d" % place for place in places], lines)
 
 
 def cell(row, key):
-    return "%.2f (%s of %s, %d)" % (row[key], row["kind"], row["scene"], row["photons"])
+    return "%.2f(%.0f) (%s of %s, %d)" % (row[key], 100 * row[NOISE + key], row["kind"], row["scene"], row["photons"])
 
 
 def summary(beam, rows):
-    spread, variance = (sorted(rows, key=lambda row: row[key]) for key in (SPREAD, VARIANCE))
-    logs = [math.log(row[VARIANCE]) for row in rows]
-    return [beam, cell(spread[0], SPREAD), cell(spread[-1], SPREAD), cell(variance[-1], VARIANCE), "%.2f" % math.exp(sum(logs) / len(logs))]
+    def surely(key, sign):
+        return cell(max(rows, key=lambda row: sign * math.log(row[key]) - 2 * row[NOISE + key] / row[key]), key)
+    mean = math.exp(sum(math.log(row[VARIANCE]) for row in rows) / len(rows))
+    return [beam, surely(SPREAD, -1), surely(SPREAD, 1), surely(VARIANCE, 1), "%.2f" % mean]
 
 
 def main():
-    parser = command.parser(__doc__, runs=(100, 25))
+    parser = command.parser(__doc__, runs=(100, LEAST))
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
     for module in ("numpy", "h5py"):
@@ -104,7 +136,9 @@ def main():
     about = tables.machine(arguments.program, arguments.runs)
     tables.write_csv(os.path.join(arguments.out, "lights.csv"), about, rows)
     titles = ("beam", "least spread over error", "largest", "largest variance over random's", "geometric mean of all")
-    tables.keep(os.path.join(arguments.out, "lights.md"), ["%s; %d runs." % (tables.measured(about), arguments.runs), "", *tables.table(titles, lines)])
+    tables.keep(os.path.join(arguments.out, "lights.md"),
+                ["%s; %d runs." % (tables.measured(about), arguments.runs), "", *by_kind(rows, SPREAD), "", *by_kind(rows, VARIANCE), "",
+                 *tables.table(titles, lines)])
 
 
 if __name__ == "__main__":

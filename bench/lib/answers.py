@@ -54,6 +54,12 @@ def farthest(path, columns):
     return len(table), *("%.1f" % max(abs(float(row[column])) for row in table) for column in columns)
 
 
+def roughness():
+    """By how much statistics (root mean square) and smooth faces (worst) are off, n 1.5 in air."""
+    return tuple(reading("accuracy/results/roughness.md", r"n 1\.5 in air, " + pattern) for pattern in (
+        r"statistics against the mean of .* by ([\d.]+) %", r"smooth faces: .* ([\d.]+) % at alpha 0\.5"))
+
+
 def natural_events():
     flown = [row for name in ("natural", "natural-irregular", "natural-bodies-tiles")
              for row in rows("stability/results/atlas-%s.csv" % name, status="flown")]
@@ -93,12 +99,13 @@ def answers():
     yield ("Both in one picture?", "%.2g core seconds to 0.1 %% of Rd (a hill, auto)" % float(
         rows("accuracy/results/summary-amd-epyc-2core.csv", scene="lohill", method="auto")[0]["s_Rd"]),
         "python3 bench/accuracy/summary.py", "1", "accuracy/results/summary-amd-epyc-2core.svg")
+    yield ("When is a number as good as a relief?", "%s %% from reliefs of at most half a mean free path; smooth faces %s %% (alpha 0.5)" % roughness(),
+        "python3 bench/accuracy/roughness.py", "10", "accuracy/results/roughness.svg")
     yield ("Are results unbiased, and their errors true?", "of %d numbers the worst is %.1f errors off" % worst_z(
         "accuracy/results/unbiased.md"), "python3 bench/accuracy/unbiased.py", "30", "")
     yield ("How far off are bodies as meshes?", "%s at the default tolerance (black sphere)" % cells(
         "accuracy/results/body_bias.md", "", "14580", "1e-3")[3], "python3 bench/accuracy/body_bias.py", "4", "")
-    yield ("Are the report's figures right?", "its flat scenes are", "python3 bench/accuracy/figures.py", "10",
-           "accuracy/results/figure8.svg")
+    yield ("Are the report's figures right?", "its flat scenes are", "python3 bench/accuracy/figures.py", "10", "accuracy/results/figure8.svg")
     yield ("Where do methods fail?", natural_events(), "python3 bench/stability/atlas.py", "30", "")
     yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082"),
            "python3 bench/peers/mmc.py --mmc PATH", "4", "")
@@ -109,10 +116,10 @@ def answers():
         "peers/results/peers-shared-amd-epyc-2core.md", (7, 9, 12)), "python3 bench/peers/peers.py --mmc PATH --shared", "15", "")
     yield ("What does MMC say of a vessel?", "the same: %s errors apart" % cells(
         "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
+    yield ("What does single scattering at rough faces lose?", "%s of what leaves a slab (ggx 0.2), by Mitsuba 3" % cells(
+        "peers/results/rough_faces.md", "ggx 0.2", "0")[4], "python3 bench/peers/rough_faces.py", "5", "")
     yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),
            "python3 bench/choices/roulette.py", "2", "")
-    yield ("What does the flat twin gain?", "%s in the time of Rd, Tt, A (hihill, random)" % rows(
-        "choices/results/control.csv", scene="hihill")[0]["random, 1e4"], "python3 bench/choices/control.py", "2", "")
     yield ("What does --aim gain?", "%s in the time of Tt (S6a, rough), %s where it is 2.6e-6" % tuple(
         cells("choices/results/aim.md", scene)[6] for scene in ("S6a rough top", "slab 3.2 cm rough top")),
         "python3 bench/choices/aim.py", "2", "")

@@ -1,15 +1,17 @@
-"""What Mitsuba 3 (`pip install mitsuba`) sees of a slab in white light: mitsuba_slab.py SCENE.json PHOTONS SEED
+"""What Mitsuba 3 (`pip install mitsuba`) sees of a slab in white light: mitsuba_slab.py SCENE.json PHOTONS SEED...
 
-A radiancemeter looks straight down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere.
+A radiancemeter looks down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere.
 What it sees is the share of a pencil along its ray that leaves again, by reciprocity: 1 less is what is absorbed. Integrator volpath,
 variant scalar_rgb. Its roulette takes 5 % of the paths at every scattering, whatever they carry, which makes the variance of hundreds of
 scatterings endless: it begins after LATE of them (rr_depth), where little is left, and ends paths that leak out of the slab.
 
-SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same]}],
-"media": {name: [mua, mus, g]}}, 1/cm. Prints JSON: processor seconds of the flight, the absorbed share.
+SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same],
+"rough": [distribution, alpha] (default: smooth)}], "media": {name: [mua, mus, g]}, 1/cm, "angle": of the radiancemeter, degrees
+(default 0)}. Prints a line of JSON for each seed: processor seconds of the flight, the absorbed share.
 SPDX-License-Identifier: MIT
 """
 import json
+import math
 import sys
 import time
 
@@ -28,26 +30,30 @@ def medium(mua, mus, g, unit):
 
 def load(scene, photons, lights=None):
     """lights: parts of the scene in place of the constant light."""
-    unit = scene["unit"]
+    unit, tilt = scene["unit"], math.radians(scene.get("angle", 0))
     media = {name: medium(*numbers, unit) for name, numbers in scene["media"].items()}
     parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": LATE},
              **(lights or {"light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}}),
-             "sensor": {"type": "radiancemeter", "origin": [0, 0, HEIGHT * unit], "direction": [0, 0, -1],
+             "sensor": {"type": "radiancemeter", "origin": [-HEIGHT * unit * math.tan(tilt), 0, HEIGHT * unit],
+                        "direction": [math.sin(tilt), 0, -math.cos(tilt)],
                         "film": {"type": "hdrfilm", "width": 1, "height": 1, "rfilter": {"type": "box"}, "component_format": "float32"},
                         "sampler": {"type": "independent", "sample_count": photons}}}
     for k, shape in enumerate(scene["shapes"]):
         sides = {side: media[name] for side, name in zip(("interior", "exterior"), shape["media"]) if name}
+        kind, alpha = shape.get("rough", ("", 0))
+        facets = {"type": "roughdielectric", "distribution": kind, "alpha": alpha} if alpha else {"type": "dielectric"}
         parts["shape%d" % k] = {"type": "ply", "filename": shape["file"], "face_normals": True, **sides,
-                                "bsdf": {"type": "dielectric", "int_ior": shape["n"][0], "ext_ior": shape["n"][1]}}
+                                "bsdf": {**facets, "int_ior": shape["n"][0], "ext_ior": shape["n"][1]}}
     return mi.load_dict(parts)
 
 
 def main():
     with open(sys.argv[1], encoding="utf-8") as stream:
         scene = load(json.load(stream), int(sys.argv[2]))
-    begin = time.process_time()
-    seen = mi.render(scene, seed=int(sys.argv[3])).array[0]
-    print(json.dumps({"seconds": time.process_time() - begin, "absorbed": 1 - seen, "version": mi.__version__}))
+    for seed in sys.argv[3:]:
+        begin = time.process_time()
+        seen = mi.render(scene, seed=int(seed)).array[0]
+        print(json.dumps({"seconds": time.process_time() - begin, "absorbed": 1 - seen, "version": mi.__version__}), flush=True)
 
 
 if __name__ == "__main__":

@@ -209,7 +209,8 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
 static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exact *exact, bool *known,
                                   struct cml_error *err)
 {
-    const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
+    const struct cml_exact_options little = {
+        .tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK, .walks = CML_EXACT_FEW_WALKS};
     const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
     *known = status == CML_OK;
     return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene, 0) ? CML_OK : status;

@@ -7,7 +7,7 @@
 #include "base/version.h"
 #include "result/quantity.h"
 #include "run/cluster.h"
-#include "run/crosscheck.h"
+#include "run/crosscheck/crosscheck.h"
 #include "engine/engines.h"
 
 #include <stdio.h>

@@ -8,7 +8,8 @@
 static cml_status solve(const struct cml_options *options, const struct cml_scene *scene,
                         struct cml_error *err)
 {
-    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11};
+    /* about a second of walks at each rough boundary, for errors of some 1e-4 */
+    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11, .walks = 524288};
     CML_AT_END(cml_exact_clear) struct cml_exact exact = {0};
     CML_TRY(cml_exact_scene(scene, NULL, &aim, &exact, err));
     if (options->json) return cml_report_exact_json(stdout, scene, &exact, err);

@@ -286,7 +286,7 @@ static cml_status publish(const struct cml_options *options, const struct plan *
 static cml_status aim(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                       struct cml_aim *to, struct cml_error *err)
 {
-    if (cml_surfaces_are_planes(surfaces)) return CML_OK;
+    if (cml_surfaces_are_smooth_planes(surfaces)) return CML_OK;
     const cml_status status = cml_aim_create("Tt,Tt_r", scene, surfaces, to, err);
     if (status == CML_OK || cml_aim_level_of(scene, surfaces).layer == 0) return CML_OK;
     return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;

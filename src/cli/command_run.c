@@ -68,6 +68,7 @@ static cml_status run_scene(const struct session *session, int index, struct cml
                                       .inputs = session->inputs,
                                       .seed = options->engine_options.seed,
                                       .run = (uint32_t)index,
+                                      .only = session->list.count == 1,
                                       .stays = cml_run_leaves_checkpoints(options) ||
                                                index + 1 < session->list.count};
     struct cml_record record;
@@ -111,7 +112,6 @@ static cml_status check_folder(const char *name, struct cml_error *err)
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"
-                         : options->control            ? "--control"
                          : !options->engine->reweights ? "--engine opencl"
                                                        : NULL;
     if (!options->engine_options.derivatives || !beside) return CML_OK;
@@ -130,13 +130,24 @@ static cml_status check_differentiated(const struct cml_options *options, const 
     return CML_OK;
 }
 
+/* Refuses beside --part what needs the whole run, or a command that cannot be called again. */
+static cml_status check_part(const struct cml_options *options, struct cml_error *err)
+{
+    const char *beside = options->target_error > 0 ? "--target-error" : options->json ? "--json" : NULL;
+    if (options->parts == 0) return CML_OK;
+    if (beside) return cml_fail(err, CML_E_INPUT, "--part (expected no %s beside it)", beside);
+    if (!options->call[0])
+        return cml_fail(err, CML_E_INPUT,
+                        "--part (expected a command line of at most %zu bytes, in one line)",
+                        sizeof options->call - 1);
+    return CML_OK;
+}
+
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
     CML_TRY(check_output(options->output, err));
     CML_TRY(check_folder(options->directory, err));
-    if (options->control && options->ignore_heightfields)
-        return cml_fail(err, CML_E_INPUT, "--control flat (expected no --ignore-heightfields beside it)");
     if (options->more > 0) options->keep = true;
     if (options->keep && options->target_error > 0)
         return cml_fail(err, CML_E_INPUT, "--%s (expected no --target-error beside it)",
@@ -146,6 +157,7 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
     CML_TRY(check_derivatives(options, err));
+    CML_TRY(check_part(options, err));
     return cml_sweep_check_options(options, err);
 }
 
@@ -157,11 +169,13 @@ static cml_status describe(const struct cml_options *options, char **text, struc
     const struct cml_run_setup setup = {.engine = options->engine,
                                         .options = options->engine_options,
                                         .photons = options->photons,
-                                        .target_error = options->target_error,
-                                        .controlled = options->control};
+                                        .target_error = options->target_error};
     char rest[4 * PATH_MAX] = "";
+    if (options->parts > 0)
+        snprintf(rest, sizeof rest, "part %" PRIu64 " of %" PRIu64 "\n", options->part, options->parts);
+    const size_t used = strlen(rest);
     if (options->sweep)
-        snprintf(rest, sizeof rest,
+        snprintf(rest + used, sizeof rest - used,
                  "more %" PRIu64 ", keep %d, resume %d, replace %d, json %d, reweight %d\n%s\n%s\n%s\n",
                  options->more, options->keep, options->resume, options->replace, options->json,
                  options->reweight, options->sweep, options->output ? options->output : "",

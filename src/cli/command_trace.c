@@ -24,6 +24,10 @@ static void print_event(void *context, const struct cml_trace_event *event)
                event->weight);
         return;
     }
+    if (strcmp(event->what, "rough") == 0) {
+        printf("# rough: %d step%s\n", event->steps, event->steps == 1 ? "" : "s");
+        return;
+    }
     printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", listener->row++, event->what,
            event->medium, event->position[0], event->position[1], event->position[2], event->direction[0],
            event->direction[1], event->direction[2], event->weight);

@@ -13,6 +13,7 @@ struct cml_light_out {
     real lot;       /* 0 to 1: what a share of the weight is rounded by */
     uint64_t times; /* packets that go out so */
     int gate;
+    cml_u64 index;                 /* of the packet, or of any of its group */
     const struct cml_trail *trail; /* of the packet; NULL: it went straight back at the depth 0 */
 };
 
@@ -23,12 +24,6 @@ static inline double cml_trail_path(const struct cml_world *world, const struct 
     double path = 0;
     for (int m = 0; m < media; m++) path += (double)world->media[m].n * trail->length[m];
     return path;
-}
-
-static inline uint64_t cml_square_of(uint64_t w)
-{
-    const uint64_t rounded = (w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
-    return rounded * rounded;
 }
 
 static inline size_t cml_num_media(const struct cml_world *world)
@@ -169,6 +164,19 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, sums);
 }
 
+/* Into the pixel of a detector that sees it. */
+static inline void cml_add_to_pixel(const struct cml_light_out *light, const struct cml_light_out *before,
+                                    const struct cml_seeing *seeing, const struct cml_detector *detector,
+                                    const struct cml_tally *to)
+{
+    const struct cml_once once = to->grid.pixel_once;
+    uint64_t *const cell = to->detector_map + detector->first_pixel + seeing->pixel;
+    cml_add_shared(cell + light->index % CML_NUM_GROUPS * once.step, light->times * light->w);
+    if (once.step) return;
+    cml_add_shared(cell + once.squares,
+                   light->times * cml_square_in_pixel(detector, seeing->z, seeing->pixel, light->w, before));
+}
+
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
  * NULL. sums: where `detected` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
  * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
@@ -187,11 +195,7 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
         seen = seen && seen <= k ? seen : k + 1;
         cml_add_to_detector(world, light, k, sums);
         if (!pixels || detector->shape != CML_DETECTOR_MAP) continue;
-        uint64_t *const to = pixels->detector_map + detector->first_pixel + seeing.pixel;
-        cml_add_shared(to, light->times * light->w);
-        cml_add_shared(to + (pixels->detector_map2 - pixels->detector_map),
-                       light->times *
-                           cml_square_in_pixel(detector, seeing.z, seeing.pixel, light->w, before));
+        cml_add_to_pixel(light, before, &seeing, detector, pixels);
     }
     return seen;
 }
@@ -201,7 +205,8 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
 static inline struct cml_light_out cml_light_split_off(const struct cml_world *world, cml_u64 index)
 {
     const int split = world->detection.split;
-    struct cml_light_out light = {.ray = {.u = {0, 0, -1}, .fresh = 1}, .lot = (real)0.5, .times = 1};
+    struct cml_light_out light = {
+        .ray = {.u = {0, 0, -1}, .fresh = 1}, .lot = (real)0.5, .times = 1, .index = index};
     if (split != CML_SPLIT_UNSEEN && !cml_is_branch(index)) light.w = cml_split_off(world, index);
     if (light.w && split == CML_SPLIT_APART) {
         struct cml_packet start;

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "surface/surface_facets.h"
+#include "tally/groups.h"
 #include "tally/row_cells.h"
 #include "types.h"
 
@@ -96,11 +97,7 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
-    grid.cell_errors = cml_ra_cells(&grid) <= CML_CELLS_WITH_ERRORS &&
-                       (!grid.absorption || cml_rz_cells(&grid) <= CML_CELLS_WITH_ERRORS);
-    const size_t voxels = (size_t)grid.nx * (size_t)grid.ny * (size_t)grid.nz;
-    if (grid.volume && voxels <= CML_CELLS_WITH_ERRORS) grid.voxel_step = voxels + 1;
-    if (grid.facets <= CML_FACETS_WITH_ERRORS) grid.facet_step = grid.facets * CML_FACET_SCORES;
+    cml_tally_set_groups(&grid);
     grid.row_cells = cml_row_cells(&grid);
     return grid;
 }

@@ -80,9 +80,11 @@ struct cml_fate_record {
 
 /* One line of a trace: the packet after the event. */
 struct cml_trace_event {
-    const char *what; /* "launch", "interact", "reflect", "transmit", "end"; or "detect", after all others */
-    int detector;     /* number of that which saw it, from 0; of "detect", which has a weight and no more */
-    int medium;       /* 0..L+1, L+2 and up: bodies */
+    const char *what;   /* "launch", "interact", "reflect", "transmit", "end"; "rough", before "reflect" or
+                           "transmit" at a rough boundary; "detect", after all others */
+    int detector;       /* number of that which saw it, from 0; of "detect", which has a weight and no more */
+    int steps;          /* facets met in the longest walk of the event; of "rough", which has no more */
+    int medium;         /* 0..L+1, L+2 and up: bodies */
     double position[3]; /* of the scene, cm */
     double direction[3];
     double weight; /* share of a packet */

@@ -23,7 +23,8 @@ struct cml_row_sums {
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
     uint64_t *rz;          /* A_rz, where rows have one */
-    uint64_t *dir;         /* Rd_dir, then Tt_dir, then squares of both; NULL: there are none */
+    uint64_t *dir;         /* Rd_dir, then Tt_dir, as row_cells.h has them; NULL: there are none */
+    struct cml_once once;  /* of these, in bins of all rows */
 };
 
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
@@ -42,6 +43,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.transmitted_ra = cml_row_cells_ra(grid);
     sums.rz = sums.ra + 2 * sums.transmitted_ra;
     if (world->setup.directions.nt && !sums.scores) sums.dir = sums.rz + cml_row_cells_rz(grid);
+    sums.once = cml_row_once(grid);
     return sums;
 }
 
@@ -477,20 +479,22 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Into the bin of a direction, and squares as those of a whole packet. */
+/* Into the bin of a direction; squares are those of a whole packet. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;
     const size_t count = (size_t)rows->sums->count,
                  cells = (size_t)setup->directions.nt * (size_t)setup->directions.np;
+    const struct cml_once once = rows->sums->once;
     const struct cml_vec u = of->light->ray.u;
-    const size_t bin = cml_direction_bin(&setup->directions, u.x, u.y, u.z);
-    uint64_t *const to = rows->sums->dir + (bin + (of->light->ray.below ? cells : 0)) * count;
+    const size_t bin = cml_direction_bin(&setup->directions, u.x, u.y, u.z) +
+                       (of->light->ray.below ? cells : 0) + of->light->index % CML_NUM_GROUPS * once.step;
+    uint64_t *const to = rows->sums->dir + bin * count;
     const real unit = cml_row_unit(of->light->w);
     for (size_t i = 0; i < count; i++) {
         const uint64_t part = cml_row_weight(unit, rows->factor[i], rows->rounding);
         to[i] += part;
-        to[2 * cells * count + i] += cml_square_of(2 * part);
+        if (!once.step) to[once.squares * count + i] += cml_square_of(2 * part);
     }
 }
 

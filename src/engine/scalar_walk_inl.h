@@ -183,13 +183,14 @@ struct tracing {
     const struct cml_world *world;
     cml_trace_function *on_event;
     void *context;
+    cml_u32 rough_draws; /* of the packet at its last event */
 };
 
 /* An event of kernels/walk.h, from the frame of the medium and the origin into the coordinates of the
  * scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
-    const struct tracing *tracing = context;
+    struct tracing *tracing = context;
     const struct cml_setup *setup = &tracing->world->setup;
     const struct cml_trace_event event = {
         .what = what,
@@ -199,6 +200,11 @@ static void forward_event(void *context, const char *what, const struct cml_pack
         .direction = {packet->u.x, packet->u.y, packet->u.z},
         .weight = packet->w * CML_WEIGHT_UNIT,
     };
+    const cml_u32 draws =
+        packet->rough_draws - tracing->rough_draws; /* one for each facet, and one to leave */
+    const struct cml_trace_event rough = {.what = "rough", .steps = (int)draws - 1};
+    if (draws > 0) tracing->on_event(tracing->context, &rough);
+    tracing->rough_draws = packet->rough_draws;
     tracing->on_event(tracing->context, &event);
 }
 
@@ -257,7 +263,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
                                         .detectors = on_event ? world->detection.num_detectors : 0};
     struct cml_tally tally;
     CML_TRY(cml_tally_create(&grid, &tally, err));
-    struct tracing tracing = {world, on_event, context};
+    struct tracing tracing = {world, on_event, context, 0};
     struct cml_world traced = *world;
     traced.setup.tally_absorption = 0;
     traced.windows.cells = 0; /* one packet, whole */

@@ -93,10 +93,33 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     return sums;
 }
 
-/* Where the squares of a cell of directions are summed. */
-static inline uint64_t *cml_squares_of(const struct cml_tally *tally, uint64_t *cell)
+static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminated, int i)
 {
-    return cell + (tally->Rd_dir2 - tally->Rd_dir);
+    return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
+}
+
+/* What was split off packets at their launch, alike off all, into the bins of directions and what detectors
+ * have seen. count: of the packets, branches not among them, each so many times. */
+static inline void cml_terminated_add_split_off(const struct cml_world *world,
+                                                const struct cml_terminated *terminated, uint64_t times,
+                                                uint64_t count, struct cml_tally *tally)
+{
+    const cml_u32 specular = world->setup.specular;
+    const int detected = tally->detected && world->detection.split == CML_SPLIT_ALIKE;
+    uint64_t of_group[CML_NUM_GROUPS] = {0};
+    if (detected && !tally->detector_map) cml_score_split_off(world, 0, count, tally->detected, tally);
+    if (!(tally->Rsp_dir && specular) && !(detected && tally->detector_map)) return;
+    for (int i = 0; i < terminated->count; i++) {
+        const int branch = terminated->branches && cml_is_branch(cml_terminated_index(terminated, i));
+        if (!branch) of_group[terminated->index_low[i] % CML_NUM_GROUPS] += times;
+    }
+    for (cml_u64 g = 0; g < CML_NUM_GROUPS; g++) {
+        if (!of_group[g]) continue;
+        if (tally->Rsp_dir && specular)
+            cml_add_once(tally->Rsp_dir, tally->grid.direction_once, g, specular, of_group[g]);
+        if (detected && tally->detector_map)
+            cml_score_split_off(world, g, of_group[g], tally->detected, tally);
+    }
 }
 
 /* Adds all sums to the tally: books (P10), deposits by layer and counts. times: how often every
@@ -116,10 +139,7 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     tally->balance[CML_BALANCE_ABSORBED] += times * sums.absorbed;
     tally->A_l[1] += times * sums.deposited_above;
     tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
-    if (tally->Rsp_dir && specular)
-        cml_add_once(tally->Rsp_dir, cml_squares_of(tally, tally->Rsp_dir), setup->specular, count);
-    if (tally->detected && world->detection.split == CML_SPLIT_ALIKE)
-        cml_score_split_off(world, 0, count, tally->detected, tally);
+    cml_terminated_add_split_off(world, terminated, times, count, tally);
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += times * (sums.interactions - branches * CML_LATTICE_EVENTS);
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
@@ -182,7 +202,7 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
     const int up = terminated->fate[i] == CML_FATE_REFLECTED, na = setup->map.na;
     const size_t cell = cml_map_pixel(setup, terminated->exit_x[i], terminated->exit_y[i]) * (size_t)na +
                         (size_t)(na > 1 ? cml_angle_bin(setup, terminated->uz[i]) : 0);
-    cml_add_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
+    cml_add_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, tally->grid.map_once, terminated->index_low[i],
                  terminated->w[i], 1);
 }
 
@@ -194,7 +214,8 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
         &setup->outer_facets[terminated->fate[i] == CML_FATE_REFLECTED ? 0 : 1];
     if (range->count == 0) return;
     uint64_t *score = tally->facets + (size_t)cml_facet_index(range, primitive) * CML_FACET_SCORES;
-    cml_add_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, terminated->w[i], 1);
+    cml_add_once(score + CML_FACET_ESCAPED, cml_facet_once(&tally->grid), terminated->index_low[i],
+                 terminated->w[i], 1);
 }
 
 /* Packet i of the collection, which has left, into the bin of its direction. */
@@ -209,12 +230,7 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
     if (!to) return;
     uint64_t *const cell =
         to + cml_direction_bin(&setup->directions, terminated->ux[i], terminated->uy[i], terminated->uz[i]);
-    cml_add_once(cell, cml_squares_of(tally, cell), terminated->w[i], 1);
-}
-
-static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminated, int i)
-{
-    return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
+    cml_add_once(cell, tally->grid.direction_once, terminated->index_low[i], terminated->w[i], 1);
 }
 
 static inline int cml_has_left(int fate)
@@ -244,6 +260,7 @@ static inline struct cml_light_out cml_terminated_light(const struct cml_world *
         .lot = cml_lot_of(world, cml_terminated_index(terminated, i)),
         .times = 1,
         .gate = cml_gate(world->setup.gates, terminated->path[i]),
+        .index = terminated->index_low[i],
         .trail = trail};
 }
 
@@ -396,7 +413,6 @@ static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_t
  */
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struct cml_branches *branches)
 {
-    uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
     const struct cml_deposits to = {.group_cells =
                                         tally->grid.cell_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
                                     .voxel_step = tally->grid.voxel_step,
@@ -411,7 +427,8 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
                                     .phi_is_shared = !(tally->grid.marks > 0),
                                     .phi_xyz = tally->phi_xyz,
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],
-                                    .upright = {tally->Rsp_dir, squares},
+                                    .upright = tally->Rsp_dir,
+                                    .upright_once = tally->grid.direction_once,
                                     .branches = branches};
     return to;
 }

@@ -48,6 +48,17 @@ void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const do
     }
 }
 
+void cml_dense_add_general(int rows, int middle, int columns, const double *restrict a,
+                           const double *restrict b, double *restrict c)
+{
+    for (int i = 0; i < rows; i++)
+        for (int k = 0; k < middle; k++) {
+            const double factor = a[(size_t)i * (size_t)middle + (size_t)k];
+            const double *from = b + (size_t)k * (size_t)columns;
+            for (int j = 0; j < columns; j++) c[(size_t)i * (size_t)columns + (size_t)j] += factor * from[j];
+        }
+}
+
 /* to[j] -= factor from[j], first <= j < end */
 static void subtract(double factor, const double *restrict from, double *restrict to, int first, int end)
 {

@@ -13,6 +13,9 @@ struct cml_dense_kind {
 void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const double *a, const double *b,
                            double *c);
 
+/* c += a b of any matrices. a: [rows][middle], b: [middle][columns]. c overlaps neither. */
+void cml_dense_add_general(int rows, int middle, int columns, const double *a, const double *b, double *c);
+
 /* c += a b of one row of any numbers. a, c: [n]. */
 void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *a, const double *b,
                                double *c);

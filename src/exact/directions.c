@@ -163,17 +163,16 @@ static int greatest(int a, int b)
 }
 
 /* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour or
- * from a lambertian backing: once down and once up, as on the way it turns it has been before. A clear layer
- * that reflects totally on both sides would hold light for ever, but none gets in. */
-static void find_live(const struct cml_medium_def *media, bool diffuse_backing, struct cml_directions *to)
+ * from a boundary that spreads it: once down and once up, as on the way it turns it has been before. A clear
+ * layer that reflects totally on both sides would hold light for ever, but none gets in. */
+static void find_live(const struct cml_medium_def *media, const bool *spreads, struct cml_directions *to)
 {
     const int last = to->num_media - 1;
     int *live = to->live;
     for (int m = 0; m <= last; m++) {
         const int all = count_directions(to, media[m].n);
-        live[m] = m == 0 || scatters(&media[m]) || (diffuse_backing && m == last - 1)
-                      ? all
-                      : least(live[m - 1], all);
+        const bool fed = spreads && ((m > 0 && spreads[m - 1]) || (m < last && spreads[m]));
+        live[m] = m == 0 || scatters(&media[m]) || fed ? all : least(live[m - 1], all);
     }
     for (int m = last - 1; m > 0; m--)
         live[m] = greatest(live[m], least(live[m + 1], count_directions(to, media[m].n)));
@@ -205,7 +204,7 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     return status;
 }
 
-cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, bool diffuse_backing,
+cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, const bool *spreads,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)
 {
@@ -225,7 +224,7 @@ cml_status cml_directions_create(const struct cml_medium_def *media, int num_lay
     const cml_status status = allocate(num_media, most, to, err);
     if (status == CML_OK) {
         add_all(to, index, distinct, media[0].n, light, order, x, gathered);
-        find_live(media, diffuse_backing, to);
+        find_live(media, spreads, to);
         if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
     }
     cml_arrays_free(&arrays);

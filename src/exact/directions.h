@@ -27,10 +27,12 @@ struct cml_directions {
 };
 
 /* order: nodes over a quarter of a circle, had all media one index. CML_E_INPUT: out of memory. On failure
- * *to is empty; else the caller clears it. media: [num_layers + 2]; diffuse_backing: light comes up into
- * all directions of the last layer. */
+ * *to is empty; else the caller clears it. media: [num_layers + 2]; spreads: [num_layers + 1], whether a
+ * boundary or the backing in its place sends light into all directions of the media beside it; NULL: none
+ * does.
+ */
 CML_NODISCARD cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers,
-                                               bool diffuse_backing, const struct cml_exact_light *light,
+                                               const bool *spreads, const struct cml_exact_light *light,
                                                int order, struct cml_directions *to, struct cml_error *err);
 
 void cml_directions_clear(struct cml_directions *directions);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/exact.h"
 
+#include "base/array.h"
 #include "exact/layer_response.h"
+#include "exact/rough_response.h"
 #include "exact/stack.h"
 #include "scene/specular.h"
 
@@ -15,31 +17,56 @@ static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, LEAST_ORDERS = 3, TERMS_PER_NODE = 2 };
 
-/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). */
-static double work(const struct cml_medium_def *media, const struct cml_directions *directions)
+/* One call's question, and how far it has come. */
+struct search {
+    const struct cml_medium_def *media;
+    int num_layers, count; /* of shares */
+    const struct cml_exact_light *light;
+    const struct cml_exact_options *options;
+    int num_rough;                     /* boundaries */
+    bool *spreads;                     /* [num_layers + 1] of boundaries (directions.h) */
+    struct cml_rough_response *walked; /* [num_layers + 1] of one order, zeroed where smooth */
+    struct cml_stack_rough rough;      /* of these, those by all walks or by a part */
+    double *history[3];                /* all shares, of the newest order first */
+    double *spread; /* standard errors of the newest shares by walks; behind them room for as many shares */
+    double defect;  /* what the newest shares lack of 1 */
+    double spent;   /* work */
+    bool enough;    /* the next order was too much work */
+};
+
+/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). With rough
+ * boundaries layers are added up again for each part of the walks. */
+static double work(const struct search *search, const struct cml_directions *directions)
 {
+    const struct cml_medium_def *media = search->media;
+    const double again = search->num_rough > 0 ? 5 * CML_ROUGH_PARTS : 0;
     double sum = 0;
     for (int m = 1; m < directions->num_media - 1; m++) {
         if (!(media[m].mus > 0)) continue;
         const int n = directions->live[m];
         const double steepest = cml_directions_cosine(directions, n - 1, media[m].n);
         const double depth = media[m].d * cml_medium_mut(&media[m]) / steepest;
-        sum += pow(n, 3) * (40 + 7.5 * fmax(0, log2(depth)));
+        sum += pow(n, 3) * (40 + again + 7.5 * fmax(0, log2(depth)));
     }
     return sum;
 }
 
-/* One call's question, and how far it has come. */
-struct search {
-    const struct cml_medium_def *media;
-    int num_layers;
-    const struct cml_exact_light *light;
-    const struct cml_exact_options *options;
-    double *history[3]; /* all shares, of the newest order first */
-    double defect;      /* what those of the newest order lack of 1 */
-    double spent;       /* work */
-    bool enough;        /* the next order was too much work */
-};
+/* Whether facets do anything. Between equal indices nothing happens. */
+static bool is_rough(const struct search *search, int b)
+{
+    const bool backed = b == search->num_layers && search->options->backing;
+    return search->options->rough && cml_is_rough(&search->options->rough[b]) &&
+           (backed || search->media[b].n != search->media[b + 1].n);
+}
+
+static double reflected_by(const double *R, const struct cml_directions *directions)
+{
+    const int n = directions->live[0];
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) sum += R[i * n + j] * directions->light[j];
+    return sum;
+}
 
 /* What comes back from boundary 0 at once; of parallel light at normal incidence as original MCML splits it.
  */
@@ -47,7 +74,8 @@ static double specular(const struct search *search, const struct cml_directions 
 {
     const struct cml_medium_def *media = search->media;
     const double normal = cml_exact_light_normal(search->light);
-    double sum = normal * (cml_specular_split(media, search->num_layers, true).reflected -
+    if (is_rough(search, 0)) return reflected_by(search->rough.boundary[0].R, directions);
+    double sum = normal * (cml_specular_split(media, search->num_layers, !is_rough(search, 1)).reflected -
                            cml_stack_fresnel(media[0].n, 1, media[1].n, 1));
     for (int i = 0; i < directions->live[0]; i++)
         sum += directions->light[i] *
@@ -56,13 +84,14 @@ static double specular(const struct search *search, const struct cml_directions 
     return sum;
 }
 
-/* All shares of one order become the newest; those of three orders before go. */
-static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
-                              struct cml_error *err)
+/* All shares of one order, by the matrices that are chosen for rough boundaries. value: [count] */
+static cml_status solve_shares(struct search *search, const struct cml_directions *directions, int order,
+                               double *value, struct cml_error *err)
 {
-    double *value = search->history[2], *absorbed = value + CML_EXACT_LAYERS, reflected, transmitted, sum = 0;
-    CML_TRY(cml_stack_shares(search->media, search->options->backing, directions, TERMS_PER_NODE * order,
-                             &reflected, &transmitted, absorbed, err));
+    double *absorbed = value + CML_EXACT_LAYERS, reflected, transmitted, sum = 0;
+    CML_TRY(cml_stack_shares(search->media, search->options->backing,
+                             search->num_rough > 0 ? &search->rough : NULL, directions,
+                             TERMS_PER_NODE * order, &reflected, &transmitted, absorbed, err));
     for (int l = 0; l < search->num_layers; l++) sum += absorbed[l];
     value[CML_EXACT_RSP] = specular(search, directions);
     value[CML_EXACT_RD] = reflected - value[CML_EXACT_RSP];
@@ -72,25 +101,74 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     search->defect = fabs(1 - reflected - transmitted - sum);
     if (!(search->defect < 0.01))
         return cml_fail(err, CML_E_NUMERIC, "adding-doubling loses light (numbers too large or too small?)");
+    return CML_OK;
+}
+
+/* Standard errors of `value`, which is the mean of all parts of the walks but for their second order. */
+static cml_status find_spread(struct search *search, const struct cml_directions *directions, int order,
+                              const double *value, struct cml_error *err)
+{
+    const int count = search->count;
+    double *part = search->spread + count;
+    memset(search->spread, 0, (size_t)count * sizeof *search->spread);
+    for (int k = 0; k < CML_ROUGH_PARTS && search->num_rough > 0; k++) {
+        for (int b = 0; b <= search->num_layers; b++) search->rough.boundary[b] = search->walked[b].part[k];
+        CML_TRY(solve_shares(search, directions, order, part, err));
+        for (int i = 0; i < count; i++) search->spread[i] += (part[i] - value[i]) * (part[i] - value[i]);
+    }
+    for (int i = 0; i < count; i++)
+        search->spread[i] = sqrt(search->spread[i] / CML_ROUGH_PARTS / (CML_ROUGH_PARTS - 1));
+    return CML_OK;
+}
+
+/* The shares of one order become the newest; those of three orders before go. */
+static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
+                              struct cml_error *err)
+{
+    double *value = search->history[2];
+    for (int b = 0; b <= search->num_layers; b++) search->rough.boundary[b] = search->walked[b].mean;
+    CML_TRY(solve_shares(search, directions, order, value, err));
+    const double defect = search->defect;
+    CML_TRY(find_spread(search, directions, order, value, err));
+    search->defect = defect;
     search->history[2] = search->history[1];
     search->history[1] = search->history[0];
     search->history[0] = value;
     return CML_OK;
 }
 
-static bool is_diffuse(const struct cml_backing_def *backing)
+/* Walks at every rough boundary. Light in a beam's own directions comes to the uppermost one only. */
+static cml_status walk_boundaries(struct search *search, const struct cml_directions *directions, int order,
+                                  struct cml_error *err)
 {
-    return backing && backing->kind == CML_BACKING_LAMBERTIAN;
+    bool lit = true;
+    for (int b = 0; b <= search->num_layers; b++) {
+        if (!is_rough(search, b)) continue;
+        const bool backed = b == search->num_layers && search->options->backing;
+        const struct cml_rough_plane plane = {search->options->rough[b], search->media[b].n,
+                                              search->media[b + 1].n,
+                                              backed ? search->options->backing : NULL, lit};
+        CML_TRY(cml_rough_response_create(&plane, directions, directions->live[b],
+                                          backed ? 0 : directions->live[b + 1], search->options->walks,
+                                          (unsigned)order + 512u * (unsigned)b, &search->walked[b], err));
+        lit = false;
+    }
+    return CML_OK;
 }
 
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
-    CML_TRY(cml_directions_create(search->media, search->num_layers, is_diffuse(search->options->backing),
-                                  search->light, order, &directions, err));
-    search->spent += work(search->media, &directions);
+    CML_TRY(cml_directions_create(search->media, search->num_layers, search->spreads, search->light, order,
+                                  &directions, err));
+    search->spent += work(search, &directions);
     search->enough = search->spent > search->options->most_work;
-    const cml_status status = search->enough ? CML_OK : solve_order(search, &directions, order, err);
+    cml_status status = search->enough ? CML_OK : walk_boundaries(search, &directions, order, err);
+    if (status == CML_OK && !search->enough) status = solve_order(search, &directions, order, err);
+    for (int b = 0; b <= search->num_layers; b++) {
+        cml_rough_response_clear(&search->walked[b]);
+        cml_layer_response_clear(&search->rough.layer[b]);
+    }
     cml_directions_clear(&directions);
     return status;
 }
@@ -103,25 +181,28 @@ static double weight_of(double share)
 }
 
 /* Changes of two orders, and a tenth of what other shares change, because one may be small by chance; twice
- * of them, because they may become smaller slowly. The last terms are the rounding of a sum of shares, and of
- * Rd's difference. */
-static void estimate(const struct search *search, struct cml_exact *exact)
+ * of them, because they may become smaller slowly; at least four standard errors of walks. The last terms are
+ * the rounding of a sum of shares, and of Rd's difference. Returns whether orders change no more than walks
+ * leave open. */
+static bool estimate(const struct search *search, struct cml_exact *exact)
 {
-    double *const *history = search->history, most = 0;
+    double *const *history = search->history, most = 0, most_spread = 0;
     for (int i = 0; i < exact->count; i++) {
         const double value = history[0][i];
         exact->value[i] = value;
         exact->error[i] = fmax(fabs(value - history[1][i]), fabs(value - history[2][i]));
         most = fmax(most, exact->error[i]);
+        most_spread = fmax(most_spread, search->spread[i]);
     }
     for (int i = 0; i < exact->count; i++) {
         const double weight = weight_of(exact->value[i]);
-        exact->error[i] = 2 * fmax(exact->error[i], 0.1 * most * weight) +
+        exact->error[i] = fmax(2 * fmax(exact->error[i], 0.1 * most * weight), 4 * search->spread[i]) +
                           (search->defect + DBL_EPSILON) * weight + CML_LEAST_THROUGH;
     }
     exact->error[CML_EXACT_RD] += DBL_EPSILON;
     const bool spread = search->light->diffuse > 0 || search->light->num_samples > 0;
-    exact->error[CML_EXACT_RSP] = spread ? exact->error[CML_EXACT_RSP] : DBL_EPSILON;
+    if (!spread && !is_rough(search, 0)) exact->error[CML_EXACT_RSP] = DBL_EPSILON;
+    return search->num_rough > 0 && most <= 2 * most_spread;
 }
 
 double cml_exact_worst(const struct cml_exact *exact)
@@ -144,9 +225,9 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
     double sum = 0;
     for (int k = 0; k < LEAST_ORDERS; k++) {
         struct cml_directions directions;
-        CML_TRY(cml_directions_create(search->media, search->num_layers, is_diffuse(search->options->backing),
-                                      search->light, orders[k], &directions, err));
-        sum += work(search->media, &directions);
+        CML_TRY(cml_directions_create(search->media, search->num_layers, search->spreads, search->light,
+                                      orders[k], &directions, err));
+        sum += work(search, &directions);
         cml_directions_clear(&directions);
     }
     search->enough = sum > search->options->most_work;
@@ -160,30 +241,58 @@ static cml_status converge(struct search *search, struct cml_exact *exact, struc
         CML_TRY(raise_order(search, orders[k], err));
         if (search->enough) break;
         if (k < LEAST_ORDERS - 1) continue;
-        estimate(search, exact);
+        const bool settled = estimate(search, exact);
         exact->order = orders[k];
-        exact->converged = cml_exact_worst(exact) <= search->options->tolerance;
+        exact->converged = settled || cml_exact_worst(exact) <= search->options->tolerance;
     }
     if (exact->order > 0) return CML_OK;
     return cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %g multiplications",
                     search->options->most_work);
 }
 
+static cml_status allocate(struct cml_arrays *arrays, struct search *search, struct cml_error *err)
+{
+    const size_t boundaries = (size_t)search->num_layers + 1, count = (size_t)search->count;
+    for (int i = 0; i < 3; i++) search->history[i] = cml_arrays_add(arrays, count, sizeof(double));
+    search->spread = cml_arrays_add(arrays, 2 * count, sizeof(double));
+    search->spreads = cml_arrays_add(arrays, boundaries, sizeof *search->spreads);
+    search->walked = cml_arrays_add(arrays, boundaries, sizeof *search->walked);
+    search->rough.boundary = cml_arrays_add(arrays, boundaries, sizeof *search->rough.boundary);
+    search->rough.layer = cml_arrays_add(arrays, boundaries, sizeof *search->rough.layer);
+    return cml_arrays_check(arrays, "totals", err);
+}
+
+static void find_rough(struct search *search)
+{
+    const struct cml_backing_def *backing = search->options->backing;
+    search->spreads[search->num_layers] = backing && backing->kind == CML_BACKING_LAMBERTIAN;
+    for (int b = 0; b <= search->num_layers; b++) {
+        search->num_rough += is_rough(search, b);
+        search->spreads[b] |= is_rough(search, b);
+    }
+}
+
 cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
                            const struct cml_exact_light *light, const struct cml_exact_options *options,
                            struct cml_exact *exact, struct cml_error *err)
 {
-    const size_t count = (size_t)CML_EXACT_LAYERS + (size_t)num_layers;
-    double *numbers = calloc(3 * count, sizeof *numbers);
-    struct search search = {.media = media, .num_layers = num_layers, .light = light, .options = options};
-    for (size_t i = 0; numbers && i < 3; i++) search.history[i] = numbers + i * count;
-    *exact = (struct cml_exact){.count = (int)count};
-    exact->value = calloc(count, sizeof *exact->value);
-    exact->error = calloc(count, sizeof *exact->error);
-    const cml_status status = numbers && exact->value && exact->error
-                                  ? converge(&search, exact, err)
-                                  : cml_fail_memory(err, 40.0 * (double)count, "totals");
-    free(numbers);
+    struct search search = {.media = media,
+                            .num_layers = num_layers,
+                            .count = CML_EXACT_LAYERS + num_layers,
+                            .light = light,
+                            .options = options};
+    struct cml_arrays arrays = {0};
+    *exact = (struct cml_exact){.count = search.count};
+    exact->value = calloc((size_t)search.count, sizeof *exact->value);
+    exact->error = calloc((size_t)search.count, sizeof *exact->error);
+    cml_status status = exact->value && exact->error ? allocate(&arrays, &search, err)
+                                                     : cml_fail_memory(err, 16.0 * search.count, "totals");
+    if (status == CML_OK) {
+        find_rough(&search);
+        exact->walks = search.num_rough > 0 ? options->walks : 0;
+        status = converge(&search, exact, err);
+    }
+    cml_arrays_free(&arrays);
     if (status != CML_OK) cml_exact_clear(exact);
     return status;
 }
@@ -200,27 +309,18 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     if (scene->backing.kind == CML_BACKING_METAL)
         return cml_fail_field(err, scene->file, scene->backing.line, "backing", "metal",
                               "mirror or lambertian: adding-doubling knows no others");
-    int b;
-    const struct cml_rough_def *rough = cml_scene_rough(scene, &b);
-    char owner[32];
-    snprintf(owner, sizeof owner, "boundary %d", b);
-    if (rough)
-        return cml_fail_field(err, scene->file, rough->line, owner, "rough",
-                              "smooth boundaries: adding-doubling knows no others");
     struct cml_exact_options own = *options;
     own.backing = scene->backing.kind == CML_BACKING_NONE ? NULL : &scene->backing;
-    struct cml_medium_def *media = malloc(count * sizeof *media);
-    if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
-    cml_status status = cml_exact_light_create(scene, depth ? depth[0] : 0, &light, err);
-    if (status != CML_OK) {
-        free(media);
-        return status;
-    }
+    CML_FREED struct cml_medium_def *media = malloc(count * sizeof *media);
+    CML_FREED struct cml_rough_def *rough = malloc(count * sizeof *rough);
+    if (!media || !rough) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
+    CML_TRY(cml_exact_light_create(scene, depth ? depth[0] : 0, &light, err));
+    for (int b = 0; b <= scene->num_layers; b++) rough[b] = scene->boundaries[b].rough;
+    own.rough = rough;
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; depth && l <= scene->num_layers; l++) media[l].d = depth[l] - depth[l - 1];
-    status = cml_exact_solve(media, scene->num_layers, &light, &own, exact, err);
+    const cml_status status = cml_exact_solve(media, scene->num_layers, &light, &own, exact, err);
     cml_exact_light_clear(&light);
-    free(media);
     if (status != CML_E_NUMERIC) return status;
     char reason[128];
     snprintf(reason, sizeof reason, "%.127s", err->text);

@@ -20,7 +20,9 @@ enum cml_exact_share {
 struct cml_exact_options {
     double tolerance;                      /* the order rises until no error is larger */
     double most_work;                      /* multiplications after which it does not rise any more */
+    double walks;                          /* at each rough boundary, of each order */
     const struct cml_backing_def *backing; /* mirror or lambertian; NULL: none; cml_exact_scene has its own */
+    const struct cml_rough_def *rough;     /* [num_layers + 1] of boundaries; NULL: smooth; likewise */
 };
 
 struct cml_exact {
@@ -28,12 +30,15 @@ struct cml_exact {
     double *value;  /* [count] shares of the incident light */
     double *error;  /* [count] no less than the error of the value, as far as can be known */
     int order;      /* nodes over a quarter of a circle */
-    bool converged; /* all errors are within the tolerance */
+    double walks;   /* at each rough boundary; 0: all are smooth */
+    bool converged; /* all errors are within the tolerance, or as small as the walks let them be */
 };
 
 /* media: [num_layers + 2], their thicknesses those of the layers: boundaries are planes. The order rises by
  * factors of sqrt(2) up to 362. An error is twice the larger change from half the order and from the one
- * between, and by how much the shares do not add up to 1. On success the caller clears *exact. CML_E_INPUT:
+ * between, and by how much the shares do not add up to 1. With rough boundaries an error is at least four
+ * standard errors, from the spread of parts of the walks. Each order walks anew, and the order rises until
+ * its changes are no larger than that. On success the caller clears *exact. CML_E_INPUT:
  * out of memory; CML_E_NUMERIC: too much work for the least three orders, or numbers beyond double precision.
  */
 CML_NODISCARD cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,

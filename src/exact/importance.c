@@ -45,11 +45,11 @@ static cml_status solve(struct pieces *pieces, struct cml_error *err)
     const struct cml_exact_light light = {.diffuse = 1};
     struct cml_directions directions;
     double reflected, transmitted;
-    CML_TRY(cml_directions_create(pieces->media, pieces->count, false, &light, ORDER, &directions, err));
+    CML_TRY(cml_directions_create(pieces->media, pieces->count, NULL, &light, ORDER, &directions, err));
     const cml_status status =
         directions.count > MOST_DIRECTIONS
             ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)
-            : cml_stack_shares(pieces->media, NULL, &directions, TERMS, &reflected, &transmitted,
+            : cml_stack_shares(pieces->media, NULL, NULL, &directions, TERMS, &reflected, &transmitted,
                                pieces->absorbed, err);
     cml_directions_clear(&directions);
     return status;

@@ -132,9 +132,7 @@ static cml_status check_beams(const struct cml_scene *scene, double top, struct 
 
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
-    int b;
-    return scene->backing.kind != CML_BACKING_METAL && !cml_scene_rough(scene, &b) &&
-           all_come_from_above(scene, top);
+    return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
 }
 
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,

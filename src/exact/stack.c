@@ -89,6 +89,28 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
     stack->n = n;
 }
 
+/* A rough boundary on top, below a medium with n directions: T (1 - R_below below)^-1 goes down. */
+static void add_rough(struct stack *stack, const struct cml_directions *directions,
+                      const struct cml_rough_matrices *rough, int n)
+{
+    const int inner = stack->n, all = inner + stack->rows;
+    const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
+    double *matrix = stack->matrix, *to = stack->other;
+    memset(matrix, 0, (size_t)inner * (size_t)inner * sizeof *matrix);
+    cml_dense_add_product(&kind, 0, rough->R_below, stack->below, matrix);
+    for (int i = 0; i < inner; i++)
+        for (int j = 0; j < inner; j++) matrix[i * inner + j] = (i == j) - matrix[i * inner + j];
+    cml_dense_divide(&kind, stack->rows, matrix, stack->below);
+    memset(matrix, 0, (size_t)all * (size_t)n * sizeof *matrix);
+    cml_dense_add_general(all, inner, n, stack->below, rough->T, matrix);
+    memcpy(to, rough->R, (size_t)n * (size_t)n * sizeof *to);
+    cml_dense_add_general(n, inner, n, rough->T_below, matrix, to);
+    memcpy(to + n * n, matrix + inner * n, (size_t)stack->rows * (size_t)n * sizeof *to);
+    stack->other = stack->below;
+    stack->below = to;
+    stack->n = n;
+}
+
 /* A layer on top, whose absorbed share is row `number`. What lies below gets (1 - R below)^-1 T of what
  * comes, and Z comes back from there. */
 static void add_layer(struct stack *stack, const struct cml_directions *directions,
@@ -135,6 +157,18 @@ static void begin_backed(struct stack *stack, const struct cml_backing_def *back
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
 }
 
+/* A rough backing: share 0 is what its facets keep. */
+static void begin_rough(struct stack *stack, const struct cml_rough_matrices *rough, int n)
+{
+    stack->n = n;
+    memcpy(stack->below, rough->R, (size_t)n * (size_t)n * sizeof *stack->below);
+    for (int j = 0; j < n; j++) {
+        double kept = 1;
+        for (int i = 0; i < n; i++) kept -= rough->R[i * n + j];
+        stack->below[n * n + j] = kept;
+    }
+}
+
 /* Another block, of layers up to layer `last`. What comes down into those below leaves this one. */
 static void begin_block(struct stack *stack, int last)
 {
@@ -161,29 +195,33 @@ static void end_block(struct stack *stack)
 }
 
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
-                        const struct cml_directions *directions, int terms, struct stack *stack,
-                        struct cml_error *err)
+                        const struct cml_stack_rough *rough, const struct cml_directions *directions,
+                        int terms, struct stack *stack, struct cml_error *err)
 {
     const int num_layers = directions->num_media - 2;
-    if (backing)
+    if (backing && rough && rough->boundary[num_layers].R)
+        begin_rough(stack, &rough->boundary[num_layers], directions->live[num_layers]);
+    else if (backing)
         begin_backed(stack, backing, directions, media[num_layers].n, directions->live[num_layers]);
     else
         begin(stack, directions->live[num_layers + 1]);
     begin_block(stack, num_layers);
     for (int b = num_layers; b >= 0; b--) {
         const struct block *block = &stack->block[stack->num_blocks - 1];
-        struct cml_layer_response layer;
+        struct cml_layer_response own = {.count = 0}, *layer = rough ? &rough->layer[b] : &own;
         if (b > 0 && b < block->first) {
             end_block(stack);
             begin_block(stack, b);
             block++;
         }
-        if (b < num_layers || !backing)
+        if (rough && rough->boundary[b].R && (b < num_layers || !backing))
+            add_rough(stack, directions, &rough->boundary[b], directions->live[b]);
+        else if (b < num_layers || !backing)
             add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
         if (b == 0) break;
-        CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
-        add_layer(stack, directions, &layer, block->passed + b - block->first);
-        cml_layer_response_clear(&layer);
+        if (!layer->R) CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, layer, err));
+        add_layer(stack, directions, layer, block->passed + b - block->first);
+        cml_layer_response_clear(&own);
     }
     end_block(stack);
     return CML_OK;
@@ -214,12 +252,13 @@ static void share_out(const struct stack *stack, const double *light, int step, 
 }
 
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
-                            const struct cml_directions *directions, int terms, double *reflected,
-                            double *transmitted, double *absorbed, struct cml_error *err)
+                            const struct cml_stack_rough *rough, const struct cml_directions *directions,
+                            int terms, double *reflected, double *transmitted, double *absorbed,
+                            struct cml_error *err)
 {
     struct stack stack = {.n = 0};
     cml_status status = allocate(&stack, directions, err);
-    if (status == CML_OK) status = build(media, backing, directions, terms, &stack, err);
+    if (status == CML_OK) status = build(media, backing, rough, directions, terms, &stack, err);
     if (status == CML_OK) {
         *reflected = 0;
         for (int i = 0; i < stack.n; i++) *reflected += share(stack.below, stack.n, i, directions->light);
@@ -236,7 +275,7 @@ cml_status cml_stack_responses(const struct cml_medium_def *media, const struct 
     CML_FREED double *light = calloc((size_t)directions->count, sizeof *light);
     cml_status status =
         light ? allocate(&stack, directions, err) : cml_fail_memory(err, 8.0 * directions->count, "layers");
-    if (status == CML_OK) status = build(media, NULL, directions, terms, &stack, err);
+    if (status == CML_OK) status = build(media, NULL, NULL, directions, terms, &stack, err);
     for (int j = 0, at = 0; status == CML_OK && j < stack.n; j++) {
         if (directions->etendue[j] != 0) continue;
         light[j] = 1;

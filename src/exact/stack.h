@@ -2,13 +2,22 @@
 #pragma once
 
 #include "exact/directions.h"
+#include "exact/layer_response.h"
+#include "exact/rough_response.h"
+
+/* Rough boundaries of a stack that is added up several times, each time with other matrices. */
+struct cml_stack_rough {
+    struct cml_rough_matrices *boundary; /* [num_layers + 1], R NULL: a smooth one */
+    struct cml_layer_response *layer; /* [num_layers + 1], zeroed at first: layers, kept for the next time */
+};
 
 /* Shares of the incident light: what is reflected, transmitted and absorbed[l - 1] in layer l, [num_layers].
  * By energy they add up to 1; nothing here makes them, so their sum tells how much rounding has done. media:
- * [num_layers + 2]; backing: mirror or lambertian, which keeps what else is transmitted, or NULL; terms: of
- * the phase functions. CML_E_INPUT: out of memory. */
+ * [num_layers + 2]; backing: mirror or lambertian, which keeps what else is transmitted, or NULL; rough
+ * NULL: all boundaries are smooth; terms: of the phase functions. CML_E_INPUT: out of memory. */
 CML_NODISCARD cml_status cml_stack_shares(const struct cml_medium_def *media,
                                           const struct cml_backing_def *backing,
+                                          const struct cml_stack_rough *rough,
                                           const struct cml_directions *directions, int terms,
                                           double *reflected, double *transmitted, double *absorbed,
                                           struct cml_error *err);

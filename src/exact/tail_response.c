@@ -55,7 +55,7 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
                         struct cml_error *err)
 {
     struct cml_directions directions;
-    CML_TRY(cml_directions_create(stack, num_layers, false, light, order, &directions, err));
+    CML_TRY(cml_directions_create(stack, num_layers, NULL, light, order, &directions, err));
     const cml_status status =
         directions.count > MOST_DIRECTIONS
             ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)

@@ -61,20 +61,32 @@ static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, s
     return CML_OK;
 }
 
-/* Takes the word rough=KIND,ALPHA out of the line, wherever it stands behind the shape. */
+/* Takes the word rough=KIND,ALPHA out of the line, wherever it stands behind the shape. Beside a sphere or a
+ * cylinder no other word is an option: words are ignored there, but one with = or rough was meant for
+ * something. */
 static cml_status take_roughness(struct cml_mci_reader *reader, const char *owner,
                                  struct cml_rough_def *rough)
 {
-    static const char key[] = " rough=";
-    char *found = strstr(reader->cursor, key), value[64], field[48];
-    if (!found) return CML_OK;
-    char *word = found + sizeof key - 1;
-    const size_t length = strcspn(word, " \t\r");
-    snprintf(value, sizeof value, "%.*s", (int)length, word);
-    snprintf(field, sizeof field, "%s: rough", owner);
-    if (!cml_mci_parse_rough(value, rough)) return cml_mci_fail(reader, field, value, cml_mci_rough_option);
-    rough->line = reader->text.line;
-    memset(found, ' ', sizeof key - 1 + length);
+    static const char blank[] = " \t\r", key[] = "rough=";
+    char value[64], field[48], *words = reader->cursor + strspn(reader->cursor, blank);
+    const char *name_end = *words == '"' ? strchr(words + 1, '"') : NULL;
+    const bool has_file = name_end != NULL;
+    if (has_file) words += name_end - words;
+    for (char *word = words; *(word += strspn(word, blank)) != '\0';) {
+        const size_t length = strcspn(word, blank);
+        const bool is_rough = strncmp(word, key, sizeof key - 1) == 0;
+        const char *begin = is_rough ? word + sizeof key - 1 : word;
+        snprintf(value, sizeof value, "%.*s", (int)(length - (size_t)(begin - word)), begin);
+        snprintf(field, sizeof field, "%s: %s", owner, is_rough ? "rough" : "option");
+        if (is_rough && rough->line) return cml_mci_fail(reader, field, value, "this option only once");
+        if (is_rough && !cml_mci_parse_rough(value, rough))
+            return cml_mci_fail(reader, field, value, cml_mci_rough_option);
+        if (!is_rough && !has_file && (strchr(value, '=') || strcmp(value, "rough") == 0))
+            return cml_mci_fail(reader, field, value, "rough=KIND,ALPHA, or none");
+        if (is_rough) rough->line = reader->text.line;
+        if (is_rough) memset(word, ' ', length);
+        word += length;
+    }
     return CML_OK;
 }
 

@@ -44,9 +44,6 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
 {
     fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total((int)total)].name);
     cml_report_estimate(stream, cml_result_total(report->sums, total), cml_result_error(report->sums, total));
-    if (report->control)
-        fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
-                report->control[total].error);
     if (report->exact)
         fprintf(stream,
                 is_small(report->exact->value[total]) ? "   exact %.4e +- %.1g" : "   exact %.7f +- %.1g",
@@ -131,8 +128,10 @@ static void print_flattened(FILE *stream, const struct cml_scene *scene)
 
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
-    fprintf(stream, "%s (%s:%d): adding-doubling, order %d\n", scene->output, scene->file, scene->line,
+    fprintf(stream, "%s (%s:%d): adding-doubling, order %d", scene->output, scene->file, scene->line,
             exact->order);
+    if (exact->walks > 0) fprintf(stream, ", %.0f walks at each rough boundary", exact->walks);
+    fputc('\n', stream);
     print_flattened(stream, scene);
     for (int i = 0; i < exact->count; i++) {
         if (i == CML_EXACT_BACKING && scene->backing.kind == CML_BACKING_NONE) continue;
@@ -283,14 +282,15 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  %.3g s, %llu photons, %.3g photons/s, %.3g steps", seconds,
             (unsigned long long)result->photons, (double)result->photons / seconds, steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);
-    fprintf(stream, " on %d thread%s\n", report->timing->threads, report->timing->threads == 1 ? "" : "s");
+    if (report->timing->threads == 0)
+        fputs(" in all parts\n", stream);
+    else
+        fprintf(stream, " on %d thread%s\n", report->timing->threads,
+                report->timing->threads == 1 ? "" : "s");
     print_seconds_to(stream, report);
     if (!isnan(report->flat_below) && !report->exact)
         fprintf(stream, "  all is flat below z = %.4g cm: --aim Tt would give Tt a smaller error\n",
                 report->flat_below);
-    if (report->control)
-        fprintf(stream, "  control: the flat twin took %.3g s of processor time\n",
-                report->control_processor);
 }
 
 /* Shares of each rank's own time. */

@@ -7,7 +7,6 @@
 #include "result/timing.h"
 #include "scene/flat_tail.h"
 #include "surface/mean_depth.h"
-#include "tally/control.h"
 
 struct cml_report {
     const struct cml_scene *scene;
@@ -15,13 +14,11 @@ struct cml_report {
     const struct cml_result *sums;
     const struct cml_timing *timing;
     const struct cml_provenance *provenance;
-    char identity[CML_IDENTITY_SUM];      /* of the run */
-    const char *command;                  /* line, for provenance */
-    int row;                              /* of a sweep, from 1; 0: of none */
-    const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
-    double control_processor;             /* s that the twin's flight took */
-    const struct cml_flat_tail *tail;     /* of --aim; NULL: none */
-    double flat_below;                    /* a depth where --aim would save photons, cm; NaN: nowhere */
+    char identity[CML_IDENTITY_SUM];  /* of the run */
+    const char *command;              /* line, for provenance */
+    int row;                          /* of a sweep, from 1; 0: of none */
+    const struct cml_flat_tail *tail; /* of --aim; NULL: none */
+    double flat_below;                /* a depth where --aim would save photons, cm; NaN: nowhere */
     int unseen; /* detector, from 1, that has seen nothing, and that --aim would send packets to; 0: none */
     const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
     struct cml_outcome outcome;    /* of cml_report_write: what files, record and summary are made of */

@@ -83,10 +83,10 @@ static void add_scores(struct cml_field_list *c, const struct cml_body_face *fac
             cml_add_sums(c, quantity, face ? at_face : at_facet, first_scores(c->report) + scores[i]);
         struct cml_field *field = cml_last_field(c);
         source->face = face;
-        source->step = c->report->sums->grid.facet_step;
+        source->once = cml_facet_once(&c->report->sums->grid);
         if (face)
             snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name + strlen("body_"));
-        if (source->step) cml_add_error_field(c);
+        if (source->once.step) cml_add_error_field(c);
     }
 }
 

@@ -103,13 +103,12 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
         const bool once = scores[i].score == CML_FACET_ESCAPED;
         struct cml_field_source *source =
             cml_add_sums(c, scores[i].quantity, at_facet, first + scores[i].score);
-        source->squares = once ? first + CML_FACET_ESCAPED_SQUARES : NULL;
-        source->step = c->report->sums->grid.facet_step;
+        source->once = cml_facet_once(&c->report->sums->grid);
         source->surface = &c->report->surfaces->item[b];
         source->per_facet = per_facet;
         name_field(c, prefix, "", scores[i].quantity);
         along_facets(c, b);
-        if (once || source->step) cml_add_error_field(c);
+        if (once || source->once.step) cml_add_error_field(c);
     }
 }
 

@@ -16,39 +16,23 @@ static void number_value(const void *context, size_t begin, size_t count, double
     *out = ((const struct cml_field_source *)context)->number;
 }
 
-/* As integers: so a map without angles is the exact sum. */
-static cml_u128 sum_of(const cml_u128 *cells, size_t count)
-{
-    cml_u128 sum = 0;
-    for (size_t i = 0; i < count; i++) sum += cells[i];
-    return sum;
-}
-
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const double k = CML_WEIGHT_UNIT / (double)source->report->sums->photons * source->scale;
     for (size_t i = 0; i < count; i++) {
         const struct cml_field_cells at = source->where(source, begin + i);
-        const cml_u128 *cell = source->cells + at.first;
-        out[i] = (source->step ? cml_result_cell_sum(cell, CML_NUM_GROUPS, source->step)
-                               : (double)sum_of(cell, at.count)) *
-                 k / at.per;
+        out[i] = cml_result_once_sum(source->cells + at.first, at.count, source->once) * k / at.per;
     }
 }
 
-/* A packet that ends in one cell of many adds to its square at most once; the squares of others would need
- * all cells for each packet, and groups of photons stand in their place. */
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const struct cml_result *result = source->report->sums;
     for (size_t i = 0; i < count; i++) {
         const struct cml_field_cells at = source->where(source, begin + i);
-        const cml_u128 *cell = source->cells + at.first;
-        out[i] = (source->squares ? cml_result_once_error(result, sum_of(cell, at.count),
-                                                          sum_of(source->squares + at.first, at.count))
-                                  : cml_result_cell_error(result, cell, source->step)) *
+        out[i] = cml_result_once_error(result, source->cells + at.first, at.count, source->once) *
                  source->scale / at.per;
     }
 }
@@ -206,13 +190,12 @@ void cml_add_error_field(struct cml_field_list *c)
 
 /* ---- maps and volume ---- */
 
-static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
-                       const cml_u128 *squares)
+static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells)
 {
     const struct cml_map_def *map = &c->report->scene->map;
     const bool angles = cml_quantities[quantity].axis[2] == CML_AXIS_alpha;
     struct cml_field_source *source = cml_add_sums(c, quantity, angles ? at_angle : at_pixel, cells);
-    source->squares = squares;
+    source->once = c->report->sums->grid.map_once;
     source->na = (size_t)c->report->sums->grid.map_na;
     source->scale = 1 / (map->dx * map->dy);
     cml_add_error_field(c);
@@ -224,11 +207,11 @@ void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = c->report->sums;
     if (!r->Rd_xya) return;
-    add_pixels(c, CML_QUANTITY_Rd_xy, r->Rd_xya, r->Rd_xya2);
-    add_pixels(c, CML_QUANTITY_Tt_xy, r->Tt_xya, r->Tt_xya2);
+    add_pixels(c, CML_QUANTITY_Rd_xy, r->Rd_xya);
+    add_pixels(c, CML_QUANTITY_Tt_xy, r->Tt_xya);
     if (!c->report->scene->map.angles) return;
-    add_pixels(c, CML_QUANTITY_Rd_xya, r->Rd_xya, r->Rd_xya2);
-    add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya, r->Tt_xya2);
+    add_pixels(c, CML_QUANTITY_Rd_xya, r->Rd_xya);
+    add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya);
 }
 
 /* apart: from a voxel to the next; step: to what the next group of photons has in it, 0: there is one for
@@ -239,7 +222,7 @@ static void add_voxels(struct cml_field_list *c, enum cml_quantity quantity, con
     const struct cml_scene *scene = c->report->scene;
     struct cml_field_source *source = cml_add_sums(c, quantity, at_voxel, cells);
     source->na = apart;
-    source->step = step;
+    source->once.step = step;
     source->scale = scale / (scene->map.dx * scene->map.dy * scene->dz);
     if (step) cml_add_error_field(c);
 }
@@ -265,7 +248,7 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
         struct cml_field_source *source =
             cml_add_sums(c, CML_QUANTITY_detector_map, at_pixel, r->detector_map + first);
         struct cml_field *field = cml_last_field(c);
-        source->squares = r->detector_map2 + first;
+        source->once = r->grid.pixel_once;
         source->scale = 1 / (detector->size[0] * detector->size[1]);
         snprintf(field->name, sizeof field->name, "detector_%s_map", detector->name);
         field->num_axes = 2;
@@ -283,8 +266,10 @@ void cml_add_outside_fields(struct cml_field_list *c)
     const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
     const double per = CML_WEIGHT_UNIT / (double)r->photons;
     if (!r->Rd_xya) return;
-    cml_add_number_field(c, CML_QUANTITY_Rd_outside, (double)sum_of(r->Rd_xya + pixels * na, na) * per);
-    cml_add_number_field(c, CML_QUANTITY_Tt_outside, (double)sum_of(r->Tt_xya + pixels * na, na) * per);
+    cml_add_number_field(c, CML_QUANTITY_Rd_outside,
+                         cml_result_once_sum(r->Rd_xya + pixels * na, na, grid->map_once) * per);
+    cml_add_number_field(c, CML_QUANTITY_Tt_outside,
+                         cml_result_once_sum(r->Tt_xya + pixels * na, na, grid->map_once) * per);
     if (r->A_xyz)
         cml_add_number_field(c, CML_QUANTITY_A_outside,
                              cml_result_cell_sum(r->A_xyz + pixels * (size_t)grid->nz,

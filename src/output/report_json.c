@@ -314,18 +314,6 @@ static void set_exact_totals(json_t *object, const struct cml_scene *scene, cons
     set_real(object, "exact_error", worst);
 }
 
-/* What a run has with its flat twin as control variate; null without one. */
-static void set_control(json_t *object, const struct cml_report *report)
-{
-    const struct cml_controlled none = {NAN, NAN, NAN};
-    for (int i = 0; i < totals_of(report->scene); i++) {
-        const struct cml_controlled *control = report->control ? &report->control[i] : &none;
-        set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "", &control->value);
-        set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "_se", &control->error);
-    }
-    set_real(object, "control_cpu_s", report->control ? report->control_processor : NAN);
-}
-
 static int print_list(FILE *stream, const struct list *list, const struct subject *subject)
 {
     int failed = 0;
@@ -548,7 +536,6 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     cml_status status = deal_beams(&subject, report->sums->photons, err);
     if (status == CML_OK) {
         set_exact_totals(object, report->scene, report->exact);
-        set_control(object, report);
         set_saved(object, report);
         set_speed(object, report);
         status = print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);

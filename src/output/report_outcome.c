@@ -71,19 +71,6 @@ static cml_status fill_heights(const struct cml_scene *scene, struct cml_outcome
     return CML_OK;
 }
 
-/* The totals with the flat twin as control variate, if it was flown. */
-static cml_status fill_control(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
-{
-    for (int i = 0; report->control && i < cml_num_totals(o->backed); i++) {
-        const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_Rsp_control + i);
-        CML_TRY(cml_outcome_add(o, quantity, false, err));
-        CML_TRY(cml_outcome_add(o, quantity, true, err));
-        o->value[quantity][0] = report->control[i].value;
-        o->error[quantity][0] = report->control[i].error;
-    }
-    return CML_OK;
-}
-
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
@@ -131,7 +118,6 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     CML_TRY(fill_input(report, o, err));
     CML_TRY(fill_bodies(report->scene, o, err));
     CML_TRY(fill_heights(report->scene, o, err));
-    CML_TRY(fill_control(report, o, err));
     CML_TRY(count_covers(report, err));
     CML_TRY(cml_report_body_fluxes(report, o, err));
     CML_TRY(cml_outcome_take(o, report->sums, err));

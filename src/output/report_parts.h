@@ -49,10 +49,10 @@ struct cml_field_source {
     const struct cml_report *report;
     double number;
     cml_field_where *where;
-    const cml_u128 *cells, *squares; /* squares NULL: errors come of groups of photons */
-    size_t na;                       /* cells of a pixel, or from a voxel to the next */
-    size_t step;                     /* to the cells of the next group of photons; 0: there is one for all */
-    double scale;                    /* from share of the launched weight to what is written */
+    const cml_u128 *cells;
+    size_t na;            /* cells of a pixel, or from a voxel to the next */
+    struct cml_once once; /* how the array is kept; its squares count where a packet adds to a value once */
+    double scale;         /* from share of the launched weight to what is written */
     const struct cml_surface_def *surface;
     size_t per_facet; /* successive values that belong to one facet */
     const struct cml_body_face *face;

@@ -10,7 +10,7 @@ enum { CML_H5_MORE_ATTRIBUTES = 4 };
 
 /* What an .h5 holds beside an outcome. Borrowed. */
 struct cml_h5_more {
-    const char *input; /* text of the .mci of a run; NULL: merged, which has the outcome's `scene` */
+    const char *input;             /* text of the .mci */
     const struct cml_field *field; /* [num_fields]; one that the outcome has is left out */
     int num_fields;
     struct cml_hdf5_call call;
@@ -27,7 +27,7 @@ CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome
 int cml_h5_attributes(const struct cml_outcome *outcome, const struct cml_h5_more *more,
                       struct cml_attribute *attributes);
 
-/* Quantities, provenance and the scene in words, of a run or merged. A_z and A_rz are 0 where absorption was
+/* Quantities, provenance and the scene in words, of a run. A_z and A_rz are 0 where absorption was
  * not tallied, n outside of all layers is 0. A program without HDF5 refuses every file. CML_E_INPUT with file
  * and data set; then *outcome is cleared. The caller clears it otherwise. */
 CML_NODISCARD cml_status cml_h5_read(const char *path, struct cml_outcome *outcome, struct cml_error *err);

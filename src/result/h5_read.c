@@ -151,20 +151,6 @@ static cml_status read_options(const struct reader *r)
     return CML_OK;
 }
 
-static cml_status read_merged(const struct reader *r)
-{
-    char *text;
-    cml_status status = CML_OK;
-    CML_TRY(cml_hdf5_text(&r->file, NULL, "merged", &text, r->err));
-    for (const char *line = text; status == CML_OK && *line;) {
-        status = cml_mco_read_merged(line, r->o, r->err);
-        line += strcspn(line, "\n");
-        line += *line == '\n';
-    }
-    free(text);
-    return status;
-}
-
 /* Leaves out empty lines, and `first` lines. */
 static void drop_lines(char *text, int first)
 {
@@ -180,8 +166,7 @@ static void drop_lines(char *text, int first)
     *to = '\0';
 }
 
-/* What the scene is: of a run by its input, whose first two lines are its name and most often its photons; of
- * a merged result by what that says itself. */
+/* What the scene is, by its input, whose first two lines are its name and most often its photons. */
 static cml_status read_scene(const struct reader *r)
 {
     struct cml_outcome *o = r->o;
@@ -191,9 +176,10 @@ static cml_status read_scene(const struct reader *r)
     CML_TRY(cml_hdf5_text(&r->file, NULL, "detectors", &o->detectors, r->err));
     CML_TRY(cml_outcome_name_detectors(o, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
-    CML_TRY(cml_hdf5_text(&r->file, NULL, o->merged ? "scene" : "input", &o->scene, r->err));
-    drop_lines(o->scene, o->merged ? 0 : 2);
-    return cml_outcome_make_shapes(o, r->err);
+    CML_TRY(cml_hdf5_text(&r->file, NULL, "input", &o->scene, r->err));
+    drop_lines(o->scene, 2);
+    cml_outcome_count_bodies(o);
+    return CML_OK;
 }
 
 /* ---- all of it ---- */
@@ -236,9 +222,7 @@ static cml_status read_head(const struct reader *r)
 {
     CML_TRY(read_photons(r));
     CML_TRY(read_options(r));
-    CML_TRY(read_merged(r));
-    CML_TRY(read_scene(r));
-    return cml_outcome_own_stream(r->o, r->err);
+    return read_scene(r);
 }
 
 /* Bodies are counted before what there is of each. */

@@ -90,8 +90,8 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     *a++ = (struct cml_attribute){"source",
                                   "clustermcml: Monte Carlo light transport in layered turbid media", 0};
     *a++ = (struct cml_attribute){"version", o->program, 0};
-    if (!o->merged) *a++ = (struct cml_attribute){"engine", o->provenance.engine, 0};
-    if (!o->merged) *a++ = (struct cml_attribute){"input", more->input, 0};
+    *a++ = (struct cml_attribute){"engine", o->provenance.engine, 0};
+    *a++ = (struct cml_attribute){"input", more->input, 0};
     *a++ = (struct cml_attribute){"boundaries", o->shapes, 0};
     for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
         const double value = o->provenance.value[i];
@@ -102,25 +102,12 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
                                    word ? cml_option_word((enum cml_option_of_bits)i, value) : NULL, value};
     }
     *a++ = (struct cml_attribute){"photons", NULL, (double)o->photons};
-    if (o->merged || (o->beam && o->beam[0])) *a++ = (struct cml_attribute){"beam", o->beam, 0};
+    if (o->beam && o->beam[0]) *a++ = (struct cml_attribute){"beam", o->beam, 0};
     if (o->phases && o->phases[0]) *a++ = (struct cml_attribute){"phases", o->phases, 0};
     if (o->detectors && o->detectors[0]) *a++ = (struct cml_attribute){"detectors", o->detectors, 0};
-    if (o->merged || (o->settings && o->settings[0]))
-        *a++ = (struct cml_attribute){"settings", o->settings, 0};
-    if (o->merged) *a++ = (struct cml_attribute){"scene", o->scene, 0};
+    if (o->settings && o->settings[0]) *a++ = (struct cml_attribute){"settings", o->settings, 0};
     if (o->identity[0]) *a++ = (struct cml_attribute){"identity", o->identity, 0};
     return (int)(a - attributes);
-}
-
-/* "merged FILE: seed S, run R" of each; *text is the caller's to free. */
-static cml_status describe_streams(const struct cml_outcome *o, char **text, struct cml_error *err)
-{
-    size_t size = 0;
-    FILE *out = open_memstream(text, &size);
-    for (int i = 0; out && i < o->num_streams; i++)
-        fprintf(out, "merged %s: seed %llu, run %llu\n", o->stream[i].file,
-                (unsigned long long)o->stream[i].seed, (unsigned long long)o->stream[i].run);
-    return cml_text_end(out, text, &size, "a merged result", err);
 }
 
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
@@ -128,13 +115,8 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
 {
     struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
     int count = cml_h5_attributes(o, more, attributes);
-    char *streams = NULL;
-    if (o->merged) CML_TRY(describe_streams(o, &streams, err));
-    if (o->merged) attributes[count++] = (struct cml_attribute){"merged", streams, 0};
     for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
-    const cml_status status = cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
-    free(streams);
-    return status;
+    return cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
 }
 
 /* Values of `more` are computed while they are written, so they are never in memory as a whole. */

@@ -112,16 +112,12 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
-    for (int i = 0; o->merged && i < o->num_streams; i++)
-        fprintf(out, "# merged %s: seed %" PRIu64 ", run %" PRIu64 "\n", o->stream[i].file, o->stream[i].seed,
-                o->stream[i].run);
-    cml_provenance_print(out, &o->provenance, o->merged);
+    cml_provenance_print(out, &o->provenance);
     cml_text_print(out, "# set ", o->settings);
     cml_text_print(out, "# ", o->beam);
     cml_text_print(out, "# ", o->phases);
     cml_text_print(out, "# ", o->detectors);
     cml_text_print(out, "# ", o->shapes);
-    cml_text_print(out, "# scene ", o->scene);
     if (o->nt > 0)
         fprintf(out, "\ndirections # bins of the angle and of the azimuth\n%d\n%d\n", o->nt, o->np);
     if (o->num_gates > 0)
@@ -133,32 +129,24 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
             sampling > 0);
 }
 
-static void write_error(FILE *out, const struct cml_outcome *o, double error)
-{
-    if (o->merged)
-        fprintf(out, "%12.9E", error);
-    else
-        write_number(out, error);
-    fputc('\n', out);
-}
-
-/* Sections "se_KEY # [unit]", then one standard error per line. Merged ones may differ in digits that a run's
- * do not have. */
+/* Sections "se_KEY # [unit]", then one standard error per line. */
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
     char key[CML_OUTCOME_KEY];
-    const char *const total = o->merged ? "%.9G\n" : "%.6G\n";
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
     for (int i = 0; i < CML_TOTALS; i++)
-        if (o->error[i]) fprintf(out, total, o->error[i][0]);
+        if (o->error[i]) fprintf(out, "%.6G\n", o->error[i][0]);
     for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (!o->error[i] || cml_quantities[i].estimator == CML_FROM_TWIN) continue;
+        if (!o->error[i]) continue;
         const size_t size = cml_outcome_part_size(o, quantity);
         for (int part = 0; part < cml_outcome_parts(o, quantity); part++) {
             cml_outcome_key(o, quantity, part, key);
             fprintf(out, "\nse_%s # [%s]\n", key, cml_quantities[i].units);
-            for (size_t k = 0; k < size; k++) write_error(out, o, o->error[i][(size_t)part * size + k]);
+            for (size_t k = 0; k < size; k++) {
+                write_number(out, o->error[i][(size_t)part * size + k]);
+                fputc('\n', out);
+            }
         }
     }
 }
@@ -167,20 +155,18 @@ static void write_errors(FILE *out, const struct cml_outcome *o)
  * `lost`. The names are part of the file format and older than the words of the code. */
 static void write_balance(FILE *out, const struct cml_outcome *o)
 {
-    const bool run = !o->merged;
     double *const *books = o->value + CML_QUANTITY_book_launched;
     if (books[0])
-        fprintf(out, "\nbooks # weight per launched packet%s\n",
-                run ? "; launched + gained = all others up to lost, exactly" : ", in the order of a run");
+        fputs("\nbooks # weight per launched packet; launched + gained = all others up to lost, exactly\n",
+              out);
     for (int i = 0; i < CML_BOOKS && books[i]; i++)
-        fprintf(out, "%.17g%s%s\n", books[i][0], run ? " # " : "",
-                run ? cml_quantities[CML_QUANTITY_book_launched + i].long_name : "");
+        fprintf(out, "%.17g # %s\n", books[i][0], cml_quantities[CML_QUANTITY_book_launched + i].long_name);
     if (o->value[CML_QUANTITY_residue])
-        fprintf(out, "\nresidue # of the books, in 2^-31 packets%s\n%.17g\n",
-                run ? "; 0 unless the program is wrong" : "", o->value[CML_QUANTITY_residue][0]);
+        fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
+                o->value[CML_QUANTITY_residue][0]);
     if (o->value[CML_QUANTITY_lost])
-        fprintf(out, "\nlost # packets%s\n%.17g\n",
-                run ? "; behind it the smallest of their indices, for `clustermcml trace`" : "",
+        fprintf(out,
+                "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n%.17g\n",
                 o->value[CML_QUANTITY_lost][0]);
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
@@ -218,20 +204,6 @@ static void write_heights(FILE *out, const struct cml_outcome *o)
     }
 }
 
-/* The totals with the flat twin as control variate, then their standard errors, if it was flown. */
-static void write_control(FILE *out, const struct cml_outcome *o)
-{
-    double *const *value = o->value + CML_QUANTITY_Rsp_control, *const *error =
-                                                                    o->error + CML_QUANTITY_Rsp_control;
-    const bool backed = o->value[CML_QUANTITY_A_backing_control];
-    if (!value[0] || o->merged) return;
-    fprintf(out,
-            "\ncontrol # Rsp, Rd, A, Tt%s with the flat twin as control variate, then their errors [-]\n",
-            backed ? ", A_backing" : "");
-    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.9G\n", value[i][0]);
-    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.6G\n", error[i][0]);
-}
-
 /* Errors of single prints stay with the stream, and the commit looks at it. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
@@ -247,7 +219,6 @@ cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct c
         write_balance(file.stream, o);
         write_ours(file.stream, o);
         write_heights(file.stream, o);
-        write_control(file.stream, o);
         fputs("\n" CML_MCO_END "\n", file.stream);
     }
     return cml_file_commit(&file, err);

@@ -1,5 +1,5 @@
 /* What stands in an .mco behind the sections of original MCML. Nothing here is refused: a section that is not
- * whole is as if it were not there, and `damage` says so to who wants it. What --control adds is for people.
+ * whole is as if it were not there, and `damage` says so to who wants it.
  * SPDX-License-Identifier: MIT */
 #include "result/mco_sections.h"
 
@@ -51,23 +51,6 @@ static cml_status gather(const char *text, const char *word, const char *or_word
     return CML_OK;
 }
 
-cml_status cml_mco_read_merged(const char *line, struct cml_outcome *o, struct cml_error *err)
-{
-    uint64_t seed, run;
-    const char *at = NULL;
-    for (const char *next = line; (next = strstr(next, ": seed ")) && next < line + strcspn(line, "\n");
-         next++)
-        at = next;
-    if (!begins(line, "merged ") || !at || sscanf(at, ": seed %" SCNu64 ", run %" SCNu64, &seed, &run) != 2)
-        return CML_OK;
-    char *file = strndup(line + strlen("merged "), (size_t)(at - line) - strlen("merged "));
-    if (!file) return cml_fail_memory(err, 1, "a name");
-    const cml_status status = cml_outcome_add_stream(o, file, seed, run, err);
-    free(file);
-    o->merged = true;
-    return status;
-}
-
 /* What is not the scene is the head, line by line. */
 static cml_status read_head(const struct reader *r, struct cml_error *err)
 {
@@ -82,8 +65,6 @@ static cml_status read_head(const struct reader *r, struct cml_error *err)
         snprintf(head, sizeof head, "%.*s", (int)strcspn(line, "\r\n"), line);
         if (begins(head, "# clustermcml ") && !o->program)
             CML_TRY(cml_text_copy(head + strlen("# clustermcml "), &o->program, err));
-        else if (begins(line, "# merged "))
-            CML_TRY(cml_mco_read_merged(line + 2, o, err));
         else
             cml_provenance_read(head, &o->provenance);
         if (begins(head, "# engine ")) sscanf(head, "# engine %31[^,]", o->provenance.engine);
@@ -91,7 +72,6 @@ static cml_status read_head(const struct reader *r, struct cml_error *err)
     return CML_OK;
 }
 
-/* A run's own random numbers stand among its options. */
 static cml_status read_comments(const struct reader *r, struct cml_error *err)
 {
     struct cml_outcome *o = r->o;
@@ -103,8 +83,8 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
-    CML_TRY(cml_outcome_make_shapes(o, err));
-    return cml_outcome_own_stream(o, err);
+    cml_outcome_count_bodies(o);
+    return CML_OK;
 }
 
 /* ---- sections ---- */

@@ -33,7 +33,3 @@ static inline int cml_mco_columns(const struct cml_outcome *o, const struct cml_
  * only where memory runs out. */
 CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, bool has_end,
                                            struct cml_outcome *outcome, struct cml_error *err);
-
-/* A line "merged FILE: seed S, run R" as one of the outcome's streams; of any other nothing. */
-CML_NODISCARD cml_status cml_mco_read_merged(const char *line, struct cml_outcome *outcome,
-                                             struct cml_error *err);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROW(name, value, where, before, zero, other, apart) {#name, where, before, zero, other, apart},
+#define ROW(name, value, where, before, zero, other) {#name, where, before, zero, other},
 const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS] = {CML_OPTIONS_OF_BITS(ROW)};
 
 struct cml_provenance cml_provenance_unknown(void)
@@ -48,25 +48,8 @@ static void print_form(FILE *out, const char *form, double value)
     if (strcmp(form + words, "%g") == 0) fprintf(out, "%g", value);
 }
 
-/* What several runs share is what merge asks them to share; those that were flown as most are do not say so.
- */
-static void print_shared(FILE *out, const struct cml_provenance *provenance)
+void cml_provenance_print(FILE *out, const struct cml_provenance *provenance)
 {
-    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
-        const struct cml_option_info *info = &cml_options_of_bits[i];
-        if (!info->apart || !info->before || provenance->value[i] != 0) continue;
-        fputs("# ", out);
-        print_form(out, info->zero, 0);
-        fputc('\n', out);
-    }
-}
-
-void cml_provenance_print(FILE *out, const struct cml_provenance *provenance, bool several)
-{
-    if (several) {
-        print_shared(out, provenance);
-        return;
-    }
     fprintf(out, "# engine %s", provenance->engine);
     for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
         const struct cml_option_info *info = &cml_options_of_bits[i];

@@ -1,5 +1,5 @@
 /* What decides the bits of a result besides the bytes of its input: one row for each option, and the identity
- * of a run, the head of an .mco, the attributes of an .h5, JSON and what `merge` refuses walk these rows.
+ * of a run, the head of an .mco, the attributes of an .h5 and JSON walk these rows.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -13,30 +13,27 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
 /* clang-format off */
 /* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
  * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
- * other (NULL: not there; an empty text: nothing at all); as what `merge` tells two results apart that differ in its being
- * 0 (NULL: not at all; else the head needs words for 0, too, that stand nowhere else in it: what it does not say is not
- * known) */
+ * other (NULL: not there; an empty text: nothing at all) */
 #define CML_OPTIONS_OF_BITS(D)                                                                                       \
-    D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f", NULL)                                 \
-    D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f", NULL)                                              \
+    D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f")                                 \
+    D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f")                                              \
     D(reentry, options->reentry, CML_IN_H5, ", ", "packets are scored at their first exit",                          \
-      "packets that leave may re-enter", "re-entry")                                                                 \
-    D(sampling, options->lattice, CML_IN_H5 | CML_IN_JSON | CML_AS_WORD, "\n# sampling ", "random", "lattice", NULL)               \
-    D(roulette_below, options->roulette.below, CML_IN_H5, ", roulette ", "of original MCML", "below %g", NULL)       \
-    D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g", NULL)                                  \
-    D(photons, setup->photons, 0, NULL, NULL, NULL, NULL)                                                            \
-    D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL, "absorption by place")                                    \
-    D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(derivatives, options->derivatives, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \
-    D(flat, flat, 0, NULL, NULL, NULL, NULL)                                                                         \
-    D(boundaries, surface->force, 0, NULL, NULL, NULL, NULL)                                                         \
-    D(tolerance, surface->tolerance, 0, NULL, NULL, NULL, NULL)                                                      \
-    D(may_flatten, surface->may_flatten, 0, NULL, NULL, NULL, NULL)                                                  \
-    D(normals, surface->tessellation.normals, 0, NULL, NULL, NULL, NULL)                                             \
-    D(inscribed, surface->tessellation.inscribed, 0, NULL, NULL, NULL, NULL)                                         \
-    D(search, surface->search, 0, NULL, NULL, NULL, NULL)
+      "packets that leave may re-enter")                                                                 \
+    D(sampling, options->lattice, CML_IN_H5 | CML_IN_JSON | CML_AS_WORD, "\n# sampling ", "random", "lattice")               \
+    D(roulette_below, options->roulette.below, CML_IN_H5, ", roulette ", "of original MCML", "below %g")       \
+    D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g")                                  \
+    D(photons, setup->photons, 0, NULL, NULL, NULL)                                                            \
+    D(target_error, setup->target_error, 0, NULL, NULL, NULL)                                                  \
+    D(absorption, options->absorption || options->rows.times, 0, NULL, NULL, NULL)                                    \
+    D(reweight, options->rows.count > 0, 0, NULL, NULL, NULL)                                                  \
+    D(derivatives, options->derivatives, 0, NULL, NULL, NULL)                                                  \
+    D(flat, flat, 0, NULL, NULL, NULL)                                                                         \
+    D(boundaries, surface->force, 0, NULL, NULL, NULL)                                                         \
+    D(tolerance, surface->tolerance, 0, NULL, NULL, NULL)                                                      \
+    D(may_flatten, surface->may_flatten, 0, NULL, NULL, NULL)                                                  \
+    D(normals, surface->tessellation.normals, 0, NULL, NULL, NULL)                                             \
+    D(inscribed, surface->tessellation.inscribed, 0, NULL, NULL, NULL)                                         \
+    D(search, surface->search, 0, NULL, NULL, NULL)
 /* clang-format on */
 
 #define CML_ENUMERATOR(name, ...) CML_DECIDES_##name,
@@ -46,7 +43,7 @@ enum cml_option_of_bits { CML_OPTIONS_OF_BITS(CML_ENUMERATOR) CML_NUM_OPTIONS_OF
 struct cml_option_info {
     const char *name;
     unsigned where;
-    const char *before, *zero, *other, *apart;
+    const char *before, *zero, *other;
 };
 extern const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS];
 
@@ -67,8 +64,8 @@ const char *cml_option_word(enum cml_option_of_bits option, double value);
  * two doubles apart. */
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance);
 
-/* The lines of the head of an .mco; of several runs in one only what they share. */
-void cml_provenance_print(FILE *out, const struct cml_provenance *provenance, bool several);
+/* The lines of the head of an .mco. */
+void cml_provenance_print(FILE *out, const struct cml_provenance *provenance);
 
 /* Takes from a line of such a head, without line feed, what it says. */
 void cml_provenance_read(const char *line, struct cml_provenance *provenance);

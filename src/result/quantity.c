@@ -24,7 +24,6 @@
         CML_AXIS_##a, CML_AXIS_##b, CML_AXIS_##c                                                             \
     }
 #define IN(member) offsetof(struct cml_result, member)
-#define WITH_TWIN "the same with the flat twin as control variate"
 enum { MCO = CML_IN_MCO, H5 = CML_IN_H5, JSON = CML_IN_JSON };
 
 #define ROW(name, units, estimator, sums, axes, where, long_name, comment)                                   \

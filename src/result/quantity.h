@@ -19,7 +19,8 @@ enum cml_estimator {
     CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
     CML_FROM_GROUPS,   /* cells over two axes, of sums by group, with errors where groups are kept apart: a
                           member */
-    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors from squares: a member */
+    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors by group or from squares:
+                          directions, a member */
     CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
                           nothing */
     CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
@@ -27,7 +28,6 @@ enum cml_estimator {
                           is not known: enum cml_quantity, of what */
     CML_FROM_MUS,      /* by mus */
     CML_FROM_INPUT,    /* a number of the scene */
-    CML_FROM_TWIN,     /* a total with the flat twin as control variate, with an error */
     CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
     CML_FROM_FIELD,    /* computed or read piece by piece, never held whole */
 };
@@ -82,11 +82,6 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance", NULL)                           \
     Q(A, "1", TOTAL, CML_TOTAL_ABSORBED, NUMBER, H5 | JSON, "absorbed fraction", NULL)                               \
     Q(Tt, "1", TOTAL, CML_TOTAL_TRANSMITTED, NUMBER, H5 | JSON, "transmittance", NULL)                               \
-    Q(Rsp_control, "1", TWIN, CML_TOTAL_SPECULAR, NUMBER, H5, WITH_TWIN, NULL)                                       \
-    Q(Rd_control, "1", TWIN, CML_TOTAL_REFLECTED, NUMBER, H5, WITH_TWIN, NULL)                                       \
-    Q(A_control, "1", TWIN, CML_TOTAL_ABSORBED, NUMBER, H5, WITH_TWIN, NULL)                                         \
-    Q(Tt_control, "1", TWIN, CML_TOTAL_TRANSMITTED, NUMBER, H5, WITH_TWIN, NULL)                                     \
-    Q(A_backing_control, "1", TWIN, CML_TOTAL_BACKING, NUMBER, H5, WITH_TWIN, NULL)                                  \
     Q(book_launched, "1", BALANCE, CML_BALANCE_LAUNCHED, NUMBER, H5, "launched", NULL)                               \
     Q(book_gained, "1", BALANCE, CML_BALANCE_GAINED, NUMBER, H5, "gained in roulette", NULL)                         \
     Q(book_specular, "1", BALANCE, CML_BALANCE_SPECULAR, NUMBER, H5, "specular (Rsp)", NULL)                         \
@@ -183,7 +178,7 @@ enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR) CML_NUM_QUANTITIES };
 #undef CML_ENUMERATOR
 
 /* The totals of every run are the first quantities, in the order of enum cml_total; the terms of the balance,
- * the numbers of a layer (in the order of a line of an .mci) and totals with the twin are neighbours. */
+ * and the numbers of a layer (in the order of a line of an .mci) are neighbours. */
 enum { CML_TOTALS = 4, CML_BOOKS = 12, CML_LAYER_NUMBERS = 5, CML_QUANTITY_AXES = 3 };
 
 struct cml_quantity_info {

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,15 +23,31 @@ struct head {
     uint64_t num_saved, found; /* saved packets, and how many there were to be saved */
     uint64_t begin, end;
     double seconds;
-    struct cml_record record; /* its JSON stands behind the head */
+    struct cml_part part;
+    struct cml_record record; /* its JSON, or the call of a part, stands behind the head */
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 14u               /* of this layout; a program refuses what it does not know */
+#define VERSION 15u               /* of this layout; a program refuses what it does not know */
 
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.checkpoint", output);
+}
+
+cml_status cml_part_path(const char *output, struct cml_part part, char **path, struct cml_error *err)
+{
+    return cml_text_format(path, "a path", err, "%s.part%" PRIu64 "of%" PRIu64, output, part.number,
+                           part.count);
+}
+
+struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t end)
+{
+    const cml_u128 turns = end - begin;
+    if (part.count == 0) return (struct cml_range){begin, end - begin};
+    const uint64_t first = (uint64_t)(turns * (part.number - 1) / part.count),
+                   behind = (uint64_t)(turns * part.number / part.count);
+    return (struct cml_range){begin + first, behind - first};
 }
 
 /* ---- writing ---- */
@@ -48,8 +65,8 @@ static void put(struct sink *sink, const void *data, size_t size)
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
-/* record NULL: the run is not finished. */
-static void write_all(FILE *stream, const char *identity, const struct cml_run_state *state,
+/* record NULL: the run is not finished; its JSON is the call of a part. */
+static void write_all(FILE *stream, const char *identity, const char *call, const struct cml_run_state *state,
                       const struct cml_record *record, struct cml_result *result)
 {
     static const struct cml_record unknown;
@@ -60,7 +77,9 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
                         .identity_size = strlen(identity),
                         .begin = state->begin,
                         .end = state->end,
-                        .seconds = state->seconds};
+                        .seconds = state->seconds,
+                        .part = state->part};
+    const char *const text = record ? record->json : call;
     if (!record) record = &unknown;
     static const struct cml_summary none;
     size_t cells = 0;
@@ -72,12 +91,12 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     head.num_cells = cells;
     head.num_saved = sums.kept;
     head.found = sums.found;
-    head.json_size = record->json ? strlen(record->json) : 0;
+    head.json_size = text ? strlen(text) : 0;
     head.record = *record;
     head.record.json = NULL;
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
-    put(&sink, record->json, head.json_size);
+    put(&sink, text, head.json_size);
     put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
     put(&sink, result ? &result->summary : &none, sizeof none);
     put(&sink, cell, cells * sizeof *cell);
@@ -88,25 +107,26 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
 }
 
 /* keep: the name under which the file that stood there before is kept; NULL: it is not. */
-static cml_status write_file(const char *path, const char *keep, const char *identity,
+static cml_status write_file(const char *path, const char *keep, const char *identity, const char *call,
                              const struct cml_run_state *state, const struct cml_record *record,
                              struct cml_result *result, struct cml_error *err)
 {
     struct cml_file file;
     CML_TRY(cml_file_create(path, &file, err));
     file.keep = keep;
-    write_all(file.stream, identity, state, record, result);
+    write_all(file.stream, identity, call, state, record, result);
     return cml_file_commit(&file, err);
 }
 
 /* At any moment a whole checkpoint is on the disk, and another one where the newest turns out to be damaged.
  */
-cml_status cml_checkpoint_write(const char *path, const char *identity, const struct cml_run_state *state,
-                                struct cml_result *result, struct cml_error *err)
+cml_status cml_checkpoint_write(const char *path, const char *identity, const char *call,
+                                const struct cml_run_state *state, struct cml_result *result,
+                                struct cml_error *err)
 {
     char *old = NULL;
     CML_TRY(cml_text_format(&old, "a path", err, "%s.old", path));
-    const cml_status status = write_file(path, old, identity, state, NULL, result, err);
+    const cml_status status = write_file(path, old, identity, call, state, NULL, result, err);
     free(old);
     return status;
 }
@@ -124,7 +144,7 @@ cml_status cml_checkpoint_finish(const char *path, const char *identity, const s
                                  struct cml_error *err)
 {
     cml_checkpoint_remove_older(path);
-    return write_file(path, NULL, identity, state, record, result, err);
+    return write_file(path, NULL, identity, NULL, state, record, result, err);
 }
 
 /* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */
@@ -197,28 +217,37 @@ static cml_status read_head(struct source *source, struct cml_error *err)
                                                                  : fail_damaged(source, "cut short", err);
 }
 
-/* Says in which line two identities differ. */
-static cml_status check_identity(const struct source *source, const char *mine, struct cml_error *err)
+cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
+                              struct cml_error *err)
 {
-    const char *theirs = source->identity;
-    if (strcmp(theirs, mine) == 0) return CML_OK;
     while (*theirs && *mine) {
         const size_t m = strcspn(mine, "\n"), t = strcspn(theirs, "\n");
         if (m != t || memcmp(mine, theirs, m) != 0) break;
         mine += m + 1;
         theirs += t + 1;
     }
-    return cml_fail(
-        err, CML_E_INPUT,
-        "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here (expected that run; without "
-        "--resume or --more this one begins anew)",
-        source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here (expected %s)", path,
+                    (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine, expected);
+}
+
+static cml_status check_identity(const struct source *source, const char *mine, struct cml_error *err)
+{
+    if (strcmp(source->identity, mine) == 0) return CML_OK;
+    return cml_fail_other_run(source->path, source->identity, mine,
+                              "that run; without --resume or --more this one begins anew", err);
 }
 
 /* Which rounds a run has, the run knows. */
 static bool is_round(uint64_t begin, uint64_t end)
 {
     return begin < end && end <= (uint64_t)1 << 48;
+}
+
+/* Of a whole run both numbers are 0. */
+static bool is_part(struct cml_part part)
+{
+    return part.count == 0 ? part.number == 0 : part.number >= 1 && part.number <= part.count;
 }
 
 static int compare_ranges(const void *a, const void *b)
@@ -240,7 +269,8 @@ static bool are_open(const struct cml_range *ranges, uint64_t count, const struc
         from = ranges[i].first + ranges[i].count;
         open += ranges[i].count;
     }
-    return summary->count[CML_COUNT_PHOTONS] == head->end - open;
+    const uint64_t before = head->part.count > 0 ? head->begin : 0;
+    return summary->count[CML_COUNT_PHOTONS] == head->end - before - open;
 }
 
 static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
@@ -308,11 +338,13 @@ static cml_status read_tallies(struct source *source, struct cml_run_state *stat
     const struct head *head = &source->head;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
-    if (!is_round(head->begin, head->end) || !(head->seconds >= 0 && isfinite(head->seconds)))
+    if (!is_round(head->begin, head->end) || !is_part(head->part) ||
+        !(head->seconds >= 0 && isfinite(head->seconds)))
         return fail_damaged(source, "its head", err);
     state->begin = head->begin;
     state->end = head->end;
     state->seconds = head->seconds;
+    state->part = head->part;
     CML_TRY(read_ranges(source, &state->open, err));
     if (head->num_cells != cells || !get(source, &result->summary, 1, sizeof result->summary) ||
         !get(source, cell, cells, sizeof *cell))
@@ -430,19 +462,49 @@ cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_
     return status == CML_E_IO ? CML_E_INPUT : status;
 }
 
+static struct cml_checkpoint_about about_of(const struct head *head)
+{
+    return (struct cml_checkpoint_about){head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL,
+                                         head->num_cells > 0, head->begin, head->end, head->part};
+}
+
 struct cml_checkpoint_about cml_checkpoint_look(const char *path)
 {
     struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};
     struct source source = {.path = path};
     struct cml_error ignored;
     if (open_source(&source, &ignored) != CML_OK) return about;
-    if (read_head(&source, &ignored) == CML_OK) {
-        const struct head *head = &source.head;
-        about =
-            (struct cml_checkpoint_about){head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL,
-                                          head->num_cells > 0, head->begin, head->end};
-    }
+    if (read_head(&source, &ignored) == CML_OK) about = about_of(&source.head);
     fclose(source.stream);
     free(source.identity);
     return about;
+}
+
+static cml_status read_part(struct source *source, struct cml_record *record, struct cml_error *err)
+{
+    const struct head *head = &source->head;
+    if (read_head(source, err) != CML_OK || head->part.count == 0 || !is_part(head->part) ||
+        !is_round(head->begin, head->end))
+        return cml_fail(err, CML_E_INPUT, "%s: is no part of a run (expected one of run --part)",
+                        source->path);
+    return read_record(source, record, err);
+}
+
+cml_status cml_part_look(const char *path, struct cml_checkpoint_about *about, char **identity, char **call,
+                         struct cml_error *err)
+{
+    struct cml_record record = {0};
+    struct source source = {.path = path};
+    cml_status status = open_source(&source, err);
+    if (status == CML_OK) status = read_part(&source, &record, err);
+    if (source.stream) fclose(source.stream);
+    if (status != CML_OK) {
+        free(source.identity);
+        cml_record_clear(&record);
+        return CML_E_INPUT;
+    }
+    *about = about_of(&source.head);
+    *identity = source.identity;
+    *call = record.json;
+    return CML_OK;
 }

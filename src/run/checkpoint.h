@@ -9,10 +9,21 @@
 #include "result/timing.h"
 #include "tally/ranges.h"
 
+/* Part `number`, from 1, of the `count` parts of a round: a share of its turns. count 0: the whole run. */
+struct cml_part {
+    uint64_t number, count;
+};
+
+/* The turns of a part of the round begin to end - 1; of the whole run all of them. */
+struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t end);
+
+/* Of a part `open` has the turns of all other parts, too, and the tallies hold nothing of the rounds before.
+ */
 struct cml_run_state {
     struct cml_ranges open; /* turns (tally/piece.h) of photons that are not flown yet */
     uint64_t begin, end;    /* the round that they belong to: photons begin to end - 1 */
     double seconds;         /* flown so far */
+    struct cml_part part;   /* which of the round's parts the tallies are of */
 };
 
 enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHECKPOINT_FINISHED };
@@ -20,8 +31,13 @@ enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHEC
 /* "PATH.checkpoint"; the caller's to free. */
 CML_NODISCARD cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err);
 
-/* CML_E_IO: what stood there before still does, or stands under "PATH.old". */
-CML_NODISCARD cml_status cml_checkpoint_write(const char *path, const char *identity,
+/* "PATH.part2of7"; the caller's to free. */
+CML_NODISCARD cml_status cml_part_path(const char *output, struct cml_part part, char **path,
+                                       struct cml_error *err);
+
+/* call: of a part, the words of the command line of the whole run, each ended by a line feed; else NULL.
+ * CML_E_IO: what stood there before still does, or stands under "PATH.old". */
+CML_NODISCARD cml_status cml_checkpoint_write(const char *path, const char *identity, const char *call,
                                               const struct cml_run_state *state, struct cml_result *result,
                                               struct cml_error *err);
 
@@ -38,8 +54,14 @@ struct cml_checkpoint_about {
     enum cml_checkpoint_kind kind; /* CML_CHECKPOINT_NONE: there is no such file, or it is none of ours */
     bool tallies;                  /* the file has them */
     uint64_t begin, end;           /* its last round: photons begin to end - 1 */
+    struct cml_part part;
 };
 struct cml_checkpoint_about cml_checkpoint_look(const char *path);
+
+/* The same, with whose a part is, of what may be a part. CML_E_INPUT, CML_E_IO: the file cannot be read, or
+ * is none. *identity and *call are the caller's to free. */
+CML_NODISCARD cml_status cml_part_look(const char *path, struct cml_checkpoint_about *about, char **identity,
+                                       char **call, struct cml_error *err);
 
 /* Looks for a checkpoint under `path`, and under "PATH.old" where there is none or a damaged one; `note` (one
  * line, "" when there is nothing to say) tells of the latter. CML_CHECKPOINT_PARTIAL fills *state and the
@@ -52,6 +74,11 @@ CML_NODISCARD cml_status cml_checkpoint_read(const char *path, const char *ident
                                              struct cml_result *result, bool tallies,
                                              struct cml_record *record, struct cml_error *note,
                                              struct cml_error *err);
+
+/* CML_E_INPUT: "PATH: the checkpoint is of another run", with the first line in which two identities differ.
+ */
+CML_NODISCARD cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine,
+                                            const char *expected, struct cml_error *err);
 
 /* Deletes "PATH.old", if it is there. */
 void cml_checkpoint_remove_older(const char *path);

@@ -46,6 +46,7 @@ struct flight {
     void *engine;
     struct cml_work_ranges work;
     struct cml_run_state state; /* `open` is rank 0's */
+    struct cml_ranges others;   /* rank 0's: turns of the other parts */
     struct cml_deal deal;       /* its photons to the beams */
     struct cml_rank_report mine;
     double begin; /* of this process' flight */
@@ -71,11 +72,19 @@ static uint64_t flown_of(const struct hand *hand)
     return hand->range.count - hand->left.count;
 }
 
+/* Photons whose tallies are complete at the end. */
+static uint64_t all_photons(const struct flight *flight)
+{
+    const struct cml_run_state *state = &flight->state;
+    if (flight->setup->part.count == 0) return state->end;
+    return cml_part_turns(flight->setup->part, state->begin, state->end).count;
+}
+
 /* Rank 0 shows what it was told of, and what it has just flown itself. */
 static void show_progress(struct flight *flight, uint64_t just_flown)
 {
     const struct cml_run_setup *setup = flight->setup;
-    const struct cml_progress progress = {cml_work_flown(&flight->work) + just_flown, flight->state.end,
+    const struct cml_progress progress = {cml_work_flown(&flight->work) + just_flown, all_photons(flight),
                                           flight->state.seconds + cml_now() - flight->begin};
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
@@ -264,16 +273,30 @@ static cml_status fly(struct flight *flight, struct cml_error *err)
 
 /* ---- synchronisations ---- */
 
-/* A failure ends a run that was asked to stop; otherwise the photons fly on, and the next attempt may
- * succeed. */
-static cml_status write_checkpoint(struct flight *flight, bool stop, double begin, struct cml_error *err)
+/* Turns of other parts are as open as those of this one. */
+static cml_status write_state(const struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     struct cml_run_state state = flight->state;
+    state.open = (struct cml_ranges){0};
+    state.part = setup->part;
     state.seconds += cml_now() - flight->begin;
-    cml_status status =
-        cml_checkpoint_write(setup->checkpoint, setup->identity, &state, &flight->out->result, err);
-    if (status != CML_OK && !stop) {
+    cml_status status = cml_ranges_add_all(&state.open, &flight->others, err);
+    if (status == CML_OK) status = cml_ranges_add_all(&state.open, &flight->state.open, err);
+    if (status == CML_OK)
+        status = cml_checkpoint_write(setup->checkpoint, setup->identity, setup->call, &state,
+                                      &flight->out->result, err);
+    cml_ranges_clear(&state.open);
+    return status;
+}
+
+/* A failure ends a run that needs the file; otherwise the photons fly on, and the next attempt may succeed.
+ */
+static cml_status write_checkpoint(struct flight *flight, bool needed, double begin, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    cml_status status = write_state(flight, err);
+    if (status != CML_OK && !needed) {
         if (setup->on_note) setup->on_note(setup->context, err->text);
         status = CML_OK;
     }
@@ -304,9 +327,9 @@ static cml_status decide(struct flight *flight, bool stop, double begin, enum ne
     if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
     const bool complete = flight->state.open.total == 0;
     if (complete) *next = FINISHED;
-    const bool whole = flight->setup->controlled || flight->setup->options.rows.count > 0;
+    const bool part = flight->setup->part.count > 0, whole = part || flight->setup->options.rows.count > 0;
     if (flight->setup->checkpoint && (complete ? whole : stop || cml_now() > flight->due))
-        return write_checkpoint(flight, stop, begin, err);
+        return write_checkpoint(flight, stop || (complete && part), begin, err);
     return CML_OK;
 }
 
@@ -359,7 +382,7 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
     return cml_fail(err, CML_E_STOPPED,
                     "%s: stopped with %llu of %llu packets to fly; --resume continues from %s",
                     setup->scene->output, (unsigned long long)flight->state.open.total,
-                    (unsigned long long)flight->state.end, setup->checkpoint);
+                    (unsigned long long)all_photons(flight), setup->checkpoint);
 }
 
 /* ---- beginning and end ---- */
@@ -391,11 +414,19 @@ static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_int
     setup->on_note(setup->context, text);
 }
 
+/* Whether a checkpoint of this identity is of this part, or like this run of no part. */
+static bool is_same_part(const struct cml_run_setup *setup, const struct cml_run_state *state)
+{
+    const struct cml_part *part = &setup->part;
+    return state->part.number == part->number && state->part.count == part->count &&
+           (part->count == 0 || state->begin == setup->base);
+}
+
 /* On rank 0: what there is to do, and the state of a checkpoint where --resume asks for it. */
 static cml_status restore(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    struct cml_run_findings found = {.extends = setup->base > 0,
+    struct cml_run_findings found = {.extends = setup->base > 0 && setup->part.count == 0,
                                      .resumes = setup->resume,
                                      .result_gone = setup->gone != NULL,
                                      .result_stands = setup->result_stands};
@@ -408,11 +439,30 @@ static cml_status restore(struct flight *flight, struct cml_error *err)
         return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is damaged (%llu photons in a run of %llu)",
                         setup->checkpoint, (unsigned long long)flight->state.end,
                         (unsigned long long)setup->photons);
+    if (found.kind == CML_CHECKPOINT_PARTIAL && !is_same_part(setup, &flight->state))
+        return cml_fail(err, CML_E_INPUT, "%s: is of another part of the run (expected part %llu of %llu)",
+                        setup->checkpoint, (unsigned long long)setup->part.number,
+                        (unsigned long long)setup->part.count);
     if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
     flight->out->intent = cml_run_intent_of(&found);
     flight->out->result.photons = flight->state.end;
     if (found.kind == CML_CHECKPOINT_FINISHED && found.result_gone)
         note_lost_result(setup, flight->out->intent);
+    return CML_OK;
+}
+
+cml_status cml_run_read_base(const struct cml_run_setup *setup, struct cml_run_state *state,
+                             struct cml_result *result, struct cml_error *err)
+{
+    enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
+    struct cml_record before = {0};
+    struct cml_error note;
+    const cml_status status = cml_checkpoint_read(setup->checkpoint, setup->base_identity, &kind, state,
+                                                  result, true, &before, &note, err);
+    cml_record_clear(&before);
+    CML_TRY(status);
+    if (kind == CML_CHECKPOINT_NONE || state->end != setup->base || state->open.total > 0)
+        return cml_fail(err, CML_E_INPUT, "%s: is not of the run to be extended", setup->checkpoint);
     return CML_OK;
 }
 
@@ -424,20 +474,12 @@ static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
     const struct cml_run_setup *setup = flight->setup;
     struct cml_run_state *state = &flight->state;
     struct cml_result *result = &flight->out->result;
-    enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
-    struct cml_record before = {0};
-    struct cml_error note;
-    const cml_status status = cml_checkpoint_read(setup->checkpoint, setup->base_identity, &kind, state,
-                                                  result, true, &before, &note, err);
-    cml_record_clear(&before);
-    CML_TRY(status);
-    if (kind == CML_CHECKPOINT_NONE || state->end != setup->base || state->open.total > 0)
-        return cml_fail(err, CML_E_INPUT, "%s: is not of the run to be extended", setup->checkpoint);
+    CML_TRY(cml_run_read_base(setup, state, result, err));
     state->begin = setup->base;
     state->end = result->photons = setup->photons;
     CML_TRY(cml_deal_round(&flight->deal, state->begin, state->end, err));
     CML_TRY(cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
-    return cml_checkpoint_write(setup->checkpoint, setup->identity, state, result, err);
+    return cml_checkpoint_write(setup->checkpoint, setup->identity, NULL, state, result, err);
 }
 
 /* On rank 0: where the flight begins. */
@@ -446,9 +488,18 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(restore(flight, err));
     if (flight->out->intent == CML_RUN_EXTEND) return begin_after_base(flight, err);
-    if (flight->out->intent != CML_RUN_FRESH) return CML_OK;
-    flight->state.end = flight->out->result.photons = first_round(setup);
-    return cml_ranges_add(&flight->state.open, (struct cml_range){0, flight->state.end}, err);
+    struct cml_run_state *state = &flight->state;
+    if (flight->out->intent == CML_RUN_FRESH) {
+        state->begin = setup->base; /* of a part; else 0 */
+        state->end = flight->out->result.photons = first_round(setup);
+        CML_TRY(
+            cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
+    }
+    const struct cml_range mine = cml_part_turns(setup->part, state->begin, state->end);
+    if (setup->part.count > 0) CML_TRY(cml_ranges_keep(&state->open, mine, &flight->others, err));
+    if (setup->part.count > 0 && flight->out->intent == CML_RUN_RESUME && state->open.total == 0)
+        flight->out->intent = CML_RUN_NOTHING_LEFT;
+    return CML_OK;
 }
 
 /* What may fail on one rank alone; run_flight makes all ranks agree on it before the first photon. */
@@ -495,21 +546,27 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
         flight->out->intent = CML_RUN_NOTHING_LEFT; /* other ranks have not looked */
         return CML_OK;
     }
-    flight->work.flown = flight->state.end - flight->state.open.total;
+    flight->work.flown = all_photons(flight) - flight->state.open.total;
     flight->begin = cml_now();
     flight->mine.processor = processor_seconds();
-    flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint
+    flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint && flight->setup->interval > 0
                       ? flight->begin + flight->setup->interval
                       : INFINITY;
     CML_TRY(fly_all(flight, err));
     return gather_reports(flight, err);
 }
 
-/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
-cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
+struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
 {
     struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
     if (!(setup->target_error > 0)) grid.saved.limit = cml_most_saved(setup->scene, setup->photons);
+    return grid;
+}
+
+/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
+cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
+{
+    const struct cml_tally_grid grid = cml_run_grid(setup);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
     pthread_mutex_init(&flight.hand.lock, NULL);
@@ -521,6 +578,7 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
     pthread_mutex_destroy(&flight.hand.lock);
     pthread_mutex_destroy(&flight.result_lock);
     cml_ranges_clear(&flight.state.open);
+    cml_ranges_clear(&flight.others);
     cml_deal_clear(&flight.deal);
     if (status != CML_OK) cml_run_result_free(out);
     return status;
@@ -532,32 +590,4 @@ void cml_run_result_free(struct cml_run_result *out)
     cml_record_clear(&out->record);
     free(out->timing.rank);
     *out = (struct cml_run_result){0};
-}
-
-/* ---- what a finished run says of itself ---- */
-
-/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
- * allowed as long as it is rarer than the noise of any run. */
-cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
-                           struct cml_error *err)
-{
-    const double imbalance = cml_result_imbalance(result);
-    if (imbalance != 0)
-        return cml_fail(err, CML_E_NUMERIC,
-                        "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
-                        imbalance);
-    const double lost = (double)cml_result_lost(result),
-                 photons = (double)result->summary.count[CML_COUNT_PHOTONS];
-    if (lost > 1e-6 * photons)
-        return cml_fail(err, CML_E_NUMERIC, "%s: %.0f of %.0f packets lost (at most 1 in 1e6 may be)",
-                        scene->output, lost, photons);
-    return CML_OK;
-}
-
-/* The result, the tally that has what threads share, and the tally of each thread; what the engine itself
- * takes is counted where its surfaces are made. */
-double cml_run_bytes(const struct cml_tally_grid *grid, int threads)
-{
-    const struct cml_tally_grid of_thread = cml_tally_grid_of_thread(grid);
-    return cml_result_bytes(grid) + cml_tally_bytes(grid) + threads * cml_tally_bytes(&of_thread);
 }

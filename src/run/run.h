@@ -23,6 +23,9 @@ struct cml_run_setup {
     const struct cml_engine *engine;
     struct cml_engine_options options;
     uint64_t photons;
+    struct cml_part
+        part;         /* what is flown of the last round, into a checkpoint of its own; count 0: all of it */
+    const char *call; /* of a part, as cml_checkpoint_write takes it */
     double target_error; /* 0: fly `photons`. Else rounds of N, N, 2N, 4N ... packets, N = `photons` rounded
                           * up to 64, until one ends with cml_target_met: it is looked at nowhere else, so
                           * that the end depends on the seed only. A round has as many photons in every
@@ -33,9 +36,7 @@ struct cml_run_setup {
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;                    /* of the run, see identity.h; with a checkpoint */
     const struct cml_provenance *provenance; /* for whom publishes it; cml_run does not read it */
-    bool controlled;      /* a flat twin is flown before it is published, so the complete result goes into the
-                             checkpoint, too */
-    bool resume;          /* continue from the checkpoint, if there is one */
+    bool resume;                             /* continue from the checkpoint, if there is one */
     const char *gone;     /* a file that a finished run has written and that is no longer there: its tallies
                            * are the result, or where the checkpoint has none, the run begins anew. Rank 0's
                            * word counts; NULL: all are there */
@@ -43,7 +44,8 @@ struct cml_run_setup {
     bool result_stands; /* without a checkpoint: the result that is there is of this run. Rank 0's word counts
                          */
     uint64_t base; /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
-                    * there to `photons` are flown, and the result is that of one run of all; 0: none */
+                    * there to `photons` are flown, and the result is that of one run of all; 0: none. A part
+                    * does not read that checkpoint */
     const char *base_identity;          /* of that run */
     cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
                                            thread ends it; NULL: silent */
@@ -66,6 +68,13 @@ struct cml_run_result {
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);
+
+/* The grid of the run's tallies. */
+struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup);
+
+/* The finished run that is extended, setup->base photons of it, into an empty result. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_run_read_base(const struct cml_run_setup *setup, struct cml_run_state *state,
+                                           struct cml_result *result, struct cml_error *err);
 
 /* P9, P10: CML_E_NUMERIC when the weight does not balance or more than 1e-6 of the packets were lost. */
 CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,

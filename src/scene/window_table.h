@@ -12,7 +12,7 @@ struct cml_window_table {
     int detector; /* or that this one sees, from 1 */
     double share; /* below 1: the scene is the same all about x, y, and of light that leaves on a circle the
                    * detector sees the share that lies in it, on average so much */
-    double worth; /* which share of the light does, of the flat twin's */
+    double worth; /* which share of the light does, of the flat scene's */
     double accepted; /* below 1: so much of what comes to the detector lies in its aperture */
     double gain; /* in how much less time it is known as well as by plain flights, within a factor of 2 or 3;
                   * 0: in no less */

@@ -334,7 +334,7 @@ static double outer_height(const struct cml_boundary *boundary)
 
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
-    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
     make_plane(boundary->z - outer_height(boundary),
                boundary->form == CML_FORM_MESH   ? "mesh"
                : boundary->form == CML_FORM_TILE ? "heightmap repeated"
@@ -349,7 +349,7 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
     const double height = outer_height(boundary);
     double r[] = {0, 1}, h[] = {height, height};
     const struct cml_radial level = {2, r, h};
-    *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE};
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE, .rough = boundary->rough};
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 
@@ -375,8 +375,15 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
     for (int b = 0; b < set->count; b++)
-        if (set->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&set->item[b].rough)) return false;
+        if (set->item[b].kind != CML_SURFACE_PLANE) return false;
     return true;
+}
+
+bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
+{
+    for (int b = 0; b < set->count; b++)
+        if (cml_is_rough(&set->item[b].rough)) return false;
+    return cml_surfaces_are_planes(set);
 }
 
 /* One period, up to the first samples of the next. */

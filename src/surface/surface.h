@@ -46,8 +46,9 @@ CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
 
 void cml_surfaces_free(struct cml_surface_set *set);
 
-/* Whether all boundaries are planes, and there are no bodies. */
+/* True if all boundaries are planes, and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set);
+bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set);
 
 /* The plane in which a curved boundary goes on outside, of a tile that of its mean height; owns nothing. What
  * *def was is overwritten. */

@@ -15,6 +15,38 @@ cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, str
     return CML_OK;
 }
 
+cml_status cml_ranges_add_all(struct cml_ranges *ranges, const struct cml_ranges *more, struct cml_error *err)
+{
+    for (size_t i = 0; i < more->count; i++) CML_TRY(cml_ranges_add(ranges, more->item[i], err));
+    return CML_OK;
+}
+
+/* Adds the turns of a range from `from` to `to` - 1. */
+static cml_status add_between(struct cml_ranges *ranges, struct cml_range range, uint64_t from, uint64_t to,
+                              struct cml_error *err)
+{
+    const uint64_t behind = range.first + range.count;
+    if (range.first > from) from = range.first;
+    if (behind < to) to = behind;
+    return from < to ? cml_ranges_add(ranges, (struct cml_range){from, to - from}, err) : CML_OK;
+}
+
+cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
+                           struct cml_error *err)
+{
+    struct cml_ranges all = *ranges;
+    const uint64_t behind = mine.first + mine.count;
+    cml_status status = CML_OK;
+    *ranges = (struct cml_ranges){0};
+    for (size_t i = 0; status == CML_OK && i < all.count; i++) {
+        status = add_between(ranges, all.item[i], mine.first, behind, err);
+        if (status == CML_OK) status = add_between(others, all.item[i], 0, mine.first, err);
+        if (status == CML_OK) status = add_between(others, all.item[i], behind, UINT64_MAX, err);
+    }
+    cml_ranges_clear(&all);
+    return status;
+}
+
 /* From the last range, which then shrinks or goes: nothing has to be moved. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
 {

@@ -23,6 +23,15 @@ struct cml_ranges {
 CML_NODISCARD cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range,
                                         struct cml_error *err);
 
+/* Adds all ranges of another set, which are disjoint from those that are there. CML_E_INPUT as above. */
+CML_NODISCARD cml_status cml_ranges_add_all(struct cml_ranges *ranges, const struct cml_ranges *more,
+                                            struct cml_error *err);
+
+/* Keeps what lies within `mine`, and moves the rest of all ranges to `others`. CML_E_INPUT when memory runs
+ * out. */
+CML_NODISCARD cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine,
+                                         struct cml_ranges *others, struct cml_error *err);
+
 /* At most `most` turns off the front of the range added last; count = 0 when none is left. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most);
 

@@ -56,13 +56,13 @@ static size_t cells_batched(const struct cml_tally_grid *grid)
 /* Cells of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_tally_grid *grid)
 {
-    return cells_A(grid) + 2 * cells_ra(grid) + grid->row_cells + cml_cells_maps(grid);
+    return cells_A(grid) + 2 * cells_ra(grid) + grid->row_cells + cml_cells_all_maps(grid);
 }
 
 /* The maps come last among the arrays without batches. */
 static cml_u128 *result_maps(const struct cml_result *result)
 {
-    return result->Rd_ra + cells_unbatched(&result->grid) - cml_cells_maps(&result->grid);
+    return result->Rd_ra + cells_unbatched(&result->grid) - cml_cells_all_maps(&result->grid);
 }
 
 double cml_result_bytes(const struct cml_tally_grid *grid)
@@ -314,7 +314,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     for (size_t g = 0; g < (size_t)cml_cell_groups(&tally->grid); g++) add_group(result, g, tally);
     if (tally->grid.marks > 0) add_fluence(result, tally->phi);
-    add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_maps(&tally->grid));
+    add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_all_maps(&tally->grid));
     add_rows(result->rows, tally->rows, tally->grid.row_cells);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
@@ -371,16 +371,19 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
+/* An array of several, `of` cells each, that are kept alike: minus what all its cells come of; 0 where there
+ * is none. */
+static double once_imbalance(const cml_u128 *cells, size_t of, struct cml_once once, cml_u128 total)
+{
+    cml_u128 sum = 0;
+    for (size_t g = 0; cells && g < cml_groups_of(once.step); g++) sum += sum_of(cells + g * once.step, of);
+    return cells ? difference(sum, total) : 0;
+}
+
 /* Gates of all batches, what is later included, minus what they come of; 0 where there are none. */
 static double gate_imbalance(const struct cml_result *result, const cml_u128 *gates, cml_u128 total)
 {
     return gates ? difference(sum_of(gates, CML_NUM_BATCHES * ((size_t)result->grid.gates + 1)), total) : 0;
-}
-
-/* Directions minus what they come of; 0 where there are none. */
-static double direction_imbalance(const struct cml_result *result, const cml_u128 *cells, cml_u128 total)
-{
-    return cells ? difference(sum_of(cells, cml_cells_directions(&result->grid)), total) : 0;
 }
 
 /* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
@@ -391,25 +394,25 @@ double cml_result_imbalance(const struct cml_result *result)
     const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
     cml_u128 out = balance[CML_BALANCE_BACKING];
     for (int i = CML_BALANCE_SPECULAR; i <= CML_BALANCE_LOST; i++) out += balance[i];
-    const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
+    const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED], reflected = balance[CML_BALANCE_REFLECTED],
+                   transmitted = balance[CML_BALANCE_TRANSMITTED];
+    const size_t pixels = cml_cells_map(grid), directions = cml_cells_directions(grid);
     const double differences[] = {
         difference(in, out),
         difference(sum_of(result->A_l, CML_NUM_BATCHES * cml_tally_media(grid)), absorbed),
         grid->absorption && !grid->row_depths ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
-        difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
-        difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
-        grid->nx ? difference(sum_of(result->Rd_xya, cml_cells_map(grid)), balance[CML_BALANCE_REFLECTED])
-                 : 0,
-        grid->nx ? difference(sum_of(result->Tt_xya, cml_cells_map(grid)), balance[CML_BALANCE_TRANSMITTED])
-                 : 0,
+        difference(sum_of(result->Rd_ra, cells_ra(grid)), reflected),
+        difference(sum_of(result->Tt_ra, cells_ra(grid)), transmitted),
+        once_imbalance(result->Rd_xya, pixels, grid->map_once, reflected),
+        once_imbalance(result->Tt_xya, pixels, grid->map_once, transmitted),
         grid->volume ? difference(sum_of(result->A_xyz, cml_cells_volume(grid)), absorbed) : 0,
         facet_imbalance(result),
         gate_imbalance(result, result->A_t, absorbed),
-        gate_imbalance(result, result->Rd_t, balance[CML_BALANCE_REFLECTED]),
-        gate_imbalance(result, result->Tt_t, balance[CML_BALANCE_TRANSMITTED]),
-        direction_imbalance(result, result->Rd_dir, balance[CML_BALANCE_REFLECTED]),
-        direction_imbalance(result, result->Tt_dir, balance[CML_BALANCE_TRANSMITTED]),
-        direction_imbalance(result, result->Rsp_dir, balance[CML_BALANCE_SPECULAR]),
+        gate_imbalance(result, result->Rd_t, reflected),
+        gate_imbalance(result, result->Tt_t, transmitted),
+        once_imbalance(result->Rd_dir, directions, grid->direction_once, reflected),
+        once_imbalance(result->Tt_dir, directions, grid->direction_once, transmitted),
+        once_imbalance(result->Rsp_dir, directions, grid->direction_once, balance[CML_BALANCE_SPECULAR]),
     };
     for (size_t i = 0; i < sizeof differences / sizeof *differences; i++)
         if (differences[i] != 0) return differences[i];
@@ -476,7 +479,7 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
 }
 
 /* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
-double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
+double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
     const long double per_square_unit = CML_WEIGHT_UNIT / CML_SQUARE_UNIT;
@@ -527,54 +530,21 @@ double cml_result_cell_error(const struct cml_result *result, const cml_u128 *ce
     return error_by_groups(result, CML_NUM_GROUPS, cell, step);
 }
 
-void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)
+double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once once)
 {
-    const int n = result->grid.detectors;
-    *value = cml_result_bin_sum(result->detector, n, k) * (CML_WEIGHT_UNIT / (double)result->photons);
-    *error = cml_result_bin_error(result, result->detector, n, k);
+    cml_u128 sum = 0;
+    for (size_t g = 0; g < cml_groups_of(once.step); g++) sum += sum_of(cells + g * once.step, count);
+    return as_number(sum);
 }
 
-void cml_result_expected(const struct cml_result *result, int score, double *value, double *error)
+double cml_result_once_error(const struct cml_result *result, const cml_u128 *cells, size_t count,
+                             struct cml_once once)
 {
-    const int n = result->grid.scores;
-    *value = cml_result_bin_sum(result->expected, n, score) * (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) /
-             (double)result->photons;
-    *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
-}
-
-void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)
-{
-    const int score = layer - (result->grid.num_layers + 1 - result->grid.scores);
-    if (score > 0) {
-        cml_result_expected(result, score, value, error);
-        return;
-    }
-    *value = cml_result_absorbed(result, layer);
-    *error = cml_result_absorbed_error(result, layer);
-}
-
-/* The mean of packets by weight, R = sum X / sum Y: batches differ from it by (X_b - R Y_b) / sum Y [Cochran,
- * Sampling Techniques, section 6.3]. */
-double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
-                       double *error)
-{
-    const int detectors = result->grid.detectors;
-    const double bottom = cml_result_bin_sum(result->detector, detectors, k),
-                 mean = cml_result_bin_sum(moment, n, i) / bottom;
-    double squares = 0, batches = 0;
-    int seen = 0; /* batches: those of one do not differ from their mean, and say nothing of its error */
-    *error = NAN;
-    if (!(bottom > 0)) return NAN;
-    for (int b = 0; b < CML_NUM_BATCHES; b++) {
-        if (cml_batch_size(result->photons, b) == 0) continue;
-        const double x = (double)moment[(size_t)b * (size_t)n + (size_t)i],
-                     y = (double)result->detector[(size_t)b * (size_t)detectors + (size_t)k];
-        squares += (x - mean * y) * (x - mean * y);
-        batches += 1;
-        seen += y > 0;
-    }
-    if (seen > 1) *error = sqrt(squares * batches / (batches - 1)) / bottom;
-    return mean;
+    cml_u128 group[CML_NUM_GROUPS];
+    if (!once.step)
+        return cml_result_square_error(result, sum_of(cells, count), sum_of(cells + once.squares, count));
+    for (size_t g = 0; g < CML_NUM_GROUPS; g++) group[g] = sum_of(cells + g * once.step, count);
+    return cml_result_cell_error(result, group, 1);
 }
 
 /* The causes of loss are neighbours in enum cml_count. */

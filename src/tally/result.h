@@ -18,24 +18,24 @@ struct cml_summary {
 /* Arrays as in struct cml_tally, without cells beyond the grid but for those of maps and volume. */
 struct cml_result {
     struct cml_tally_grid grid;
-    uint64_t photons;                                               /* asked for */
-    cml_u128 *A_rz;                                                 /* [cml_cell_groups][nr][nz] or NULL */
-    cml_u128 *rows;                                                 /* as in a tally, or NULL */
-    cml_u128 *Rd_ra, *Tt_ra;                                        /* [cml_cell_groups][nr][na] */
-    cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
-    cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
-    cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */
-    cml_u128 *A_z;                                                  /* [64][nz] or NULL */
-    cml_u128 *A_l;                                                  /* [64][cml_tally_media] by medium */
-    cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
-    cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
-    cml_u128 *phi_rz, *phi_z;                                       /* [64][nr][nz], [64][nz], or NULL */
-    cml_u128 *phi_xyz;                                              /* as in a tally, or NULL */
-    cml_u128 *expected;                                             /* [64][scores] in units of
-                                                                     * CML_EXPECTED_UNIT, or NULL */
-    cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
-    cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
-    cml_u128 *detector_map, *detector_map2;                         /* the same */
+    uint64_t photons;                              /* asked for */
+    cml_u128 *A_rz;                                /* [cml_cell_groups][nr][nz] or NULL */
+    cml_u128 *rows;                                /* as in a tally, or NULL */
+    cml_u128 *Rd_ra, *Tt_ra;                       /* [cml_cell_groups][nr][na] */
+    cml_u128 *totals;                              /* [64][CML_NUM_TOTALS] */
+    cml_u128 *Rd_r, *Tt_r;                         /* [64][nr] */
+    cml_u128 *Rd_a, *Tt_a;                         /* [64][na] */
+    cml_u128 *A_z;                                 /* [64][nz] or NULL */
+    cml_u128 *A_l;                                 /* [64][cml_tally_media] by medium */
+    cml_u128 *Rd_t, *Tt_t, *A_t;                   /* [64][gates] or NULL */
+    cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later; /* [64] or NULL */
+    cml_u128 *phi_rz, *phi_z;                      /* [64][nr][nz], [64][nz], or NULL */
+    cml_u128 *phi_xyz;                             /* as in a tally, or NULL */
+    cml_u128 *expected;                            /* [64][scores] in units of
+                                                    * CML_EXPECTED_UNIT, or NULL */
+    cml_u128 *Rd_xya, *Tt_xya, *A_xyz, *facets;    /* as in a tally, or NULL */
+    cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir;           /* the same */
+    cml_u128 *detector_map;                        /* the same */
     cml_u128 *detector_path, *detector_interactions,
         *detector_deepest;                              /* moments by medium [64][detectors][media], and
                                                            [64][detectors]; or NULL */
@@ -131,9 +131,14 @@ void cml_result_expected(const struct cml_result *result, int score, double *val
 void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error);
 
 /* Standard error, as a share of a packet, of a mean weight that every packet adds to at most once, from its
- * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2 (Rd_xya2 and the like). NaN for one
- * packet. */
-double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
+ * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2. NaN for one packet. */
+double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
+
+/* The sum of `count` neighbouring cells to which together a packet adds at most once, of all groups, and its
+ * error: by groups where these are kept apart, else from squares. */
+double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once once);
+double cml_result_once_error(const struct cml_result *result, const cml_u128 *cells, size_t count,
+                             struct cml_once once);
 
 uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */
 

@@ -1,12 +1,12 @@
 /* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
  * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
  * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, then A_rz, [nr + 1][nz + 2], then
- * Rd_dir and Tt_dir, [nt][np] each, and the sums of their squares, likewise. Scores for derivatives (P17)
- * have the same cells but for these, two for each medium inside, layers first: by mua and by mus.
- * SPDX-License-Identifier: MIT */
+ * Rd_dir and Tt_dir, [nt][np] each: of every group of packets, or of all and behind them squares. Scores for
+ * derivatives (P17) have the same cells but for these, two for each medium inside, layers first: by mua and
+ * by mus. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "tally/tally.h"
+#include "tally/tally_cells.h"
 
 #include <math.h>
 
@@ -88,10 +88,18 @@ static inline size_t cml_row_cells_ra(const struct cml_tally_grid *grid)
     return grid->derivatives ? 0 : ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
 }
 
-/* Cells of Rd_dir of all rows, as many as of Tt_dir and of the squares of each. */
+/* Rd_dir and Tt_dir in bins, each of which is that of all rows; kept as those of the flight are. */
+static inline struct cml_once cml_row_once(const struct cml_tally_grid *grid)
+{
+    const size_t both = grid->direction_once.squares / 3 * 2; /* a thread's grid has no nt */
+    return (struct cml_once){grid->direction_once.step ? both : 0, both};
+}
+
+/* Cells of Rd_dir and Tt_dir of all rows. */
 static inline size_t cml_row_cells_dir(const struct cml_tally_grid *grid)
 {
-    return grid->derivatives ? 0 : (size_t)grid->nt * (size_t)grid->np * cml_row_stride(grid);
+    const struct cml_once once = cml_row_once(grid);
+    return grid->derivatives ? 0 : cml_once_parts(once) * once.squares * cml_row_stride(grid);
 }
 
 /* Cells of A_rz of all rows, which stand behind those of Rd_ra and Tt_ra. */
@@ -104,6 +112,6 @@ static inline size_t cml_row_cells_rz(const struct cml_tally_grid *grid)
 static inline size_t cml_row_cells(const struct cml_tally_grid *grid)
 {
     return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) +
-                            cml_row_cells_rz(grid) + 4 * cml_row_cells_dir(grid)
+                            cml_row_cells_rz(grid) + cml_row_cells_dir(grid)
                       : 0;
 }

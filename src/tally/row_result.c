@@ -173,19 +173,20 @@ static void take_absorption(const struct row *row, size_t first)
     }
 }
 
-/* Rd_dir and Tt_dir, whose first bin is given, and the squares; Rsp_dir is that of the flight. */
+/* Rd_dir and Tt_dir, whose first bin is given, by group or with squares behind them; Rsp_dir is that of the
+ * flight. */
 static void take_directions(const struct row *row, size_t first)
 {
     struct cml_result *to = row->to;
-    const size_t cells = (size_t)to->grid.nt * (size_t)to->grid.np;
-    const cml_u128 *specular = row->flight->Rsp_dir, *squares = row->flight->Rd_dir2 + 2 * cells;
-    for (size_t i = 0; i < 2 * cells; i++) {
-        to->Rd_dir[i] = cell(row, first + i); /* Tt_dir is behind it */
-        to->Rd_dir2[i] = row->flight->rows[(first + 2 * cells + i) * row->stride + row->row];
-    }
-    for (size_t i = 0; i < cells; i++) {
-        to->Rsp_dir[i] = specular[i];
-        to->Rd_dir2[2 * cells + i] = squares[i];
+    const struct cml_once once = cml_row_once(&row->flight->grid);
+    const size_t both = once.squares, all = to->grid.direction_once.squares;
+    for (size_t part = 0; part < cml_once_parts(once); part++) {
+        const bool squares = part > 0 && !once.step;
+        const size_t from = first + part * both, at = part * all;
+        for (size_t i = 0; i < both; i++) /* Tt_dir is behind Rd_dir */
+            to->Rd_dir[at + i] =
+                squares ? row->flight->rows[(from + i) * row->stride + row->row] : cell(row, from + i);
+        for (size_t i = both; i < all; i++) to->Rd_dir[at + i] = row->flight->Rd_dir[at + i];
     }
 }
 
@@ -204,6 +205,7 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                         .gates = flown->gates,
                                         .nt = flown->derivatives ? 0 : flown->nt,
                                         .np = flown->np,
+                                        .direction_once = flown->direction_once,
                                         .detectors = flown->detectors,
                                         .path_unit = flown->path_unit,
                                         .path_top = flown->path_top};

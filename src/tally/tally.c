@@ -92,12 +92,12 @@ static size_t cells_in_common(const struct cml_tally_grid *grid)
 size_t cml_tally_cells(const struct cml_tally_grid *grid)
 {
     return cells_in_common(grid) + tally_cells_A(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) +
-           tally_cells_phi(grid) + cml_cells_maps(grid);
+           tally_cells_phi(grid) + cml_cells_all_maps(grid);
 }
 
 uint64_t *cml_tally_maps(const struct cml_tally *tally)
 {
-    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_maps(&tally->grid);
+    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_all_maps(&tally->grid);
 }
 
 double cml_tally_bytes(const struct cml_tally_grid *grid)
@@ -179,17 +179,13 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     if (!(tally->grid.marks > 0)) tally->phi = owner->phi;
     tally->Rd_xya = owner->Rd_xya;
     tally->Tt_xya = owner->Tt_xya;
-    tally->Rd_xya2 = owner->Rd_xya2;
-    tally->Tt_xya2 = owner->Tt_xya2;
     tally->A_xyz = owner->A_xyz;
     tally->phi_xyz = owner->phi_xyz;
     tally->facets = owner->facets;
     tally->Rd_dir = owner->Rd_dir;
     tally->Tt_dir = owner->Tt_dir;
     tally->Rsp_dir = owner->Rsp_dir;
-    tally->Rd_dir2 = owner->Rd_dir2;
     tally->detector_map = owner->detector_map;
-    tally->detector_map2 = owner->detector_map2;
 }
 
 /* Not what is borrowed: others score there meanwhile. */
@@ -239,7 +235,7 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     add_cells(to->A_l, from->A_l, cells_in_common(grid));
     add_cells(to->A_rz, from->A_rz, tally_cells_A(grid));
     add_cells(to->phi, from->phi, tally_cells_phi(grid));
-    add_cells(cml_tally_maps(to), cml_tally_maps(from), cml_cells_maps(grid));
+    add_cells(cml_tally_maps(to), cml_tally_maps(from), cml_cells_all_maps(grid));
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
     cml_lost_list_merge(&to->lost, &from->lost);

@@ -28,7 +28,9 @@ struct cml_tally_grid {
     bool cell_errors;              /* each group of photons has an A_rz, an Rd_ra and a Tt_ra of its own */
     size_t voxel_step, facet_step; /* the same of A_xyz, and of facets: cells from those of a group to those
                                     * of the next; 0: groups share them */
-    int gates;                     /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
+    struct cml_once map_once, pixel_once, direction_once; /* of Rd_xya and Tt_xya, of detectors that are maps,
+                                                           * of Rd_dir to Rsp_dir */
+    int gates; /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
     int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
@@ -115,19 +117,18 @@ struct cml_tally {
     uint64_t *expected;          /* [scores] or NULL */
     uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
     uint64_t *phi; /* [64][nr + 1][nz + 2] by batch, weight of the marks in a cell (P14); or NULL */
-    uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
-    uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
-    uint64_t *A_xyz;             /* [groups][nz ny nx + 1] or NULL */
-    uint64_t *phi_xyz;           /* [nz ny nx][CML_NUM_GROUPS], by index, as phi; or NULL */
-    uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
-    uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
+    uint64_t *Rd_xya, *Tt_xya; /* [ny nx + 1][map_na], the last pixel for what lies outside, one behind the
+                                * other, of every group or with squares (map_once); or NULL */
+    uint64_t *A_xyz;           /* [groups][nz ny nx + 1] or NULL */
+    uint64_t *phi_xyz;         /* [nz ny nx][CML_NUM_GROUPS], by index, as phi; or NULL */
+    uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other, likewise; or NULL */
     uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */
     double *trail_length;  /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h); or NULL */
     uint32_t *trail_count; /* the same */
-    struct cml_saved_part *saved;           /* packets one by one; or NULL */
-    uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
-    uint64_t *facets; /* [groups][facets][CML_FACET_SCORES] or NULL; what escapes is in the first
-                       * group */
+    struct cml_saved_part *saved; /* packets one by one; or NULL */
+    uint64_t *detector_map;       /* [detector_pixels], likewise; or NULL */
+    uint64_t *facets;             /* [groups][facets][CML_FACET_SCORES] or NULL; what escapes is in the first
+                                   * group */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
@@ -152,10 +153,20 @@ double cml_tally_bytes(const struct cml_tally_grid *grid);
 CML_NODISCARD cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
-/* How many A_rz there are, one behind the other, and how many cells each has; so it is with Rd_ra and Tt_ra.
- * With at most so many cells each group has its own: a thread's are then its own, too (CML_THREAD_CELLS). */
+/* Arrays with at most so many cells are kept by group, from whose spread their errors come: a thread's A_rz,
+ * Rd_ra and Tt_ra are then its own, too (CML_THREAD_CELLS). Cells of rows that come of one flight count. Of
+ * larger arrays those to whose cells a packet adds at most once have squares, and all others no errors. */
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
+
+/* What escapes from facets. */
+static inline struct cml_once cml_facet_once(const struct cml_tally_grid *grid)
+{
+    return (struct cml_once){grid->facet_step, CML_FACET_ESCAPED_SQUARES - CML_FACET_ESCAPED};
+}
+
+/* How many A_rz there are, one behind the other, and how many cells each has; so it is with Rd_ra and Tt_ra.
+ */
 static inline size_t cml_groups_of(size_t step)
 {
     return step ? CML_NUM_GROUPS : 1;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a backing keeps, wherever totals stand: tables of sweeps, --control flat, merge, plan, --tolerance. stat.backings judges
+# What a backing keeps, wherever totals stand: tables of sweeps, plan, --tolerance. stat.backings judges
 # the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -33,42 +33,10 @@ if test -e "$work/rows/b.sweep.h5" && /usr/bin/python3 -c 'import h5py' 2>"$work
     grep -q 'A_backing_se' "$work/h5" || complain "the .h5 of the sweep: $(head -30 "$work/h5")"
 fi
 
-# The flat twin: a total more, in the summary, the file and the JSON line; without a backing none.
-expect_code 0 "$work/b.mci" --control flat -o "$work"
-grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}   control 0\.[0-9]{7} \+- 0\.[0-9]{7}$' "$work/out" ||
-    complain "summary: $(cat "$work/out")"
-sed -e '1,/^control # Rsp, Rd, A, Tt, A_backing with /d' -e '/^$/,$d' "$work/b.mco" >"$work/section"
-expect_code 0 "$work/b.mci" --control flat --json -o "$work"
-for end in "" _se; do
-    for key in Rsp Rd A Tt A_backing; do value ${key}_control$end "$work/out"; done
-done >"$work/json"
-paste "$work/section" "$work/json" | awk '{ d = $1 - $2; bad += d * d > 1e-10 * $2 * $2 } END { exit NR != 10 || bad }' ||
-    complain "JSON: $(paste "$work/section" "$work/json")"
-awk 'NR <= 5 { sum += $1 } END { exit !((sum - 1) ^ 2 < 1e-5) }' "$work/json" || complain "controlled totals: $(cat "$work/json")"
-test "$(value A_backing_exact "$work/out")" = null || complain "a shape that is exact: $(cat "$work/out")"
-expect_code 0 samples/shapes/hihill.mci --photons 1000 --control flat --json -o "$work"
-! grep A_backing "$work/out" || complain "no backing"
-scene metal.mco "backing metal 0.183 3.434"
-expect_error 2 "$work/metal.mci:12: backing = metal (expected mirror or lambertian: adding-doubling knows no others)" \
-    "$work/metal.mci" --control flat --quiet -o "$work"
-
 # check names the flat scene's.
 expect_code 0 check "$work/b.mci" --json
 grep -q '"flat":{"Rsp":[0-9.e-]*,"Rd":[0-9.]*,"A":[0-9.]*,"Tt":[0-9.e-]*,"A_backing":0\.[0-9]*,"error"' "$work/out" ||
     complain "check --json: $(cat "$work/out")"
-
-# merge: the mean of what both kept.
-for seed in 1 2; do
-    mkdir "$work/$seed"
-    expect_code 0 "$work/b.mci" --seed $seed --json -o "$work/$seed"
-    value A_backing "$work/out" >>"$work/kept"
-done
-expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco" --json
-value A_backing "$work/out" >>"$work/kept"
-awk '{ v[NR] = $1 } END { exit !(NR == 3 && v[1] != v[2] && (v[3] - (v[1] + v[2]) / 2) ^ 2 < 1e-16) }' "$work/kept" ||
-    complain "merge: $(cat "$work/kept" "$work/out")"
-expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco"
-grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}$' "$work/out" || complain "merge: $(cat "$work/out")"
 
 # What people read: no Tt and no limit of it, what each detector has seen, and rows of a sweep with all totals.
 scene seen.mco "backing 0.5"

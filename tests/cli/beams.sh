@@ -91,10 +91,14 @@ for place in "0.05,0 z=0.12" "-0.05,0 z=0.13" "0.3,0.1 z=0.15" "0.30000000000000
         complain "$place: $(cat "$work/err")"
 done
 
-# A clear layer keeps what both its planes reflect totally, but for a backing, which takes its share.
+# A clear layer keeps what both its planes reflect totally. A rough plane lets it out, and a backing takes its share.
 printf '1.0\n1\nclear.mco A\n1000\nbeam pencil z=0.05 light=isotropic\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\n1.0\n' >"$work/clear.mci"
 expect_code 0 check "$work/clear.mci"
 grep -qF "$work/clear.mci:5: beam 1 starts in layer 1, which is clear" "$work/err" || complain "no note of a trap: $(cat "$work/err")"
+sed 's/^1.4 .*/&\nrough ggx 0.1/' "$work/clear.mci" >"$work/rough_clear.mci"
+expect_code 0 "$work/rough_clear.mci" --json -o "$work"
+test ! -s "$work/err" && grep -q '"trapped":0,' "$work/out" || complain "a trap over a rough boundary: $(cat "$work/err" "$work/out")"
+rm "$work/clear.mco"
 sed -i 's/^1.4 .*/&\nbacking 0.5/' "$work/clear.mci"
 expect_code 0 "$work/clear.mci" --json -o "$work"
 test ! -s "$work/err" && grep -q '"trapped":0,' "$work/out" || complain "a trap over a backing: $(cat "$work/err" "$work/out")"

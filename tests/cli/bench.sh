@@ -22,7 +22,7 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     */gpu_static.py) place=--kernels good=kernels no=": no folder of kernels" ;;
     */atlas.py) place=--build good=$(dirname "$program") no="/clustermcml is no program" ;;
     */parts.py | */unbiased.py) place=--build good=$(dirname "$program") no=": no build folder" ;;
-    */views.py) ;;
+    */views.py | */rough_faces.py) ;;
     bench/peers/*) peer="--mmc $program" ;;
     esac
     expect_refusal "unrecognized arguments: --nonsense word" "$script" $place "$good" $peer --nonsense word
@@ -47,13 +47,22 @@ expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$pr
 expect_refusal "$work/none is no program" bench/peers/mmc.py --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed/speed.py --program "$work"
 expect_refusal "$work/none is no program" bench/accuracy/frontier.py --program "$program" --mcml "$work/none"
-for chart in accuracy/accuracy accuracy/frontier accuracy/summary speed/speed; do
+for chart in accuracy/accuracy accuracy/frontier accuracy/roughness accuracy/summary speed/speed; do
     expect_refusal "none.csv: cannot be read" bench/$chart.py --draw none.csv "$work/none.svg"
 done
 expect_refusal "--draw: expected 2 arguments" bench/accuracy/accuracy.py --draw none.csv
 expect_refusal "--draw needs CSV and DIRECTORY and nothing else" bench/accuracy/accuracy.py --draw none.csv "$work/none" --quick
 expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.py --only lens,ripples --program "$program" --out "$work/none"
 test ! -e "$work/none" || complain "accuracy.py --only ripples: wrote $(ls "$work/none")"
+
+# the table of roughness.py comes of its numbers again, and the picture has a panel for each
+if python3 -c "import matplotlib" 2>/dev/null; then
+    python3 -B bench/accuracy/roughness.py --draw bench/accuracy/results/roughness.csv "$work/rough" >"$work/out" 2>&1 ||
+        complain "roughness.py --draw: $(cat "$work/out")"
+    cmp "$work/rough/roughness.md" bench/accuracy/results/roughness.md || complain "roughness.py --draw: another table"
+    grep -c 'length / mean free path</text>' "$work/rough/roughness.svg" | grep -qx 4 || complain "roughness.py --draw: no four panels"
+    python3 tests/lib/svg_text.py "$work/rough/roughness.svg" || complain "roughness.py --draw: texts overlap"
+fi
 
 # the charts of a result: a page per scene with three panels, 18 cm wide, letters of 9 pt (exponents: 7) and small enough to keep
 if command -v gnuplot >/dev/null; then

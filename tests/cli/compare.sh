@@ -101,8 +101,6 @@ untallied "neither run tallied it" "$work/2/bare.mco" "$work/3/bare.mco"
 if "$program" --version | grep -q "HDF5 yes"; then
     expect_code 0 "$work/binary.mci" --seed 3 --ignore-absorption --quiet -o "$work"
     untallied "neither run tallied it" "$work/2/bare.mco" "$work/bare.h5"
-    expect_code 0 merge "$work/2/bare.mco" "$work/bare.h5" -o "$work/both.h5" --quiet
-    untallied "neither run tallied it" "$work/2/bare.mco" "$work/both.h5"
 fi
 
 # One packet: nothing is said of what cannot be compared.

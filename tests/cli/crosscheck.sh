@@ -26,6 +26,12 @@ for seed in 1 2 3 4 5 6; do
         complain "flat50, seed $seed: $(cat "$work/out")"
 done
 
+# Rough cones, planes and bodies are walked by the same text on a device.
+printf '1.0\n1\nrough.mco A\n2000\n0.02 0.02\n20 20 5\n2\n1\nrough ggx 0.4\nb 5 0 0.1 1e-5 0.1 0 0.1 1e-5 0.1 0 0.1\n1.4 1 50 0.8 0.3\n%s\nrough beckmann 0.3\n1.3 1 20 0.8 0.2\nrough ggx 0.6\n1\n' \
+    'i sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5' >"$work/rough.mci"
+expect_code 0 crosscheck "$work/rough.mci"
+grep -q '^opencl against .*: agree$' "$work/out" || complain "rough: $(cat "$work/out")"
+
 # A coarse mesh is another surface, and is found to be one.
 expect_code 1 crosscheck samples/shapes/hinoise.mci --photons 2e4 --tolerance 0.1 --rings inscribed --dump "$work/dump"
 grep -q '^cpu (mesh) against cpu (cones): DISAGREE$' "$work/out" || complain "a coarse mesh agrees"

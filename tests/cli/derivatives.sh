@@ -1,5 +1,5 @@
 #!/bin/sh
-# --derivatives: nothing else changes by a bit; same bytes on any number of threads, after a stop and with --more; merge adds them, engines
+# --derivatives: nothing else changes by a bit; same bytes on any number of threads, after a stop and with --more; engines
 # agree within rounding; what they are not made for is refused by name. stat.derivatives judges the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -73,20 +73,12 @@ expect_code 0 "$work/whole.mci" --derivatives -o "$work/grown" --quiet --photons
 expect_code 0 "$work/whole.mci" --derivatives -o "$work/grown" --quiet --more 150000
 same "$work/one/whole.mco" "$work/grown/whole.mco" "--more"
 
-# merge: the mean of two runs.
-expect_code 0 "$work/two.mci" --derivatives --seed 2 -o "$work/stopped" --quiet
-expect_code 0 merge "$work/three/two.mco" "$work/stopped/two.mco" --output "$work/merged.mco"
 first() { awk -v key="$2" '$1 == key { getline; print $1; exit }' "$1"; }
-awk -v a="$(first "$work/three/two.mco" dTt_dmua)" -v b="$(first "$work/stopped/two.mco" dTt_dmua)" -v m="$(first "$work/merged.mco" dTt_dmua)" \
-    'BEGIN { exit !(m < 0 && (m - (a + b) / 2) ^ 2 < 1e-14) }' || complain "merge: $(first "$work/merged.mco" dTt_dmua)"
-
 # What is not known is nan, null in JSON, and stays so.
 printf '1.0\n1\nglass.mco A\n100\n0.02 0.02\n5 5 3\n1\n1\n1.5 0 0 0 0.1\n1\n' >"$work/glass.mci"
 expect_code 0 "$work/glass.mci" --derivatives -o "$work/one" --quiet
 expect_code 0 "$work/glass.mci" --derivatives --seed 2 -o "$work/three" --json
 grep -q '"dRd_dmus":\[null\]' "$work/out" || complain "--json: $(cat "$work/out")"
-expect_code 0 merge "$work/one/glass.mco" "$work/three/glass.mco" --output "$work/merged.mco"
-test "$(first "$work/merged.mco" dRd_dmua)" = NAN || complain "merged: $(first "$work/merged.mco" dRd_dmua)"
 
 # Where packets are given up as trapped nothing is known by mua of clear media, and all else is; the summary says how much light that was.
 printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0.1 0 0 0.1\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
@@ -102,7 +94,7 @@ test "$(first "$work/three/trap.mco" dRd_dmua | grep -ci nan)" = 0 || complain "
 
 # Refused.
 printf 'layer1.mua\n1\n' >"$work/t.csv"
-for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv"; do
+for option in "--engine opencl" "--reweight --sweep $work/t.csv"; do
     case $option in
         --engine*) name=$option ;;
         *) name=${option%% *} ;;

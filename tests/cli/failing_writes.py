@@ -43,13 +43,12 @@ WORK = {
     "more": ([[*RUN, "--keep"]], [*RUN[:1], "--more", "200", *RUN[3:]]),
     "sweep": ([], [*RUN, "--sweep", "table.csv", "--resume"]),
     "sweep over an older one": ([[*RUN, "--sweep", "table.csv", "--seed", "2"]], [*RUN, "--sweep", "table.csv"]),
-    "merge to .h5": ([], "merge one/small.h5 two/small.h5 -o OUT/all.h5 --quiet".split()),
-    "merge to .mco": ([], "merge one/small.mco two/small.mco -o OUT/all.mco --quiet".split()),
+    "merge": ([[*RUN, "--part", "1/2"], [*RUN, "--part", "2/2"]], "merge OUT/small.mco.part1of2 OUT/small.mco.part2of2 --quiet".split()),
 }
 
 
 def is_result(name):
-    return not name.endswith((".tmp", ".lock")) and ".checkpoint" not in name
+    return not name.endswith((".tmp", ".lock")) and ".checkpoint" not in name and ".part" not in name
 
 
 class Work:

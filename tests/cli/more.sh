@@ -123,13 +123,6 @@ grep -q "thick.mco.checkpoint is of a finished run, but its result thick.mco is 
 sed '/^# User time/d' "$work/expected" >"$work/a"
 sed '/^# User time/d' "$work/thick.mco" | cmp -s - "$work/a" || complain "a lost result has other bytes"
 
-# With the flat twin, which is flown anew, the run that it follows is extended all the same.
-rm -f "$work"/one/* "$work"/more/*
-expect_code 0 samples/two_runs.mci --photons 3000 --keep --control flat --quiet -o "$work/more"
-expect_code 0 samples/two_runs.mci --more 2000 --control flat --quiet -o "$work/more"
-expect_code 0 samples/two_runs.mci --photons 5000 --control flat --quiet -o "$work/one"
-compare "control"
-
 # One whose tallies were kept is written again, and they stay; those of another run stay, too.
 rm -f "$work/more"/*
 for scene in samples/skinmap.mci samples/thick.mci; do

@@ -48,7 +48,6 @@ COMMANDS = {
     "rounds": ["flat.mci", "--photons", "64", "--threads", "1", "--target-error", "0.3", "--checkpoint", "1e-9", "--quiet", "-o", "OUT"],
     "threads": ["flat.mci", "--photons", "200", "--threads", "2", "--quiet", "-o", "OUT"],
     "two beams": ["beams.mci", "--threads", "1", "--json", "-o", "OUT"],
-    "control": ["hill.mci", "--control", "flat", "--threads", "1", "--quiet", "-o", "OUT"],
     "trace": ["trace", "scene.mci", "3"],
 }
 
@@ -87,7 +86,7 @@ def prepare(folder):
     flat = "1.0\n1\n%s A\n1000\n0.01 0.02\n20 20 10\n1\n1.0\n1.4 0.5 50 0.8 0.1\n1.0\n"
     write("beams.mci", (flat % "beams.mco").replace("0.01 0.02", 'photons "exits" limit=50\nbeam pencil\nbeam disk 0.1\n0.01 0.02', 1))
     write("flat.mci", flat % "flat.mco")
-    write("hill.mci", (flat % "hill.mco").replace("1.4 0.5", "b 2 0 0.1 0.02 0\n1.4 0.5"))
+    subprocess.run([PROGRAM, *RUN], cwd=folder, check=True, capture_output=True)
 
 
 def main():

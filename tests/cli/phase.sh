@@ -1,5 +1,5 @@
 #!/bin/sh
-# A line `phase`: what results and `check` say of it, results of other functions are not merged, a run whose table was changed is
+# A line `phase`: what results and `check` say of it, a run whose table was changed is
 # not continued, rows of a sweep have the bytes of runs with --set; a hint where the mark is missing; any number of threads.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -37,20 +37,6 @@ grep -qx '# phase of layer 1: gk 0.8 0.5' "$work/out" || complain "trace: $(head
 sed '/^# User time/d' "$work/a/p.mco" >"$work/two"
 expect_code 0 "$work/gk.mci" --quiet -o "$work/a" --threads 1 --chunk 100
 sed '/^# User time/d' "$work/a/p.mco" | cmp -s - "$work/two" || complain "one thread, other bytes"
-
-# merge.
-expect_code 0 "$work/hg2.mci" --quiet --seed 2 -o "$work/b"
-expect_error 2 "$work/b/p.mco: scene = phase of layer 1: hg2 0.8 0.8 0.25 (expected phase of layer 1: gk 0.8 0.5, as in $work/a/p.mco)" \
-    merge "$work/a/p.mco" "$work/b/p.mco" -o "$work/m.mco"
-expect_code 0 "$work/gk.mci" --quiet --seed 2 -o "$work/b"
-expect_code 0 merge "$work/a/p.mco" "$work/b/p.mco" -o "$work/m.mco"
-grep -qx '# phase of layer 1: gk 0.8 0.5' "$work/m.mco" || complain "the merged .mco: $(grep phase "$work/m.mco")"
-expect_code 0 "$work/gk.mci" --quiet --output p.h5 -o "$work/a"
-if test -e "$work/a/p.h5"; then
-    expect_code 0 "$work/hg2.mci" --quiet --seed 2 --output p.h5 -o "$work/b"
-    expect_error 2 "$work/b/p.h5: scene = phase of layer 1: hg2 0.8 0.8 0.25 (expected phase of layer 1: gk 0.8 0.5, as in $work/a/p.h5)" \
-        merge "$work/a/p.h5" "$work/b/p.h5" -o "$work/m.h5"
-fi
 
 # A table that was changed makes another run.
 expect_code 0 "$work/table.mci" --quiet --keep -o "$work/b"

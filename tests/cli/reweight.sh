@@ -139,7 +139,7 @@ expect_error 2 "--reweight (expected --sweep beside it)" "$work/two.mci" --rewei
 expect_error 2 "--reweight (expected --sweep beside it)" check "$work/two.mci" --reweight
 printf 'layer1.mua\n1\n-1\n' >"$work/wrong.csv"
 expect_error 2 "$work/wrong.csv:3: column 1, layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" check "$work/two.mci" --sweep "$work/wrong.csv"
-for option in --keep "--more 5" "--target-error 0.1" "--control flat" "--aim Tt" "--engine opencl"; do
+for option in --keep "--more 5" "--target-error 0.1" "--aim Tt" "--engine opencl"; do
     case $option in
         --keep | --more*) name="--keep or --more" ;;
         --engine*) name=$option ;;

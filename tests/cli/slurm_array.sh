@@ -1,6 +1,6 @@
 #!/bin/sh
 # samples/slurm-array.sh without Slurm: stand-ins for srun and scontrol. A task that is stopped asks to be requeued, and goes on
-# when it is; the joined parts are what `merge` makes of runs of the same seeds. samples/slurm.sh likewise; neither asks for more
+# when it is; the joined parts have the bytes of one run. samples/slurm.sh likewise; neither asks for more
 # time that it would use for nothing.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -22,23 +22,22 @@ printf '#!/bin/sh\necho "$*" >>"%s/asked"\n' "$work" >"$work/bin/scontrol"
 chmod +x "$work/bin/srun" "$work/bin/scontrol"
 printf 'layer1.mua\n0.5\n1\n' >"$work/two.csv"
 { echo layer1.mua; seq 1 200; } >"$work/long.csv"
-task() { # SEED TABLE
-    PATH=$work/bin:$PATH CLUSTERMCML=$program SLURM_ARRAY_TASK_ID=$1 SLURM_JOB_ID=9$1 SLURM_CPUS_PER_TASK=2 \
-        bash samples/slurm-array.sh "$work/study" samples/thick.mci --sweep "$2" --photons 3000 --quiet
+task() { # PART TABLE OPTIONS...
+    part=$1 table=$2
+    shift 2
+    PATH=$work/bin:$PATH CLUSTERMCML=$program SLURM_ARRAY_TASK_ID=$part SLURM_ARRAY_TASK_COUNT=2 SLURM_JOB_ID=9$part SLURM_CPUS_PER_TASK=2 \
+        bash samples/slurm-array.sh "$work/study" samples/thick.mci --sweep "$table" --photons 3000 --quiet "$@"
 }
-for seed in 1 2; do
-    task $seed "$work/two.csv" || complain "task $seed: exit $?"
-    expect_code 0 samples/thick.mci --photons 3000 --seed $seed --set layer1.mua=1 --output plain$seed.mco --quiet -o "$work/plain"
-done
+for part in 1 2; do task $part "$work/two.csv" || complain "task $part: exit $?"; done
 join() { CLUSTERMCML=$program sh samples/slurm-array.sh "$work/study" || complain "joining: exit $?"; }
 join
-for once_more in thick-0001.mco thick-0002.mco; do echo stale >"$work/study/$once_more"; done
+for once_more in thick-0001.mco thick.sweep.csv; do echo stale >"$work/study/$once_more"; done
 join
-expect_code 0 merge "$work/plain/plain1.mco" "$work/plain/plain2.mco" -o "$work/both.mco" --quiet
-for file in "$work/both.mco" "$work/study/thick-0002.mco"; do
-    sed -e '/^# User time/d' -e '/^# merged/d' -e 's/^[^ ]* \tA\t/NAME /' "$file" >"$file.bare"
+expect_code 0 samples/thick.mci --sweep "$work/two.csv" --photons 3000 --quiet -o "$work/plain"
+for name in thick-0001.mco thick-0002.mco thick.sweep.csv; do
+    sed '/^# User time/d' "$work/plain/$name" >"$work/expected"
+    sed '/^# User time/d' "$work/study/$name" | cmp -s - "$work/expected" || complain "$name is not what one run makes"
 done
-cmp -s "$work/both.mco.bare" "$work/study/thick-0002.mco.bare" || complain "the joined row is not what merge makes"
 test "$(wc -l <"$work/study/merged.json")" -eq 2 || complain "merged.json: $(cat "$work/study/merged.json")"
 
 # parts that lack something, and no parts: said, and nothing written
@@ -49,32 +48,23 @@ refuses() { # EXPECTED TEXT
     test $code -eq 2 && grep -qF "$1" "$work/err" && test "$(wc -l <"$work/err")" -eq 1 || complain "exit $code: $(cat "$work/err") (expected $1)"
     cmp -s "$work/study/merged.json" "$work/before.json" || complain "merged.json was written"
 }
-mv "$work/study/part-2/thick-0002.mco" "$work/kept.mco"
-refuses "part-2/thick-0002.mco: missing (expected the results of all parts)"
-mv "$work/kept.mco" "$work/study/part-2/thick-0002.mco"
-mkdir "$work/study/part-4"
-refuses "part-4/thick-0001.mco: missing"
-rmdir "$work/study/part-4"
-touch "$work/study/part-2/thick-0003.mco.checkpoint"
-refuses "part-2/thick-0003.mco: not finished (expected it done in all parts)"
-touch "$work/study/part-1/thick-0002.mco.checkpoint" # of a finished run that keeps it
-rm "$work/study/part-2/thick-0003.mco.checkpoint"
-join
 mkdir "$work/hidden"
-mv "$work/study/part-1" "$work/study/part-2" "$work/hidden"
-refuses "study: no parts (expected the folders part-SEED of the tasks)"
-mkdir "$work/study/part-1"
-refuses "study: no results in the parts (expected .mco or .h5 files)"
-rmdir "$work/study/part-1"
-mv "$work/hidden"/part-* "$work/study"
+mv "$work/study/thick-0002.mco.part2of2" "$work/hidden"
+refuses "thick-0002.mco: part 2 of 2 is missing (expected all parts of the run)"
+mv "$work"/study/*.part* "$work/hidden"
+refuses "study: no parts (expected the files NAME.partKofN of the tasks)"
+mv "$work/hidden"/*.part* "$work/study"
 test ! -e "$work/asked" || complain "a finished task was requeued"
+PARTS=2 task 1 "$work/two.csv" || complain "a task once more: exit $?"
+join
+rm "$work"/study/*
 
 # stopped in the middle
 code=0
-STOP="$work/study/part-3/*-0002.mco" task 3 "$work/long.csv" 2>"$work/err" || code=$?
-test $code -eq 75 && test "$(cat "$work/asked")" = "requeue 93" || complain "stopped: exit $code, $(cat "$work/asked" "$work/err")"
-task 3 "$work/long.csv" || complain "requeued: exit $?"
-test "$(ls "$work/study/part-3" | grep -c 'mco$')" -eq 200 || complain "requeued: $(ls "$work/study/part-3" | wc -l) files"
+STOP="$work/study/*-0002.mco.part1of2" task 1 "$work/long.csv" 2>"$work/err" || code=$?
+test $code -eq 75 && test "$(cat "$work/asked")" = "requeue 91" || complain "stopped: exit $code, $(cat "$work/asked" "$work/err")"
+task 1 "$work/long.csv" || complain "requeued: exit $?"
+test "$(ls "$work/study" | grep -c 'mco.part1of2$')" -eq 200 || complain "requeued: $(ls "$work/study" | wc -l) files"
 
 # ---- slurm.sh: what has got on is requeued, what has not would be for ever
 
@@ -122,7 +112,7 @@ is_not_requeued 75
 FATAL=yes job 137 samples/thick.mci -o "$work/job"
 is_not_requeued 137
 code=0
-task 4 "$work/two.csv" >"$work/out" || code=$?
+task 2 "$work/two.csv" >"$work/out" || code=$?
 test $code -eq 75 || complain "an array's task: exit $code"
 is_not_requeued 75
 finish

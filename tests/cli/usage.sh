@@ -63,9 +63,9 @@ belongs run --run trace --run 2 run $sample
 belongs run --alpha furnace $sample --alpha 0.1 --photons 10 -o "$work"
 belongs check --resume run check $sample --resume
 belongs check --photons "run, plan, crosscheck, furnace" --photons 3 check $sample
-belongs plan -o "run, mesh" plan $sample -o "$work"
-belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
-belongs plan --output "run, merge" plan $sample --output "$work"
+belongs plan -o "run, mesh, merge" plan $sample -o "$work"
+belongs plan --output-dir "run, mesh, merge" plan $sample --output-dir "$work"
+belongs plan --output run plan $sample --output "$work"
 belongs exact --engine "run, check, trace, furnace" exact $sample --engine cpu
 belongs devices --json "run, plan, check, exact, crosscheck, furnace, merge" devices --json
 only="(it belongs to: opencl)"

@@ -18,10 +18,11 @@ dice = random.Random(20)
 
 
 def timed_scene(folder):
-    """samples/thick.mci with gates of time, directions and fluence, as thick.mci in FOLDER."""
+    """samples/thick.mci with gates of time, directions, fluence and a rough top, as thick.mci in FOLDER."""
     path = os.path.join(folder, "thick.mci")
     with open("samples/thick.mci", encoding="utf-8") as sample, open(path, "w", encoding="utf-8") as scene:
-        scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\ndirections 9 12\nfluence\ndetector disk 0.3 na=0.5\n1                       # layers"))
+        scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\ndirections 9 12\nfluence\ndetector disk 0.3 na=0.5\n1                       # layers")
+                    .replace("\n1.4 ", "\nrough beckmann 0.5\n1.4 "))
     return path
 
 

@@ -24,6 +24,17 @@ for scene in shapes/hinoise mixed two_runs pulse skinmap; do
     one_shape $scene 4 1
 done
 
+# a rough mesh, body, tile and mirror
+printf '1.0\n1\nrough.mco A\n20000\n0.02 0.02\n20 20 5\n2\n1.0\nrough ggx 0.4\nm "%s"\n1.4 1 50 0.8 0.4\n%s\n%s\n%s\n1.3 1 20 0.8 0.2\n%s\nbacking 0.8 mirror\n1.0\n' \
+    "$PWD/meshes/overhang.obj" 'i sphere 0 0 0.2 0.1 1.5 2 10 0.5 rough=ggx,1' 'rough beckmann 0.3' 'm gaussian 0.4 0.02 tile points=16 normals=vertex' \
+    'rough ggx 1' >"$work/rough.mci"
+expect_code 0 "$work/rough.mci" --threads 1 --quiet -o "$work"
+mv "$work/rough.mco" "$work/expected"
+for shape in "1 2" "2 1" "3 1"; do
+    ranks "${shape% *}" "$work/rough.mci" --threads "${shape#* }" --quiet -o "$work" || complain "rough on ${shape% *} x ${shape#* }"
+    expect_bits "rough on ${shape% *} x ${shape#* }" "$work/rough.mco" "$work/expected"
+done
+
 # beams with shares, from above, inside and in a body: their photons are dealt to all ranks
 printf '1.0\n1\nbeams.mco A\n20001\n%s\n%s\n%s\n0.02 0.02\n20 20 5\n1\n1.0\n1.4 1 50 0.8 0.5\ni sphere 0 0 0.2 0.1 1.5 2 10 0.5\n1.0\n' \
     "beam disk 0.2 light=na:0.5" "beam pencil z=0.2 light=isotropic share=0.7" "beam ring 0.05 0.15 z=0.2 angle=70 share=1.9" \

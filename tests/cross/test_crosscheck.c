@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "run/crosscheck.h"
+#include "run/crosscheck/crosscheck.h"
 #include "engine/cpu/engine_cpu.h"
 
 static const char *const scene = "1.0\n1\nscene A\n1000\n0.01 0.02\n20 30 10\n1\n1\n1.4 1 20 0.5 0.2\n1\n";

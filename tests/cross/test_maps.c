@@ -39,6 +39,7 @@ static void shoot(const char *text, const char *engine, enum cml_surface_kind ki
     join_groups(shot->tally.Rd_ra, (size_t)cml_cell_groups(&grid), cml_ra_cells(&grid));
     join_groups(shot->tally.Tt_ra, (size_t)cml_cell_groups(&grid), cml_ra_cells(&grid));
     join_groups(shot->tally.A_xyz, cml_groups_of(grid.voxel_step), grid.voxel_step);
+    join_groups(shot->tally.Rd_xya, cml_groups_of(grid.map_once.step), grid.map_once.step);
     join_groups(shot->tally.facets, cml_groups_of(grid.facet_step), grid.facet_step);
 }
 

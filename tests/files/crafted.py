@@ -1,5 +1,5 @@
 """Crafted .h5 files: attributes that are arrays, names too long, sizes that wrap or that the file cannot hold, links and values
-elsewhere, other filters, chunks that are not what they say, numbers that no run writes, a FIFO. plot, compare and merge
+elsewhere, other filters, chunks that are not what they say, numbers that no run writes, a FIFO. plot and compare
 refuse each in one line that is written out here, with exit code 2, in 2 GB and 20 seconds, and write nothing."""
 import os
 import resource
@@ -31,8 +31,6 @@ COMMANDS = {
     "compare": ["compare", "good.h5", "bad.h5"],
     "plot": ["plot", "bad.h5", "--of", "Rd_xy", "-o", "out.svg"],
     "curve": ["plot", "bad.h5", "-o", "out.svg"],
-    "merge": ["merge", "good.h5", "bad.h5", "-o", "out.h5"],
-    "first": ["merge", "bad.h5", "good.h5", "-o", "out.h5"],
 }
 CASES = []
 
@@ -61,62 +59,47 @@ NUMBER = "is of another type or shape (expected one number of 64 bits)"
 TEXT = "is of another type or shape (expected one text of fixed length)"
 
 
-@case("compare curve merge", f"photons {NUMBER}")
+@case("compare curve", f"photons {NUMBER}")
 def numbers_in_a_row(file):
     attribute(file, "photons", numpy.full(5000, 1e300))
 
 
-@case("compare merge", f"seed {NUMBER}")
+@case("compare", f"seed {NUMBER}")
 def integers(file):
     attribute(file, "seed", 5)
 
 
-@case("compare curve merge", f"title {TEXT}")
+@case("compare curve", f"title {TEXT}")
 def texts_in_a_row(file):
     attribute(file, "title", numpy.full(3000, b"A" * 100, "S100"))
 
 
-@case("compare curve merge", f"title {TEXT}")
+@case("compare curve", f"title {TEXT}")
 def a_text_of_variable_length(file):
     attribute(file, "title", "x" * 200, h5py.string_dtype())
 
 
-@case("compare curve merge", f"sampling {TEXT}")
+@case("compare curve", f"sampling {TEXT}")
 def texts_of_variable_length(file):
     attribute(file, "sampling", ["x" * 200] * 500, h5py.string_dtype())
 
 
-@case("plot merge", f"units {TEXT}")
+@case("plot", f"units {TEXT}")
 def units_in_a_row(file):
     attribute(file["Rd_xy"], "units", numpy.full(3000, b"A" * 100, "S100"))
 
 
-@case("merge", f"CLASS {TEXT}")
-def classes_in_a_row(file):
-    attribute(file["r"], "CLASS", numpy.full(3000, b"DIMENSION_SCALE", "S16"))
-
-
-@case("merge", "REFERENCE_LIST is of another type or shape (expected a list of data sets)")
-def a_list_of_numbers(file):
-    attribute(file["r"], "REFERENCE_LIST", numpy.arange(9000.0))
-
-
-@case("merge", "Rd_b has an axis without a scale (expected one for each)")
-def an_axis_without_a_scale(file):
-    replace(file, "Rd_b", (20, 30), "<f4", chunks=(20, 30), data=numpy.ones((20, 30)))
-
-
-@case("compare curve merge", "Rd has more numbers than its file can hold (expected those of a run)")
+@case("compare curve", "Rd has more numbers than its file can hold (expected those of a run)")
 def a_product_that_wraps(file):
     replace(file, "Rd", (2**10, 2**51 + 1), chunks=(1, 2**28))
 
 
-@case("compare curve merge", "Rd_ra has more numbers than its file can hold (expected those of a run)")
+@case("compare curve", "Rd_ra has more numbers than its file can hold (expected those of a run)")
 def a_promise(file):
     replace(file, "Rd_ra", (40000, 25000), chunks=(40000, 1))
 
 
-@case("compare curve merge", "nz nr na = 6 120000 20000 (expected no more than the ")
+@case("compare curve", "nz nr na = 6 120000 20000 (expected no more than the ")
 def axes_of_a_grid_that_is_not_there(file):
     for name, n in (("r", 120000), ("alpha", 20000)):
         replace(file, name, (n,), data=numpy.full(n, 0.01), chunks=(n,), compression=9)
@@ -124,7 +107,7 @@ def axes_of_a_grid_that_is_not_there(file):
         del file[name]
 
 
-@case("compare curve merge", "Rd_r has 5 numbers (expected 7)")
+@case("compare curve", "Rd_r has 5 numbers (expected 7)")
 def fewer_numbers(file):
     replace(file, "Rd_r", (5,), chunks=(5,), data=numpy.ones(5))
 
@@ -132,13 +115,13 @@ def fewer_numbers(file):
 LINK = "is a link to another place (expected a data set of this file)"
 
 
-@case("plot merge", f"Rd_xy {LINK}")
+@case("plot", f"Rd_xy {LINK}")
 def an_external_link(file):
     del file["Rd_xy"]
     file["Rd_xy"] = h5py.ExternalLink("good.h5", "/Rd_xy")
 
 
-@case("plot merge", f"Rd_xy {LINK}")
+@case("plot", f"Rd_xy {LINK}")
 def a_soft_link_that_leaves(file):
     del file["Rd_xy"]
     file["call/other"] = h5py.ExternalLink("good.h5", "/")
@@ -148,12 +131,12 @@ def a_soft_link_that_leaves(file):
 ELSEWHERE = "has its values in other files (expected values of its own)"
 
 
-@case("plot merge", f"Rd_xy {ELSEWHERE}")
+@case("plot", f"Rd_xy {ELSEWHERE}")
 def external_storage(file):
     replace(file, "Rd_xy", (20, 30), "<f4", external=[("good.h5", 0, 2400)])
 
 
-@case("plot merge", f"Rd_xy {ELSEWHERE}")
+@case("plot", f"Rd_xy {ELSEWHERE}")
 def a_virtual_data_set(file):
     del file["Rd_xy"]
     layout = h5py.VirtualLayout((20, 30), "<f4")
@@ -164,17 +147,17 @@ def a_virtual_data_set(file):
 FILTERS = "is packed by other filters (expected shuffle and deflate)"
 
 
-@case("plot merge", f"Rd_xy {FILTERS}")
+@case("plot", f"Rd_xy {FILTERS}")
 def a_checksum(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), fletcher32=True, data=numpy.ones((20, 30)))
 
 
-@case("plot merge", f"Rd_xy {FILTERS}")
+@case("plot", f"Rd_xy {FILTERS}")
 def lzf(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), compression="lzf", data=numpy.ones((20, 30)))
 
 
-@case("plot merge", f"Rd_xy {FILTERS}")
+@case("plot", f"Rd_xy {FILTERS}")
 def deflated_twice(file):
     del file["Rd_xy"]
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -185,12 +168,12 @@ def deflated_twice(file):
     file["Rd_xy"][()] = 1
 
 
-@case("plot merge", "Rd_xy has an axis that is empty or can grow (expected axes of one size)")
+@case("plot", "Rd_xy has an axis that is empty or can grow (expected axes of one size)")
 def an_axis_that_can_grow(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), maxshape=(None, 30))
 
 
-@case("plot merge", "Rd_xy is stored in another way (expected chunks, or one piece)")
+@case("plot", "Rd_xy is stored in another way (expected chunks, or one piece)")
 def compact(file):
     del file["Rd_xy"]
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -199,12 +182,12 @@ def compact(file):
     file["Rd_xy"][()] = 1
 
 
-@case("compare curve merge", "Rd has values that are not there (expected all of them)")
+@case("compare curve", "Rd has values that are not there (expected all of them)")
 def a_number_that_is_not_there(file):
     replace(file, "Rd", (), fillvalue=0.5)
 
 
-@case("plot merge", "Rd_xy is of another type (expected floating-point numbers)")
+@case("plot", "Rd_xy is of another type (expected floating-point numbers)")
 def other_numbers(file):
     replace(file, "Rd_xy", (20, 30), "<i4", chunks=(20, 30), data=numpy.ones((20, 30)))
 
@@ -216,17 +199,17 @@ def put_chunk(file, data, mask=0):
     file["Rd_xy"].id.write_direct_chunk((0, 0), data, filter_mask=mask)
 
 
-@case("plot merge", f"Rd_xy {CHUNK}")
+@case("plot", f"Rd_xy {CHUNK}")
 def a_chunk_that_is_too_short(file):
     put_chunk(file, zlib.compress(bytes(16)))
 
 
-@case("plot merge", f"Rd_xy {CHUNK}")
+@case("plot", f"Rd_xy {CHUNK}")
 def a_chunk_that_is_too_long(file):
     put_chunk(file, zlib.compress(bytes(100000000)))
 
 
-@case("plot merge", f"Rd_xy {CHUNK}")
+@case("plot", f"Rd_xy {CHUNK}")
 def a_chunk_longer_than_its_array(file):
     values = file["Rd_xy"][()]
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), data=values)
@@ -235,17 +218,17 @@ def a_chunk_longer_than_its_array(file):
     return [struct.pack("<IIQQQ", size, 0, 0, 0, 0) for size in (2400, 60000)]  # the key of the chunk in its tree
 
 
-@case("plot merge", f"Rd_xy {CHUNK}")
+@case("plot", f"Rd_xy {CHUNK}")
 def a_chunk_without_its_filters(file):
     put_chunk(file, bytes(16), 3)
 
 
-@case("plot merge", "Rd_xy has values that are not there (expected all of them)")
+@case("plot", "Rd_xy has values that are not there (expected all of them)")
 def chunks_that_are_missing(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), compression=1)
 
 
-@case("plot merge", "Rd_xy has a chunk that is not there (expected all of them)")
+@case("plot", "Rd_xy has a chunk that is not there (expected all of them)")
 def a_chunk_that_is_missing(file):
     del file["Rd_xy_se"]
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(10, 30))[:10] = 1
@@ -255,45 +238,9 @@ def a_chunk_that_is_missing(file):
         attribute(file["Rd_xy"], name, numpy.bytes_("1"))
 
 
-@case("merge", "Rd_xy[37] = nan (expected a number from 0 to 1e+100)")
-def not_a_number(file):
-    file["Rd_xy"][1, 7] = numpy.nan
-
-
-@case("merge", "A_xyz[1] = -1 (expected a number from 0 to 1e+100)")
-def less_than_nothing(file):
-    file["A_xyz"][0, 0, 1] = -1
-
-
-@case("merge", "Rd_xy_se[3] = inf (expected a number from 0 to 1e+100)")
-def an_infinite_error(file):
-    file["Rd_xy_se"][0, 3] = numpy.inf
-
-
-@case("merge", "Rd_xy_se[3] = nan (expected a number from 0 to 1e+100)")
-def no_error(file):
-    file["Rd_xy_se"][0, 3] = numpy.nan
-
-
-@case("merge", "lost[0] = -3 (expected a number from 0 to 1e+100)")
-def less_than_no_packets(file):
-    file["lost"][()] = -3
-
-
-@case("compare curve merge", "photons = 0.5 (expected a whole number of 1 or more)")
+@case("compare curve", "photons = 0.5 (expected a whole number of 1 or more)")
 def half_a_packet(file):
     attribute(file, "photons", 0.5)
-
-
-@case("first", f"{LONG}A is a name of 64 characters or more (expected a shorter one)")
-def a_name_cut_to_another(file):
-    with h5py.File("good.h5", "r+") as good:
-        for one in (file, good):
-            replace(one, "axis", (9000,), data=numpy.arange(9000.0), chunks=(9000,)).make_scale("axis")
-            replace(one, LONG, (9000,), data=numpy.full(9000, 1e300), chunks=(9000,)).dims[0].attach_scale(one["axis"])
-            replace(one, LONG + "A", (), data=1.0)
-            for name in (LONG, LONG + "A"):
-                one[name].attrs["units"] = one[name].attrs["long_name"] = numpy.bytes_("1")
 
 
 def limit():
@@ -340,7 +287,7 @@ def main():
                 check(verdict, name, command, message)
         os.remove("bad.h5")
         os.mkfifo("bad.h5")
-        for command in ("compare", "plot", "curve", "merge"):
+        for command in ("compare", "plot", "curve"):
             check(verdict, "a FIFO", command, "is no regular file (expected an .h5 file)")
     verdict.finish()
 

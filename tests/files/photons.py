@@ -217,64 +217,6 @@ def detected(verdict):
         verdict.check("detected", len(mc.read_photons(path)) == 0, "rows of nothing")
 
 
-def merged(verdict):
-    """Rows of three files behind each other, at once and in two steps; what is no file of the same packets' scene is refused."""
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        for seed in (1, 2, 3):
-            os.mkdir(str(seed))
-            cml.run(scene(2000 * seed, 'photons "exits" limit=1500', extra=DETECTORS), "--seed", seed, keep=str(seed))
-        paths = [f"{seed}/exits.photons.h5" for seed in (1, 2, 3)]
-        for name, parts in (("all", paths), ("two", paths[:2]), ("steps", ["two.photons.h5", paths[2]])):
-            done = subprocess.run([cml.PROGRAM, "merge", *parts, "-o", f"{name}.photons.h5", "--json"], capture_output=True, text=True, check=True)
-            told = json.loads(done.stdout)
-        done = subprocess.run([cml.PROGRAM, "merge", *paths[:2], "-o", "two.photons.h5"], capture_output=True, text=True, check=True)
-        verdict.check("merge", done.stderr == "clustermcml: note: replaces two.photons.h5\n", f"replaced: {done.stderr}")
-        all_, parts = mc.read_photons("all.photons.h5"), [mc.read_photons(path) for path in paths]
-        verdict.check("merge", contents("all.photons.h5")[0] == contents("steps.photons.h5")[0], "two steps give other rows")
-        for k, part in enumerate(parts):
-            rows = all_[all_.result == k + 1]
-            verdict.check("merge", rows.drop(columns="result").equals(part) and len(part) == min(1500, part.attrs["found"]), f"other rows of file {k + 1}")
-        for name in ("covers", "found", "limit"):
-            verdict.check("merge", all_.attrs[name] == sum(part.attrs[name] for part in parts), f"{name} {all_.attrs[name]}")
-        verdict.check("merge", (told["rows"], told["covers"], told["photons"]) == (len(all_), all_.attrs["covers"], 12000), f"{told}")
-        cml.run(scene(2000, 'photons "exits" limit=1500', extra=DETECTORS), "--seed", 4, "--set", "layer1.mua=2", keep=".")
-        for words, said in ((paths[:1] * 2, "seed = 1, run 1 (expected a seed that 1/exits.photons.h5 does not have)"),
-                            ([paths[0], "1/out.h5"], "1/out.h5 (expected files of saved packets"), ([paths[0], "exits.photons.h5"], "scene = set layer1.mua = 2 (expected detector near")):
-            done = subprocess.run([cml.PROGRAM, "merge", *words, "-o", "no.photons.h5"], capture_output=True, text=True, check=False)
-            verdict.check("merge", done.returncode == 2 and said in done.stderr and not os.path.exists("no.photons.h5"), done.stderr)
-        merged_strange(verdict, paths[0])
-        os.chdir("/")
-
-
-def merged_strange(verdict, sound):
-    """A rare detector that has seen nothing is merged; packets that a detector has seen beside all, and what no run writes, are not."""
-    for seed in (5, 6):
-        os.mkdir(str(seed))
-        cml.run(scene(50 if seed == 5 else 20000, 'photons "exits" detected', extra=["detector disk 0.02 at=0.3,0 name=far"]), "--seed", seed, keep=str(seed))
-    rare = ["5/exits.photons.h5", "6/exits.photons.h5"]
-    done = subprocess.run([cml.PROGRAM, "merge", *rare, "-o", "rare.photons.h5", "--json"], capture_output=True, text=True, check=False)
-    verdict.check("no rows", done.returncode == 0 and json.loads(done.stdout)["covers"] == 20050, done.stderr)
-    changes = {"detected = 1 (expected 0": lambda file: file.attrs.modify("detected", 1.0),
-               "covers = 1e+18 (expected a whole number from 1": lambda file: file.attrs.modify("covers", 1e18),
-               "found = 3 (expected a whole number from 1": lambda file: file.attrs.modify("found", 3.0),
-               "weight[2] = nan (expected a number of a packet)": lambda file: file["weight"].write_direct(np.array([np.nan]), dest_sel=np.s_[2:3]),
-               "weight[2] = 1e+30 (expected a number of a packet)": lambda file: file["weight"].write_direct(np.array([1e30]), dest_sel=np.s_[2:3]),
-               "side[0] = 7 (expected a number of a packet)": lambda file: file["side"].write_direct(np.array([7.0]), dest_sel=np.s_[:1]),
-               "detector[1] = 77 (expected a number of a packet)": lambda file: file["detector"].write_direct(np.array([77.0]), dest_sel=np.s_[1:2]),
-               "touches[0] = 1.5 (expected a number of a packet)": lambda file: file["touches"].write_direct(np.array([1.5]), dest_sel=np.s_[:1]),
-               "index[0] = 2000 (expected one of its 2000 photons)": lambda file: file["index"].write_direct(np.array([2000.0]), dest_sel=np.s_[:1]),
-               "has no input (expected the text of its scene)": lambda file: file.attrs.__delitem__("input"),
-               "has no seed": lambda file: file.attrs.__delitem__("seed"),
-               "index[1] = 0 (expected numbers that rise)": lambda file: file["index"].write_direct(np.array([5.0, 0.0]), dest_sel=np.s_[:2])}
-    for said, change in changes.items():
-        shutil.copy(sound, "strange.photons.h5")
-        with h5py.File("strange.photons.h5", "r+") as file:
-            change(file)
-        done = subprocess.run([cml.PROGRAM, "merge", "2/exits.photons.h5", "strange.photons.h5", "-o", "no.photons.h5"], capture_output=True, text=True, check=False)
-        verdict.check("merge", done.returncode == 2 and said in done.stderr and not os.path.exists("no.photons.h5"), f"{said}: {done.stderr}")
-
-
 def swept(verdict):
     """Row 2 has the packets of a run with --set."""
     with tempfile.TemporaryDirectory() as folder:
@@ -296,6 +238,5 @@ another_absorption(verdict)
 limits(verdict)
 several_beams(verdict)
 detected(verdict)
-merged(verdict)
 swept(verdict)
 verdict.finish(limit=4)

@@ -1,5 +1,5 @@
-/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result and fields, and
- * merged. The input is a list of changes: one byte each for what is done, to which object and how; so every
+/* .h5 files: a whole result, changed by HDF5 as the input says, then read as a result. The input is a list
+ * of changes: one byte each for what is done, to which object and how; so every
  * file is one that HDF5 itself has made, and what it holds is anything. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
@@ -8,7 +8,6 @@
 #include <math.h>
 #include <zlib.h>
 
-#include "output/study/merge_parts.h"
 #include "result/h5.h"
 
 enum { NR = 3, NZ = 2, NA = 2, NX = 3, NY = 2 };
@@ -160,7 +159,7 @@ static void put_attribute(hid_t file, struct input *in)
 {
     static const char *const names[] = {
         "title",      "sampling", "input",          "beam",          "photons",
-        "seed",       "run",      "reentry",        "merged",        "settings",
+        "seed",       "run",      "reentry",        "other",         "settings",
         "boundaries", "scene",    "units",          "long_name",     "ancillary_variables",
         "CLASS",      "NAME",     "REFERENCE_LIST", "DIMENSION_LIST"};
     hsize_t n[8];
@@ -265,7 +264,6 @@ static void change(hid_t file, struct input *in)
 
 /* ---- reading ---- */
 
-/* Files that are merged are .h5 by their names. */
 static const char *path_of(const char *what)
 {
     static char path[300];
@@ -273,70 +271,18 @@ static const char *path_of(const char *what)
     return path;
 }
 
-/* Means of all arrays; they are written now and then, as that takes long. */
-static void merge(const struct cml_merge_input inputs[2], bool write)
+static void read_result(const char *path)
 {
-    struct cml_outcome merged;
-    struct cml_merge_arrays all;
+    struct cml_outcome found;
     struct cml_error err = {CML_OK, ""};
-    const struct cml_hdf5_call call = {"merge", "a.h5"};
-    cml_status status = cml_merge(inputs, 2, "m.h5", &merged, &err);
-    if (status == CML_OK) {
-        status = cml_merge_arrays_open(inputs, 2, &merged, &all, &err);
-        for (int i = 0; status == CML_OK && i < all.count; i++) {
-            const size_t size = cml_field_size(&all.field[i]), count = sizeof room / sizeof(double);
-            all.field[i].values(all.field[i].context, 0, size < count ? size : count, (double *)room);
-        }
-        if (status == CML_OK) cml_merge_arrays_close(&all);
-        if (write) status = cml_merge_write_h5(path_of("merged"), &merged, inputs, 2, &call, &err);
-        cml_outcome_clear(&merged);
-    }
-    if (status != CML_OK) fuzz_refused(status, &err);
-}
-
-static void read_result(const char *path, bool merged, bool write)
-{
-    static struct cml_outcome mco[2];
-    struct cml_error err = {CML_OK, ""};
-    char other[300];
-    strcpy(other, path_of("base"));
-    const struct cml_merge_input inputs[2] = {{other, &mco[0]}, {path, &mco[1]}};
-    const cml_status status = cml_h5_read(path, &mco[1], &err);
+    const cml_status status = cml_h5_read(path, &found, &err);
     if (status != CML_OK) {
         fuzz_refused(status, &err);
         return;
     }
-    FUZZ_CHECK(mco[1].photons >= 1 && isfinite(mco[1].value[CML_QUANTITY_Rd][0]) &&
-               isfinite(mco[1].value[CML_QUANTITY_Tt_a][NA - 1]));
-    if (!mco[0].output) FUZZ_CHECK(cml_h5_read(other, &mco[0], &err) == CML_OK);
-    if (merged) merge(inputs, write);
-    cml_outcome_clear(&mco[1]);
-}
-
-static void read_fields(const char *path)
-{
-    struct cml_hdf5_arrays fields;
-    struct cml_error err = {CML_OK, ""};
-    const size_t most = sizeof room / sizeof(double);
-    cml_status status = cml_hdf5_arrays_open(path, &fields, &err);
-    for (int i = 0; status == CML_OK && i < fields.count; i++) {
-        const size_t size = cml_field_size(&fields.item[i].field);
-        status =
-            cml_hdf5_array_read(&fields, &fields.item[i], 0, size < most ? size : most, (double *)room, &err);
-    }
-    if (status != CML_OK) fuzz_refused(status, &err);
-    cml_hdf5_arrays_close(&fields);
-}
-
-/* What takes longer comes more rarely, by the input's checksum: a choice of the input would be that of the
- * fuzzer, which likes what takes long. */
-static void read_as(unsigned long how, const char *path)
-{
-    how %= 64;
-    if (how < 40)
-        else if (how < 48) read_fields(path);
-    else
-        read_result(path, how >= 62, how == 63);
+    FUZZ_CHECK(found.photons >= 1 && isfinite(found.value[CML_QUANTITY_Rd][0]) &&
+               isfinite(found.value[CML_QUANTITY_Tt_a][NA - 1]));
+    cml_outcome_clear(&found);
 }
 
 /* What is left open in it would stay for the next input. */
@@ -360,7 +306,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                1 << 20); /* regular ones have few sizes */
         write_base(path_of("base"), 2);
         FUZZ_CHECK(cml_text_read_file(path_of("base"), SIZE_MAX, &base, &base_size, &err) == CML_OK);
-        write_base(path_of("base"), 1); /* the other half of what is merged */
         FUZZ_CHECK(H5Fopen(path_of("base"), H5F_ACC_RDONLY, H5P_DEFAULT) >= 0);
         strcpy(path, path_of("changed"));
         changed = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -373,7 +318,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     H5Fflush(file, H5F_SCOPE_GLOBAL);
     const bool closed = size % 16 == 0;
     if (closed) close_file(file);
-    read_as(crc32(0, data, (uInt)size) >> 8, path);
+    read_result(path);
     if (!closed) close_file(file);
     return 0;
 }

@@ -11,7 +11,7 @@ build=$root/build-asan
 usage="usage: tests/fuzz/run.sh SECONDS|TIME{s,m,h}|runs=N [TARGET ...]"
 limit=${1:?$usage}
 shift
-all="mci fly obj heightmap mco options checkpoint h5 merge sweep"
+all="mci fly obj heightmap mco options checkpoint h5 sweep"
 targets=${*:-$all}
 case $limit in
     runs=*) limit=-$limit ;;
@@ -49,7 +49,7 @@ for target in $targets; do
     rm -rf "$build/grown/$target"
     mkdir -p "$build/grown/$target"
     most=4096 # bytes; only what must hold a grid or a mesh is longer
-    case $target in mci | fly | mco | merge) most=8192 ;; esac
+    case $target in mci | fly | mco) most=8192 ;; esac
     code=0
     "$build/tests/fuzz/fuzz_$target" -seed="${FUZZ_SEED:-1}" "$limit" -max_len=$most -timeout=20 -rss_limit_mb=2048 \
         -dict="tests/fuzz/$target.dict" -print_final_stats=1 -artifact_prefix="$build/found/$target-" \

@@ -36,14 +36,16 @@ ROOMS = {
     "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
-    "src/exact": "src/scene src/base",
+    "src/exact": "src/vector src/scene src/base kernels/rough.h",
+    "src/aim": "src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/run/crosscheck": "src/run src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/result src/output/files src/tally src/base",
     "src/cli/options": "src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
+    "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -57,7 +59,7 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/vector/group_masks",
-    "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
+    "jansson.h": "src/base/json_name src/output/report_json src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_read",

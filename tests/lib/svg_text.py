@@ -1,5 +1,6 @@
 """Texts of SVG pictures must not overlap, nor leave the picture, and stand on white, whatever is behind: svg_text.py FILE.svg [...].
 
+Reads the svg of gnuplot and of matplotlib: attributes, or a style that holds them.
 A text's box is as wide as its characters times WIDTH of the size of its letters, for no fonts are at hand: about the mean of
 Helvetica, in which digits take 0.556. It reaches from the baseline up to the capitals, and down to the tails of letters.
 Boxes may touch by SLACK points. Turned texts are turned with their boxes. Prints each pair; the exit code is 1 then.
@@ -13,6 +14,8 @@ import xml.etree.ElementTree as tree
 WIDTH, UP, DOWN, SLACK = 0.56, 0.72, 0.2, 1.0
 SVG = "{http://www.w3.org/2000/svg}"
 STEP = re.compile(r"(translate|scale|rotate)\(([^)]*)\)")
+STYLED = {key: re.compile(rf"(?:^|[;\s]){words}") for key, words in (
+    ("font-size", r"(?:font:[^;]*?|font-size: *)([\d.]+)px"), ("text-anchor", r"text-anchor: *(\w+)"), ("fill", r"fill: *(#\w+)"))}
 LENGTH = re.compile(r"[-+0-9.eE]+")
 SAME = (1, 0, 0, 1, 0, 0)  # x' = a x + c y + e, y' = b x + d y + f, as SVG's matrix(a b c d e f)
 
@@ -33,10 +36,16 @@ def matrix(transform):
         elif name == "scale":
             m = times(m, (v[0], 0, 0, v[-1], 0, 0))
         else:
-            x, y = v[1:] if len(v) > 1 else (0, 0)
             sine, cosine = math.sin(math.radians(v[0])), math.cos(math.radians(v[0]))
+            x, y = v[1:] or (0, 0)  # rotate(angle x y) turns about that point
             m = times(m, (cosine, sine, -sine, cosine, x - cosine * x + sine * y, y - sine * x - cosine * y))
     return m
+
+
+def said(element, key, default):
+    """An attribute, or what the style says of it."""
+    styled = STYLED[key].search(element.get("style", ""))
+    return styled[1] if styled else element.get(key, default)
 
 
 def box_of(element, m, size, anchor):
@@ -50,35 +59,34 @@ def box_of(element, m, size, anchor):
 
 
 def words_of(element):
-    return "".join(text.strip() for text in element.itertext()) if len(element) and element.get("style") is None else "".join(element.itertext()).strip()
-
-
-def styled(element, key, otherwise):
-    """An attribute, or the same in `style`, where `font` has the size."""
-    found = re.search(r"font:[^;]*?([0-9.]+)px" if key == "font-size" else key + ": *([^;]*)", element.get("style", ""))
-    return element.get(key, found[1] if found else otherwise)
+    return "".join(element.itertext()).strip()
 
 
 def texts_of(element, m=SAME, size=12.0, anchor="start"):
     """(words, box) of every text below the element."""
     m = times(m, matrix(element.get("transform")))
-    size = float(LENGTH.match(styled(element, "font-size", str(size))).group())
-    anchor = styled(element, "text-anchor", anchor)
+    size = float(LENGTH.match(said(element, "font-size", str(size))).group())
+    anchor = said(element, "text-anchor", anchor)
     if element.tag == SVG + "text":
         for part in element:
-            size = max(size if element.get("style") else 0, float(LENGTH.match(styled(part, "font-size", str(size))).group())) if part.text else size
+            size = float(LENGTH.match(said(part, "font-size", str(size))).group()) if part.text else size
         return [(words_of(element), box_of(element, m, size, anchor))] if words_of(element) else []
     return [found for child in element if child.tag != SVG + "defs" for found in texts_of(child, m, size, anchor)]
 
 
+def fills(part, view):
+    """Whether a rectangle, or a path of four corners, is the whole picture."""
+    if part.tag == SVG + "rect":
+        return [float(part.get(key)) for key in ("x", "y", "width", "height")] == view
+    corners = [float(word) for word in LENGTH.findall(part.get("d"))]
+    return len(corners) == 8 and [min(corners[::2]), min(corners[1::2]), max(corners[::2]), max(corners[1::2])] == [
+        view[0], view[1], view[0] + view[2], view[1] + view[3]]
+
+
 def on_white(root, view):
-    """Whether a white rectangle fills the picture."""
-    for part in root.iter(SVG + "path"):
-        corners = [float(word) for word in LENGTH.findall(part.get("d", ""))] if "fill: #ffffff" in part.get("style", "") else []
-        if corners and [min(corners[::2]), min(corners[1::2]), max(corners[::2]), max(corners[1::2])] == view:
-            return True
-    return any(part.get("fill", "").lower() == "#ffffff" and [float(part.get(key)) for key in ("x", "y", "width", "height")] == view
-               for part in root.iter(SVG + "rect"))
+    """Whether white fills the picture."""
+    return any(said(part, "fill", "").lower() == "#ffffff" and fills(part, view)
+               for part in root.iter() if part.tag in (SVG + "rect", SVG + "path"))
 
 
 def faults_of(root):
@@ -105,6 +113,12 @@ def check_the_check():
     assert faults(first, ("translate(72,50) rotate(-90)", "bbbbb")) == 0
     assert faults(first, ("translate(66,50) rotate(-90)", "bbbbb")) == 1
     assert faults(first, paper="") == 1
+    # as matplotlib writes it
+    def styled(*turns):
+        body = "".join(f'<text style="font: 10px \'DejaVu Sans\'; text-anchor: middle" x="50" y="50" transform="rotate({turn} 50 50)">aaaaa</text>'
+                       for turn in turns) + '<path d="M 0 100 L 100 100 L 100 0 L 0 0 z" style="fill: #ffffff"/>'
+        return len(faults_of(tree.fromstring(f'<svg xmlns="{SVG[1:-1]}" viewBox="0 0 100 100">{body}</svg>'))[0])
+    assert styled(0) == 0 and styled(-90) == 0 and styled(0, -90) == 1
     assert faults(("translate(10,50)", "aaaaa")) == 1 and faults(("translate(50,5)", "aaaaa")) == 1
 
 

@@ -11,10 +11,10 @@
 #
 # Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each as it is and with maps, a volume and facets.
 # - run: engines cpu, reference and opencl, with 1 and 2 threads on 1 and 2 ranks; every option that changes a result
-# - check, mesh, trace, crosscheck, exact, merge, compare and plot; devices, --help and --version
+# - check, mesh, trace, crosscheck, exact, compare and plot; devices, --help and --version
 # Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
 # What an engine or option refuses must be refused in the same words. A refusal is expected only of opencl, crosscheck,
-# exact, --boundaries cone, --control flat, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
+# exact, --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
 #
 # PHOTONS: per run of engine cpu, default 20000; a tenth of it on the others, which are slower
 # MASK: further lines for sed -E, which take out a difference that is intended
@@ -79,12 +79,11 @@ s/^  [^ ]* s, ([0-9]+ photons, )?[^ ]* photons\/s, /  TIME, /
 s/, [^ ]* ns\/step/, TIME/
 s/^(  an error of 1 % takes:).*/\1 TIME/
 /^ *[0-9]+ %, .* elapsed, /d
-s/(the flat twin took) [^ ]* s /\1 TIME /
 s/"rank_s":\[[^]]*\]/"rank_s":TIME/
 s/all ranks: idle .*/all ranks: TIME/
 s/memory: at most [^ ]* MiB/memory: MEASURED/
 s/^( +[0-9]+ +[0-9]+)( +[0-9]+\.[0-9]+){4}$/\1 TIME/
-s/"(build_s|MiB|seconds|cpu_s|control_cpu_s|ns_per_step|photons_per_s|queries|[A-Za-z]+_1pc_s|idle|communication)":[^],}]*/"\1":TIME/g
+s/"(build_s|MiB|seconds|cpu_s|ns_per_step|photons_per_s|queries|[A-Za-z]+_1pc_s|idle|communication)":[^],}]*/"\1":TIME/g
 s/"memory_bytes":[0-9]+/"memory_bytes":MEASURED/g
 s/Process name: .*/Process name: RANK/'
 
@@ -132,7 +131,7 @@ check_code() { # ARGUMENTS...
         find "$work/old/got" -name '*.mco' -o -name '*.h5' | grep -q . || difference exit "OLD writes no result"
         ;;
     0\ * | 1\ *" compare "* | 1\ *crosscheck*) ;;
-    2\ *opencl* | 2\ *"--control flat"* | 2\ *"--boundaries cone"* | 2\ *"--run 2"* | 2\ *crosscheck* | 2\ *" exact "* | 2\ *"--sweep"*)
+    2\ *opencl* | 2\ *"--boundaries cone"* | 2\ *"--run 2"* | 2\ *crosscheck* | 2\ *" exact "* | 2\ *"--sweep"*)
         refusals=$((refusals + 1))
         ;;
     *) difference exit "OLD fails with $code: $(head -n 1 "$work/old/got/stderr")" ;;
@@ -218,8 +217,6 @@ fly_cpu_options() {
 --seed 7 --chunk 100
 --sampling random
 --roulette mcml
---control flat
---control flat --json
 --set layer1.n=1.3
 --sweep $work/scenes/seeds.csv
 END
@@ -292,7 +289,7 @@ follow() { # the events of single photons
     alone crosscheck "$scene" --photons 100 --threads 2 --dump got/dump
 }
 
-# Both programs compare, merge and draw the same two results of OLD.
+# Both programs compare and draw the same two results of OLD.
 judge() {
     alone run "$scene" --photons "$photons" --threads 2 -o got
     keep one
@@ -302,7 +299,6 @@ judge() {
         other=$work/kept/two/$(basename "$mco")
         alone compare "$mco" "$other" -o got/picture.svg
         alone compare "$mco" "$other" --json
-        alone merge "$mco" "$other" -o got/merged.mco
         alone plot "$mco" "$other" -o got/picture.svg --caption "two seeds"
         alone plot "$mco" -o got/picture.svg --linear
     done

@@ -95,7 +95,6 @@ class Options(unittest.TestCase):
                            (lambda: mc.run(HILL, keep=1), "keep = 1 (expected True or False)"),
                            (lambda: mc.plan(HILL, aim="a\0"), r"aim = 'a\x00' (expected text without NUL characters)"),
                            (lambda: mc.run(HILL, set={"\0": 1}), r"set = {'\x00': 1} (expected text without NUL characters)"),
-                           (lambda: mc.merge([], "\0.h5"), r"output = '\x00.h5' (expected a name without NUL characters)"),
                            (lambda: mc.Scene([SLAB]).write("\0"), r"path = '\x00' (expected a name without NUL characters)")):
             with self.assertRaises(mc.InputError) as caught:
                 call()

@@ -1,5 +1,5 @@
 """The examples in the texts of the Python package give what stands there, and the blocks of samples/python.md and the cells of
-samples/notebook.ipynb run, one after the other; those that draw, where matplotlib is installed. Differences that the notebook's
+samples/notebook.ipynb run, one after the other; those that draw, where matplotlib is installed, and samples/rough_pictures.py there, too. Differences that the notebook's
 pictures show are larger than 5 standard errors."""
 import contextlib
 import doctest
@@ -10,10 +10,12 @@ import json
 import os
 import pkgutil
 import re
+import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import svg_text  # noqa: E402
 from python_package import TOP, mc as clustermcml, np  # noqa: E402
 
 
@@ -55,6 +57,17 @@ def effects(names):
     }
 
 
+def rough_pictures():
+    """What is wrong with the pictures that samples/rough_pictures.py draws."""
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([sys.executable, os.path.join(TOP, "samples", "rough_pictures.py"), folder, "1e3"], capture_output=True, text=True, check=False,
+                              env={**os.environ, "PYTHONPATH": os.path.join(TOP, "src", "python")})
+        if done.returncode or len(os.listdir(folder)) != 3:
+            return [f"rough_pictures.py: exit code {done.returncode}, {os.listdir(folder)}: {done.stderr}"]
+        return [f"{name}: {fault}" for name in os.listdir(folder)
+                for fault in svg_text.faults_of(svg_text.tree.parse(os.path.join(folder, name)).getroot())[0]]
+
+
 failed = tried = 0
 for module in pkgutil.iter_modules(clustermcml.__path__, "clustermcml."):
     result = doctest.testmod(importlib.import_module(module.name))
@@ -69,5 +82,9 @@ for expected in ("Rd = 0.", "mesh because", "the same skin, flat: Rd = 0.", "Rd 
     tried, failed = tried + 1, failed + (expected not in said)
     if expected not in said:
         print(f"samples do not print {expected}:\n{said}")
+if importlib.util.find_spec("matplotlib"):
+    tried, faults = tried + 1, rough_pictures()
+    failed += bool(faults)
+    print(*faults, sep="\n", end="\n" if faults else "")
 print(f"{tried} examples, {failed} failed")
 sys.exit(failed > 0 or tried == 0)

@@ -54,7 +54,7 @@ class Files(unittest.TestCase):
         for end in (".mco", ".h5"):
             command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
         scene.write(os.path.join(cls.folder.name, "a.mci"))
-        command(os.path.join(cls.folder.name, "a.mci"), "--quiet", "--control", "flat", "-o", cls.folder.name)
+        command(os.path.join(cls.folder.name, "a.mci"), "--quiet", "-o", cls.folder.name)
         cls.mco, cls.h5 = (os.path.join(cls.folder.name, "a" + end) for end in (".mco", ".h5"))
 
     @classmethod
@@ -147,10 +147,9 @@ class Files(unittest.TestCase):
                 np.testing.assert_allclose(mco[f"detector_{name}{end}_se"], h5[f"detector_{name}{end}_se"], rtol=1e-4)
         self.assertTrue(mco.detectors.startswith("detector cam: map of 4 x 3 pixels of 0.1 x 0.2 cm at (0 0 0) cm, top, na 1"))
         self.assertEqual(mco.detectors, h5.detectors.rstrip("\n"))
-        other, both = (os.path.join(self.folder.name, name) for name in ("other.h5", "both.h5"))
+        other = os.path.join(self.folder.name, "other.h5")
         command(os.path.join(self.folder.name, "backed.mci"), "--quiet", "--seed", "2", "--output", "other.h5", "-o", self.folder.name)
-        command("merge", os.path.join(self.folder.name, "backed.h5"), other, "-o", both, "--quiet")
-        other, both = mc.read(other), mc.read(both)
+        other, both = mc.read(other), mc.merge([os.path.join(self.folder.name, "backed.h5"), other])
         for name in ("detector_2", "detector_2_t", "detector_cam_map"):
             np.testing.assert_allclose(both[name], (h5[name] + other[name]) / 2, rtol=1e-6, atol=1e-9)
         for name in ("detector_2_path", "detector_2_interactions", "detector_2_deepest"):
@@ -163,16 +162,6 @@ class Files(unittest.TestCase):
             self.assertEqual((data.phi_rz.dims, data.phi_z.dims), (("r", "z"), ("z",)))
             np.testing.assert_allclose(data.phi_z[:5] * 1, data.A_z[:5], rtol=0.05)
             self.assertGreater(float(data.phi_z_se.min()) * float(data.phi_rz_se.max()), 0)
-
-    def test_merged(self):
-        """Says whose results it holds."""
-        one, two = (os.path.join(self.folder.name, name) for name in ("one.mco", "two.mco"))
-        command(os.path.join(self.folder.name, "a.mci"), "--quiet", "--seed", "2", "--output", "two.mco", "-o", self.folder.name)
-        command("merge", self.mco, two, "-o", one, "--quiet")
-        data = mc.read(one)
-        self.assertEqual(data.merged, f"merged {self.mco}: seed 1, run 1\nmerged {two}: seed 2, run 1\n")
-        self.assertEqual(data.version, mc.read(two).version)
-        np.testing.assert_array_equal(data.body_mua, [3, 4])
 
     def test_original_mcml(self):
         """Its files end behind Tt_ra, and have no errors."""
@@ -502,14 +491,13 @@ class Runs(unittest.TestCase):
         mc.run(mc.Scene([mc.Layer(1.4, 9, 100, 0.9, 0.1)], photons=1000), output_dir=os.path.join(self.folder, "1"))
         self.assertFalse(mc.compare(*paths)["agree"])  # and is no failure
         with self.assertRaisesRegex(mc.InputError, "scene.h5"):
-            mc.merge(paths, os.path.join(self.folder, "sum.h5"))  # of two scenes
-        mc.run(mc.Scene([SLAB], photons=1000), output_dir=os.path.join(self.folder, "1"))
-        joined = mc.merge(paths, os.path.join(self.folder, "sum.h5"))
+            mc.merge(paths)  # of two scenes
+        mine = mc.run(mc.Scene([SLAB], photons=1000), output_dir=os.path.join(self.folder, "1"))
+        joined = mc.merge([mine, paths[1]])
         self.assertAlmostEqual(float(joined.Rd), np.mean([mc.read(path).Rd for path in paths]), 12)
-        for results, output, text in ((paths, "sum.txt", "output = 'sum.txt'"), ("a.mco", "sum.mco", "results = 'a.mco'"), (5, "sum.mco", "results = 5"),
-                                      (["none.mco"], "sum.mco", r"results\[0\] = 'none.mco'")):
+        for results, text in (("a.mco", "results = 'a.mco'"), (5, "results = 5"), (["none.mco", "none.mco"], r"results\[0\] = 'none.mco'")):
             with self.assertRaisesRegex(mc.InputError, text):
-                mc.merge(results, output)
+                mc.merge(results)
 
     def test_commands_refuse_and_warn_as_run(self):
         with self.assertRaisesRegex(mc.InputError, "^Scene: boundary 0: its surface"):

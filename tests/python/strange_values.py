@@ -30,7 +30,7 @@ CALLS = {  # each with the arguments that stay, and those that become strange
     mc.mesh: ({"scene": mc.Scene([LAYER], photons=100)}, ("output_dir",)),
     mc.view: ({"scene": mc.Scene([LAYER], photons=100), "output": "x.svg"}, ("output", "run", "style")),
     mc.compare: ({"a": "none", "b": "none"}, ("a", "alpha", "output")),
-    mc.merge: ({"results": ["none"], "output": "x.mco"}, ("results", "output")),
+    mc.merge: ({"results": ["none", "none"]}, ("results",)),
     mc.read: ({}, ("path",)),
     mc.read_photons: ({}, ("path",)),
     mc.fit: ({"scene": mc.Scene([LAYER], photons=100), "parameters": {"layer1.mua": (0.1, 10)}, "measured": {"Rd": (0.3, 0.01)}},

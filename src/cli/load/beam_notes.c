@@ -88,8 +88,8 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
          hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]), advice);
 }
 
-/* How many periods of a tile the rectangle of a beam lights along its own x and y: on a level plane it is
- * 1 / cos(angle) times as long. Each is whole, or part of the tile has more light than the rest. */
+/* Notes a rectangle that lights no whole number of periods of a tile along its own x and y: then part of the
+ * tile has more light than the rest. On a level plane the rectangle is 1 / cos(angle) times as long. */
 static void note_periods(const struct cml_scene *scene, int k, int b)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -130,12 +130,14 @@ static bool is_flat(const struct cml_beam *beam, double n, double t)
 }
 
 /* Light of a clear layer that both neighbours reflect totally runs round for ever, at least between planes.
- */
+ * A rough boundary on either side turns it until it leaves. */
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
 {
     const struct cml_beam *beam = &scene->beams[k];
     if (medium == scene->num_layers && scene->backing.kind != CML_BACKING_NONE) return;
     if (medium < 1 || medium > scene->num_layers || cml_layer_has_bodies(scene, medium)) return;
+    for (int b = medium - 1; b <= medium; b++)
+        if (cml_is_rough(&scene->boundaries[b].rough)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);
     if (cml_medium_mut(own) > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;

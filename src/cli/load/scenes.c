@@ -244,7 +244,7 @@ static void find_held(double *now, double *most)
     if (file) fclose(file);
 }
 
-/* How many photons fly at most; of a run that --more extends those flown before are not known here. */
+/* The most photons that fly. Photons that a run had flown before --more are not known here. */
 static uint64_t most_photons(const struct cml_options *options, const struct cml_scene *scene)
 {
     if (options->target_error > 0) return UINT64_MAX;

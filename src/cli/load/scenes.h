@@ -81,6 +81,9 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
  */
 #define CML_EXACT_LITTLE_WORK 1e9
 
+/* Walks at each rough boundary, some 0.05 s of them: totals by adding-doubling are then good to some 5e-4. */
+#define CML_EXACT_FEW_WALKS 32768
+
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                                          struct cml_error *err);

@@ -35,7 +35,7 @@ const struct cml_command_def cml_commands[] = {
     [CML_COMMAND_EXACT] = {"exact", "scene.mci", 1, 1,
                            "totals of the flat scene without photons, by adding-doubling",
                            "Computes Rsp, Rd, A, Tt and the absorption of every layer to 1e-7, without "
-                           "noise. Shapes count as planes at "
+                           "noise; with rough boundaries to some 1e-4. Shapes count as planes at "
                            "their nominal depths.",
                            "clustermcml exact samples/skin7.mci\n"},
     [CML_COMMAND_MESH] =
@@ -66,12 +66,16 @@ const struct cml_command_def cml_commands[] = {
          "Prints z and a p-value that is corrected for the number of tests. " OF_PACKAGE
          "compare --help lists its options.",
          "clustermcml compare a.mco b.mco -o z.svg\n"},
-    [CML_COMMAND_MERGE] = {"merge", "FILE FILE ...", 2, 4096,
-                           "results of one scene, flown with different seeds, as one",
-                           "Joins results of one scene (.mco, .h5) that were flown with different seeds: "
-                           "means weighted by photons, "
-                           "and their standard errors. Equal seeds and different scenes are refused.",
-                           "clustermcml merge part-1/skin.mco part-2/skin.mco -o skin.mco\n"},
+    [CML_COMMAND_MERGE] = {"merge", "[scene.mci] FILE ...", 1, 65536,
+                           "the parts of one run (run --part), joined: the result of the whole run",
+                           "Adds up the parts of a run, or of all runs and rows that one call of run has "
+                           "flown, and writes the results: the same bytes as those of one run. It reads the "
+                           "scene again, by the name that the parts were called with, or from scene.mci, and "
+                           "writes where they would have written, or into the folder of -o. A part that is "
+                           "missing, not finished, there twice or of another run is refused by its name.",
+                           "clustermcml run samples/skin7.mci --part 1/2\n"
+                           "clustermcml run samples/skin7.mci --part 2/2\n"
+                           "clustermcml merge skin7.mco.part*\n"},
     [CML_COMMAND_PLOT] =
         {"plot", "FILE ...", 1, 64, "draw results (.mco, .h5), curves (.csv) or sweeps (.sweep.csv)",
          "Draws r*Rd(r) and r*Tt(r), or the array that --of names, of one or more results "

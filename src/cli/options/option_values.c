@@ -195,6 +195,18 @@ cml_status cml_read_checkpoint(const struct cml_option *option, const char *valu
     return CML_OK;
 }
 
+cml_status cml_read_part(const struct cml_option *option, const char *value, struct cml_options *options,
+                         struct cml_error *err)
+{
+    char first[24] = "";
+    const char *slash = strchr(value, '/');
+    if (slash && (size_t)(slash - value) < sizeof first) memcpy(first, value, (size_t)(slash - value));
+    if (cml_parse_count(first, &options->part) && cml_parse_count(slash + 1, &options->parts) &&
+        options->part >= 1 && options->part <= options->parts && (double)options->parts <= option->most)
+        return CML_OK;
+    return fail(err, option, value, "K/N, part K of N, with 1 <= K <= N <= 4096");
+}
+
 /* ---- how boundaries are represented ---- */
 
 /* A tolerance that the user gives also allows a boundary to be taken for a plane where that is within it. */

@@ -16,4 +16,4 @@ cml_option_reader cml_read_flag, cml_read_text, cml_read_once, cml_read_count, c
 
 /* Each reads the value of one option. */
 cml_option_reader cml_read_engine, cml_read_roulette, cml_read_aim, cml_read_error_of, cml_read_checkpoint,
-    cml_read_tolerance, cml_read_mesh_budget, cml_read_set, cml_read_seed;
+    cml_read_part, cml_read_tolerance, cml_read_mesh_budget, cml_read_set, cml_read_seed;

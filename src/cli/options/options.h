@@ -16,17 +16,18 @@ struct cml_options {
     bool ignore_heightfields;
     const char
         *aim; /* NAME[,NAME ...] of what shall be known better (P15, P19 of kernels/README.md); NULL: none */
-    bool control;               /* the flat twin of a run is flown, too, and makes its totals sharper */
     double target_error;        /* 0: none */
     const char *error_of;       /* of what that is; NULL: of Rd, A and Tt */
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool seed_given;            /* by --seed */
     bool resume;
-    bool replace;    /* --resume may replace results with more photons */
-    bool no_clobber; /* a result that is there is not replaced */
-    bool keep;       /* checkpoints of finished runs stay, with all tallies */
-    uint64_t more;   /* photons to be added to finished runs; 0: none */
-    double timeout;  /* s of a rank's silence */
+    bool replace;                  /* --resume may replace results with more photons */
+    bool no_clobber;               /* a result that is there is not replaced */
+    bool keep;                     /* checkpoints of finished runs stay, with all tallies */
+    uint64_t more;                 /* photons to be added to finished runs; 0: none */
+    uint64_t part, parts;          /* `part`, from 1, of `parts` is flown of each run; 0: all */
+    struct cml_part_files *joined; /* of `merge`: parts whose sums take the place of flights; NULL: none */
+    double timeout;                /* s of a rank's silence */
     bool quiet, json, verbose;
     double alpha;                 /* level of `furnace` */
     const char *sweep;            /* a table, one run a row; NULL: not given */
@@ -40,4 +41,6 @@ struct cml_options {
     bool help, version;
     bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */
+    char
+        call[4096]; /* that without --part and --resume, each word ended by a line feed; "": it is too long */
 };

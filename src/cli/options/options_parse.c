@@ -192,6 +192,31 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+static bool append(char *text, size_t size, const char *word)
+{
+    const size_t used = strlen(text);
+    if (used + strlen(word) + 2 > size || strchr(word, '\n')) return false;
+    snprintf(text + used, size - used, "%s\n", word);
+    return true;
+}
+
+/* What a part of a run keeps, by which `merge` makes the run. */
+static void keep_call(int argc, char **argv, struct cml_options *options)
+{
+    struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
+    bool fits = append(options->call, sizeof options->call, argv[0]);
+    for (int from = 1; fits; from = words.at) {
+        const enum word_kind kind = next_word(&words);
+        if (kind == WORD_END) return;
+        if (kind == WORD_OPTION && words.option &&
+            (words.option->read == cml_read_part || strcmp(words.option->name, "resume") == 0))
+            continue;
+        for (int i = from; fits && i < words.at; i++)
+            fits = append(options->call, sizeof options->call, argv[i]);
+    }
+    options->call[0] = '\0';
+}
+
 /* What decides which options belong, wherever it stands: the command, the engine, and the flag --help. Flags
  * and the engine are read a second time later, which changes nothing; so are mistakes. */
 static void look_ahead(int argc, char **argv, struct cml_options *options)
@@ -228,6 +253,7 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     set_defaults(options);
     keep_command(argc, argv, options);
     look_ahead(argc, argv, options);
+    keep_call(argc, argv, options);
     CML_TRY(refuse_fit(argc, argv, options, err));
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
     int operands = 0;

@@ -3,24 +3,12 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "aim/level.h"
 #include "cli/options/options.h"
 #include "scene/window_table.h"
 #include "scene/flat_tail.h"
 #include "surface/surface.h"
 #include "tally/result.h"
-
-/* A level below which all is flat: in this layer, z cm below its top; `depth` in the scene. layer 0: there is
- * none. */
-struct cml_aim_level {
-    int layer;
-    double z, depth;
-};
-struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces);
-
-/* The level's depth where --aim would save photons for Tt, as this result of counting shows it: NaN where
- * there is no level, or nothing much to be gained. */
-double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                        const struct cml_result *result);
 
 /* The first detector, from 1, that has seen nothing and that --aim would send packets to, by computing its
  * windows; 0: none. */

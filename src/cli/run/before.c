@@ -170,6 +170,10 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
+    if (setup->part.count > 0) /* it replaces no result */
+        return options->no_clobber && !options->resume && access(setup->checkpoint, F_OK) == 0
+                   ? cml_keep(setup->checkpoint, err)
+                   : CML_OK;
     if (row > 0 && !options->resume) return CML_OK;
     if (setup->checkpoint && options->no_clobber && !options->resume && options->more == 0)
         CML_TRY(keep_checkpoint(setup->checkpoint, err));
@@ -224,6 +228,14 @@ static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind,
     cml_show_note(NULL, text);
 }
 
+static void note_old_part(const char *path)
+{
+    char text[512];
+    if (access(path, F_OK) != 0) return;
+    snprintf(text, sizeof text, "%.400s is there; without --resume this part begins anew", path);
+    cml_show_note(NULL, text);
+}
+
 /* Beams whose share is too small for one photon. */
 static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
 {
@@ -273,6 +285,10 @@ void cml_before_note(const struct cml_options *options, const struct cml_run_set
     const struct cml_checkpoint_about about =
         path ? cml_checkpoint_look(path) : (struct cml_checkpoint_about){.kind = CML_CHECKPOINT_NONE};
     const enum cml_checkpoint_kind kind = about.kind;
+    if (setup->part.count > 0) {
+        if (!resume) note_old_part(path);
+        return;
+    }
     if (path && !resume) note_old_checkpoint(path, kind, about.tallies);
     if (row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || before->stands) return;
     if (path && resume) note_no_checkpoint(path, before);

@@ -7,12 +7,11 @@
 #include "cli/run/aim.h"
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
-#include "cli/run/twin.h"
-#include "cli/run/unaimed.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/cluster.h"
 #include "run/identity.h"
+#include "run/join.h"
 #include "run/stop.h"
 #include "tally/row_result.h"
 
@@ -27,7 +26,8 @@
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
-    struct cml_exact_options options = {.tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK};
+    struct cml_exact_options options = {
+        .tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK, .walks = CML_EXACT_FEW_WALKS};
     for (int i = 0; i < CML_NUM_GOALS; i++)
         options.tolerance =
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
@@ -110,6 +110,8 @@ static void announce(const struct cml_options *options, const struct cml_run_set
         printf("  no .h5 file: this program was built without HDF5\n");
     if (scene->saved.limit && !cml_hdf5_available())
         printf("  no file of saved photons: this program was built without HDF5\n");
+    if (setup->part.count > 0)
+        printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
     const struct cml_options all = all_photons(options, setup);
     cml_print_memory(&all, scene, setup->surfaces);
     fflush(stdout);
@@ -151,9 +153,7 @@ static bool may_aim(const struct cml_run_setup *setup)
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                              struct cml_run_result *run, const struct cml_run_result *twin,
-                              const struct cml_controlled *control, struct cml_record *record,
-                              struct cml_error *err)
+                              struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
     if (cml_cluster_rank() != 0) return CML_OK;
@@ -172,12 +172,9 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         .row = call->row,
         .tail = setup->options.tail,
         .flat_below = may_aim(setup) ? cml_aim_proposal(setup->scene, setup->surfaces, &run->result) : NAN,
-        .control = control,
-        .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
         .command = options->command};
     cml_identity_sum(setup->identity, report.identity);
-    if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !control &&
-        !setup->options.derivatives)
+    if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !setup->options.derivatives)
         report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
     const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
@@ -276,50 +273,57 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     return worst;
 }
 
-/* The flat twin's flight lies between the run's and its publication. That the twin's books balance is looked
- * at last, as the run's own results are good without it. */
-static cml_status control_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                              struct cml_run_result *run, const struct cml_twin *twin,
-                              struct cml_record *record, struct cml_error *err)
-{
-    CML_AT_END(cml_run_result_free) struct cml_run_result flight = {0};
-    struct cml_controlled control[CML_NUM_TOTALS];
-    CML_TRY(cml_twin_fly(twin, setup, &run->result, &flight, control, err));
-    CML_TRY(publish_run(call, setup, run, &flight, control, record, err));
-    return cml_cluster_rank() == 0 ? cml_run_verdict(&twin->scene, &flight.result, err) : CML_OK;
-}
-
 /* What cml_run reads of a run, and what of it is owned here. */
 struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
-    struct cml_twin twin;
     struct cml_aim aim;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
     struct cml_before before; /* rank 0's */
 };
 
+/* Of a part that is complete in its file. */
+static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                     const struct cml_run_result *run)
+{
+    if (cml_cluster_rank() != 0) return;
+    cml_checkpoint_remove_older(setup->checkpoint);
+    if (call->options->quiet || call->row > 0) return;
+    if (run->intent == CML_RUN_NOTHING_LEFT)
+        printf("  finished before\n");
+    else
+        printf("  %.3g s, %.0f photons\n", run->timing.seconds,
+               (double)run->result.summary.count[CML_COUNT_PHOTONS]);
+    printf("  -> %s\n", setup->checkpoint);
+}
+
+/* The files of one call of `merge` are of one run where the call has no other. */
+static cml_status join(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                       struct cml_run_result *run, struct cml_error *err)
+{
+    return cml_run_join(setup, call->options->joined, call->only, run, err);
+}
+
 /* On all ranks. Signals are remembered only where a checkpoint can follow them. */
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
     const struct cml_run_setup *setup = &prepared->setup;
-    const struct cml_twin *twin = &prepared->twin;
     struct cml_run_result run;
-    if (setup->base == 0 && cml_cluster_rank() == 0)
+    if ((setup->base == 0 || setup->part.count > 0) && cml_cluster_rank() == 0)
         cml_before_note(call->options, setup, call->row, &prepared->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
-    CML_TRY(cml_run(setup, &run, err));
-    cml_status status = call->rows ? publish_rows(call, setup, &run, err)
-                        : setup->controlled && run.intent != CML_RUN_NOTHING_LEFT
-                            ? control_run(call, setup, &run, twin, record, err)
-                            : publish_run(call, setup, &run, NULL, NULL, record, err);
-    if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
-        cml_checkpoint_remove(twin->checkpoint);
+    CML_TRY(call->options->joined ? join(call, setup, &run, err) : cml_run(setup, &run, err));
+    if (setup->part.count > 0) {
+        say_part(call, setup, &run);
+        cml_run_result_free(&run);
+        return CML_OK;
+    }
+    cml_status status =
+        call->rows ? publish_rows(call, setup, &run, err) : publish_run(call, setup, &run, record, err);
     status = cml_cluster_agree(status, err);
-    if (status == CML_OK && call->row == 0) cml_unaimed_show(call->options, setup, &run);
     cml_run_result_free(&run);
     return status;
 }
@@ -327,13 +331,13 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
 /* Whether the run has checkpoints: of what is written to a device there is nothing to continue. */
 static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
 {
-    return (options->checkpoint_interval > 0 || options->resume || options->keep) &&
+    return (options->checkpoint_interval > 0 || options->resume || options->keep || options->parts > 0) &&
            !cml_file_is_device(scene->output);
 }
 
 bool cml_run_leaves_checkpoints(const struct cml_options *options)
 {
-    return options->resume || options->keep;
+    return options->resume || options->keep || options->parts > 0;
 }
 
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
@@ -341,7 +345,14 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
 {
     CML_FREED char *output = NULL;
     CML_TRY(cml_output_path(options, scene->output, &output, err));
-    return cml_checkpoint_path(output, path, err);
+    return cml_checkpoint_of(options, output, path, err);
+}
+
+cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
+                             struct cml_error *err)
+{
+    const struct cml_part part = {options->part, options->parts};
+    return part.count > 0 ? cml_part_path(output, part, path, err) : cml_checkpoint_path(output, path, err);
 }
 
 /* ---- --more ---- */
@@ -357,7 +368,8 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
                             struct cml_error *err)
 {
     const struct cml_checkpoint_about about = cml_checkpoint_look(path);
-    const bool same = options->resume && about.begin > 0 && about.end - about.begin == options->more;
+    const bool part = options->parts > 0,
+               same = !part && options->resume && about.begin > 0 && about.end - about.begin == options->more;
     setup->photons = about.end;
     if (about.kind == CML_CHECKPOINT_NONE && access(path, F_OK) == 0)
         return fail_more(path, "is damaged (expected the checkpoint of a run that was flown with --keep)",
@@ -373,13 +385,23 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
                          err);
     setup->base = about.end;
     setup->photons = about.end + options->more;
-    setup->resume = false;
+    setup->resume = part && options->resume;
     if (setup->photons > (uint64_t)1 << 48)
         return cml_fail(err, CML_E_INPUT,
                         "--more %" PRIu64 " (expected at most 2^48 photons together with the %" PRIu64
                         " of %s)",
                         options->more, about.end, path);
     return CML_OK;
+}
+
+/* A part has a file of its own beside the checkpoint of the run that is extended. */
+static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_setup *setup,
+                               struct cml_error *err)
+{
+    CML_FREED char *output = NULL, *path = NULL;
+    CML_TRY(cml_output_path(call->options, call->scene->output, &output, err));
+    CML_TRY(cml_checkpoint_path(output, &path, err));
+    return plan_more(call->options, setup, path, err);
 }
 
 /* On all ranks, before anything that may fail on one alone. */
@@ -392,10 +414,14 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
         status = cml_run_checkpoint(options, call->scene, &run->checkpoint, err);
     CML_TRY(cml_cluster_agree(status, err));
     setup->checkpoint = run->checkpoint;
+    if (setup->part.count > 0 && !run->checkpoint)
+        status = cml_fail(err, CML_E_INPUT, "--part: %s is no file (expected a result in a file)",
+                          call->scene->output);
+    CML_TRY(cml_cluster_agree(status, err));
     if (options->more == 0) return CML_OK;
     if (!run->checkpoint) status = fail_more(call->scene->output, "is no file that could be extended", err);
     CML_TRY(cml_cluster_agree(status, err));
-    if (cml_cluster_rank() == 0) status = plan_more(options, setup, run->checkpoint, err);
+    if (cml_cluster_rank() == 0) status = plan_more_of(call, setup, err);
     CML_TRY(cml_cluster_agree(status, err));
     uint64_t words[] = {setup->photons, setup->base, setup->resume};
     CML_TRY(cml_cluster_share(words, sizeof words, err));
@@ -438,7 +464,6 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
     cml_aim_use(&run->aim, &setup->options);
     CML_TRY(cml_find_error_of(&options, setup->scene, &setup->error_of, err));
-    setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (!call->rows && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));
@@ -447,16 +472,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     setup->result_stands = run->before.stands;
     if (call->row == 0 && cml_cluster_rank() == 0)
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
-    return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
-}
-
-/* The run flies all the same, for other runs of the file may have shapes. */
-static void note_nothing_to_control(const struct cml_scene *scene)
-{
-    char text[512];
-    snprintf(text, sizeof text, "%.400s: --control flat has nothing to do where all boundaries are planes",
-             scene->output);
-    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
+    return CML_OK;
 }
 
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
@@ -466,6 +482,8 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
                                   .engine = options->engine,
                                   .options = options->engine_options,
                                   .photons = options->photons ? options->photons : call->scene->photons,
+                                  .part = {options->part, options->parts},
+                                  .call = options->parts > 0 ? options->call : NULL,
                                   .target_error = options->target_error,
                                   .interval = options->checkpoint_interval,
                                   .resume = options->resume,
@@ -487,10 +505,8 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
-    if (status == CML_OK && options->control && !run.setup.controlled) note_nothing_to_control(call->scene);
     if (status == CML_OK) status = fly(call, &run, record, err);
     cml_progress_end(&display);
-    cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
     cml_aim_clear(&run.aim);
     free(run.checkpoint);

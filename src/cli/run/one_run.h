@@ -26,6 +26,7 @@ struct cml_run_call {
     const struct cml_run_rows *rows; /* are published in place of the scene, which only flies, with the rows
                                       * of the options; NULL: none */
     struct cml_pending *pending;     /* takes the checkpoints of finished runs without tallies; NULL: none */
+    bool only;                       /* the call of the program flies no other run */
     bool stays;                      /* a checkpoint stays that says that the run is finished */
 };
 
@@ -37,6 +38,11 @@ CML_NODISCARD cml_status cml_run_one(const struct cml_run_call *call, struct cml
 
 /* Whether checkpoints stay when all runs are done: whoever asks then finds that they are. */
 bool cml_run_leaves_checkpoints(const struct cml_options *options);
+
+/* The file in which a run whose result is `output` keeps its tallies: its checkpoint, or that of its part.
+ * *path is the caller's to free. */
+CML_NODISCARD cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
+                                           struct cml_error *err);
 
 /* The checkpoint of a scene's run, beside its output; *path is the caller's to free. */
 CML_NODISCARD cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene,

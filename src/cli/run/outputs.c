@@ -91,11 +91,11 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
     return cml_report_each_file(scene, NULL, true, path, add_file, &adding, err);
 }
 
-static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, int run,
-                                 struct cml_error *err)
+static cml_status add_checkpoint(const struct cml_options *options, struct cml_outputs *outputs,
+                                 const char *path, int run, struct cml_error *err)
 {
     CML_FREED char *checkpoint = NULL;
-    CML_TRY(cml_checkpoint_path(path, &checkpoint, err));
+    CML_TRY(cml_checkpoint_of(options, path, &checkpoint, err));
     return add(outputs, checkpoint, run, CML_OUTPUT_CHECKPOINT, err);
 }
 
@@ -167,6 +167,17 @@ static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct
     return CML_OK;
 }
 
+/* Parts of a run are flown at the same time. */
+static cml_status lock_part(const struct cml_options *options, const char *path, struct cml_outputs *outputs,
+                            struct cml_error *err)
+{
+    CML_FREED char *part = NULL, *beside = NULL, *name = NULL;
+    CML_TRY(cml_checkpoint_of(options, path, &part, err));
+    CML_TRY(cml_text_format(&beside, "a path", err, "%s.lock", part));
+    CML_TRY(resolve_folder(beside, &name, err));
+    return add_lock(outputs, name, err);
+}
+
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
     CML_FREED char *beside = NULL, *name = NULL;
@@ -181,6 +192,7 @@ static cml_status lock_run(const struct cml_options *options, const struct cml_s
 {
     CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
+    if (options->parts > 0) return cml_file_is_device(path) ? CML_OK : lock_part(options, path, outputs, err);
     CML_FREED char *saved = NULL;
     CML_TRY(lock_stem(path, outputs, err));
     if (scene->saved.limit && !cml_file_is_device(path)) {
@@ -299,7 +311,7 @@ static bool may_stay(const struct cml_options *options, const struct cml_scene_l
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
-    for (size_t i = 0; options->no_clobber && i < outputs->count; i++) {
+    for (size_t i = 0; options->no_clobber && options->parts == 0 && i < outputs->count; i++) {
         const struct cml_output_file *file = &outputs->file[i];
         if (file->kind != CML_OUTPUT_CHECKPOINT && access(file->name, F_OK) == 0 &&
             !may_stay(options, list, file->run))
@@ -333,13 +345,15 @@ static int compare_names(const void *a, const void *b)
     return strcmp(((const struct cml_output_file *)a)->name, ((const struct cml_output_file *)b)->name);
 }
 
-/* What our outputs leave belongs to nobody, because we hold the locks. */
+/* What our outputs leave belongs to nobody, because we hold the locks; of a part that of its own file. */
 static bool is_ours(const void *context, const char *name, const char *left)
 {
     const struct cml_outputs *outputs = context;
     const struct cml_output_file key = {.name = (char *)name};
     (void)left;
-    return bsearch(&key, outputs->file, outputs->count, sizeof key, compare_names) != NULL;
+    const struct cml_output_file *file =
+        bsearch(&key, outputs->file, outputs->count, sizeof key, compare_names);
+    return file && (!outputs->of_part || file->kind == CML_OUTPUT_CHECKPOINT);
 }
 
 /* Directory by directory: the outputs are sorted, so those of one mostly follow each other. */
@@ -368,7 +382,7 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
     CML_TRY(device ? CML_OK : add_run(outputs, scene, path, run, err));
     CML_TRY(check_places(outputs, before, err));
     CML_TRY(check_files(scene, path, outputs, before, err));
-    return device ? CML_OK : add_checkpoint(outputs, path, run, err);
+    return device ? CML_OK : add_checkpoint(options, outputs, path, run, err);
 }
 
 static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,
@@ -391,7 +405,7 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
                              struct cml_error *err)
 {
     const bool made = options->directory && access(options->directory, F_OK) != 0;
-    *outputs = (struct cml_outputs){0};
+    *outputs = (struct cml_outputs){.of_part = options->parts > 0};
     if (made) CML_TRY(cml_folder_make(options->directory, err));
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
@@ -399,19 +413,6 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     else
         cml_outputs_release(outputs);
     if (status != CML_OK && made) (void)rmdir(options->directory);
-    return status;
-}
-
-cml_status cml_output_claim(const char *path, struct cml_outputs *outputs, struct cml_error *err)
-{
-    *outputs = (struct cml_outputs){0};
-    CML_TRY(check_writable(path, NULL, err));
-    cml_status status = add(outputs, path, 0, true, err);
-    if (status == CML_OK) status = lock_stem(path, outputs, err);
-    if (status == CML_OK)
-        remove_leftovers(outputs);
-    else
-        cml_outputs_release(outputs);
     return status;
 }
 

@@ -19,6 +19,7 @@ struct cml_output_file {
 struct cml_outputs {
     size_t count;
     struct cml_output_file *file; /* [count] */
+    bool of_part;                 /* of a part of a run: only its own file is written */
     size_t num_locks;
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
 };
@@ -33,10 +34,6 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            const struct cml_inputs *inputs,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
-
-/* Claims one file more. CML_E_IO when it cannot be written or is locked. */
-CML_NODISCARD cml_status cml_output_claim(const char *path, struct cml_outputs *outputs,
-                                          struct cml_error *err);
 
 void cml_outputs_release(struct cml_outputs *outputs);
 

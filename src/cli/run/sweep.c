@@ -77,7 +77,8 @@ static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_err
     cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
     if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
     if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
-    if (status == CML_OK && sweep->options->resume) status = look_at_result(sweep, row, &scene, err);
+    if (status == CML_OK && sweep->options->resume && sweep->options->parts == 0)
+        status = look_at_result(sweep, row, &scene, err);
     cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
@@ -86,7 +87,9 @@ static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_err
 static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, struct cml_error *err)
 {
     static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
-    const int rows = sweep->table.num_rows, tables = cml_hdf5_available() ? 2 : 1;
+    const int rows = sweep->table.num_rows, tables = sweep->options->parts > 0 ? 0
+                                                     : cml_hdf5_available()    ? 2
+                                                                               : 1; /* a part has none */
     const struct cml_scene_list list = {rows + tables, scenes};
     cml_status status = CML_OK;
     for (int i = 0; i < list.count; i++) {
@@ -427,7 +430,7 @@ static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, st
         return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d row%s to fly; --resume continues",
                         sweep->base->scenes[0].output, sweep->table.num_rows - sweep->rows.num_done,
                         sweep->table.num_rows, sweep->table.num_rows == 1 ? "" : "s");
-    if (flown != CML_OK && flown != CML_E_NUMERIC) return flown;
+    if ((flown != CML_OK && flown != CML_E_NUMERIC) || sweep->options->parts > 0) return flown;
     CML_TRY(publish(sweep, err));
     if (sweep->options->checkpoint_interval > 0) remove_checkpoints(sweep);
     return flown;
@@ -466,7 +469,8 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error why = {CML_OK, ""};
-    if (cml_cluster_rank() == 0 && !options->quiet && !options->resume) note_replaced(sweep);
+    const bool replaces = !options->resume && options->parts == 0;
+    if (cml_cluster_rank() == 0 && !options->quiet && replaces) note_replaced(sweep);
     if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);

@@ -16,7 +16,6 @@ cml_status cml_sweep_check_options(const struct cml_options *options, struct cml
     const char *beside = options->keep                ? "--keep or --more"
                          : options->target_error > 0  ? "--target-error"
                          : options->aim               ? "--aim"
-                         : options->control           ? "--control"
                          : options->engine->reweights ? NULL
                                                       : "--engine opencl";
     if (!options->reweight) return CML_OK;

@@ -148,7 +148,8 @@ static void cml_launch_path(struct cml_flight *f, int i, real path)
 static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_packet *start)
 {
     struct cml_bundle *b = f->b;
-    if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
+    if (f->world->setup.num_sources > 1)
+        cml_add_specular(&f->to, start->index, cml_split_off(f->world, start->index));
     if (f->factors) cml_launch_lane_rows(f, i, -1, 0); /* another weight than that of the lanes beside it */
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;

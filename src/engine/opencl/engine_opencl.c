@@ -331,11 +331,11 @@ static const char *event_name(const struct cml_packet *before, const struct cml_
     return after->medium == before->medium ? "reflect" : "transmit";
 }
 
-/* Hands an event to whoever listens, if anyone does. */
-static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *packet,
-                 cml_trace_function *on_event, void *context)
+/* Hands an event to whoever listens, if anyone does. before: the packet before the event. */
+static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *before,
+                 const struct cml_packet *packet, cml_trace_function *on_event, void *context)
 {
-    struct tracing tracing = {&owned->world, on_event, context};
+    struct tracing tracing = {&owned->world, on_event, context, before->rough_draws};
     if (on_event) forward_event(&tracing, what, packet);
 }
 
@@ -347,7 +347,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
 {
     struct cml_packet before, after;
     cml_launch(&engine->owned.world, index, &before);
-    tell(&engine->owned, "launch", &before, on_event, context);
+    tell(&engine->owned, "launch", &before, &before, on_event, context);
     cml_opencl_flight_give(flight, index, 1, 1);
     do {
         flight->call.steps = 1;
@@ -355,10 +355,10 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
         CML_TRY(cml_opencl_flight_finish(flight, err));
         CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_PACKETS, &after, sizeof after, err));
         const char *what = event_name(&before, &after);
-        if (strcmp(what, "end") != 0) tell(&engine->owned, what, &after, on_event, context);
+        if (strcmp(what, "end") != 0) tell(&engine->owned, what, &before, &after, on_event, context);
         before = after;
     } while (!cml_opencl_flight_done(flight));
-    tell(&engine->owned, "end", &after, on_event, context);
+    tell(&engine->owned, "end", &after, &after, on_event, context);
     return CML_OK;
 }
 

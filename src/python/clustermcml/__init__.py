@@ -15,11 +15,12 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
-from .commands import check, crosscheck, exact, furnace, merge, mesh, plan, trace, version
+from .commands import check, crosscheck, exact, furnace, mesh, plan, trace, version
 from .compare import compare
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
+from .merge import merge
 from .phases import Phase
 from .photons import Saved, read_photons
 from .program import run

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from . import errors
 from .options import CheckOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
 from .program import PREFIX, environment, exits_on_signals, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
-from .results import read
 from .scene import Scene
 from .sweep import write_table
 
@@ -139,16 +138,3 @@ def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[Me
     return re.findall(r" triangles -> (.*)$", said, re.MULTILINE)
 
 
-def merge(results: Sequence[Path], output: Path) -> xr.Dataset:
-    """Joins results of one scene that were flown with different seeds into the file `output` (.mco or .h5), and reads it."""
-    if isinstance(results, str) or not isinstance(results, Sequence):
-        raise errors.refuse("results", results, "a list of paths")
-    files = [errors.existing_file(f"results[{i}]", path) for i, path in enumerate(results)]
-    if not isinstance(output, (str, os.PathLike)) or os.path.splitext(output)[1].lower() not in (".mco", ".h5"):
-        raise errors.refuse("output", output, "a name that ends in .mco or .h5")
-    if os.fspath(output).endswith(".photons.h5"):
-        raise errors.refuse("output", output, "the name of a result; tables of packets are joined by pandas.concat")
-    if "\0" in os.fspath(output):
-        raise errors.refuse("output", output, "a name without NUL characters")
-    say(["merge", *files, "--quiet", "--output", os.path.abspath(os.fspath(output))], "")
-    return read(output)

@@ -33,7 +33,7 @@ from .results import read_as
 
 ENOUGH = 20.0  # packets of the mean weight in the smaller run, for a test
 WIDER = 500.0  # packets from which the scatter of scores is known
-BATCHES, GROUPS = 64, 16  # from which errors come; cells over several axes have fewer
+BATCHES, GROUPS = 64, 16  # from which errors come; arrays of cells, directions and facets have groups
 TOTALS = ("Rsp", "Rd", "A", "Tt", "A_backing")
 OF_MCML = ("A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a")
 GIVEN = re.compile(r"(layer|body)_(n|mua|mus|g|d)|body_of_facet|(\w+_)?area")  # what the scene says, or a shape has
@@ -76,12 +76,12 @@ class Array:
         self.packets = [float(result.attrs["photons"]) for result in results]
         self.lends = [result.attrs.get("sampling", "random") != "lattice" for result in results]
         self.total = name in TOTALS
-        self.alone = "inside" in self.dims or "side" in self.dims or name.endswith(("_path", "_interactions", "_deepest", "_control"))
+        self.alone = "inside" in self.dims or "side" in self.dims or name.endswith(("_path", "_interactions", "_deepest"))
         facets = bool(re.search("_(irradiance|exitance)_", name)) or any(str(dim).endswith("facet") for dim in self.dims)
         self.deep = facets or bool({"z", "z_volume", "layer", "body"} & set(self.dims)) or name.startswith("phi_")
         self.split = any("aim" in result.attrs for result in results)  # a packet may end in several places
         cells = facets or "z_volume" in self.dims or name in ("A_rz", "Rd_ra", "Tt_ra")
-        self.freedom = float((GROUPS if cells else BATCHES) - 1)
+        self.freedom = float((GROUPS if cells or _is_of_cells(self.dims) or "theta" in self.dims else BATCHES) - 1)
         self.need_errors = self.alone or cells or bool({"layer", "body"} & set(self.dims)) and name != "A_l_expected"
         self.value = [np.ravel(result[name].values).astype(float) for result in results]
         self.error: list[Any] = [self._errors(result, known[k]) for k, result in enumerate(results)]
@@ -213,6 +213,11 @@ class Array:
         return test.first * self.width, (test.last + 1) * self.width
 
 
+def _is_of_cells(dims: tuple[Any, ...]) -> bool:
+    """Whether an array has pixels, voxels or facets."""
+    return any(str(dim) in ("x", "y", "z_volume") or str(dim).endswith(("facet", "_x", "_y")) for dim in dims)
+
+
 def _packets(n: float, mean: float, variance: float) -> float:
     """Packets of the mean weight that n launched ones leave where one packet's score has this mean and variance."""
     if not mean > 0:
@@ -324,7 +329,7 @@ class Comparison:
     def _test(self, name: str) -> None:
         """Cells of maps and voxels that both have are named where they cannot be tested; others are left out without a word."""
         a, b = (result[name] for result in self.results)
-        cells = any(str(dim) in ("x", "y", "z_volume") or str(dim).endswith(("facet", "_x", "_y")) for dim in a.dims)
+        cells = _is_of_cells(a.dims)
         both = all(name + "_se" in result for result in self.results)
         if cells and not (both and _same_axes(a, b)):
             self.left_out.append(name)

@@ -72,7 +72,6 @@ OF_DETECTORS = {
     "_dmua": (("inside",), "cm", "derivative of detected by mua"),
     "_dmus": (("inside",), "cm", "derivative of detected by mus"),
 }
-QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in (*TOTALS, "A_backing")})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
 QUANTITIES["lost"] = ((), "1", "packets lost to numerical failure")
@@ -254,9 +253,7 @@ def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[s
         none = key != name or name.endswith(MAY_BE_NONE) or not (name in QUANTITIES or name.startswith("detector_"))
         return file.numbers(key, math.prod(axes[dim].size for dim in known[name][0]), none)
     sections = file.sections
-    totals = (*TOTALS, "A_backing") if "A_backing" in sections else TOTALS
-    several = {"RAT": TOTALS, "se_RAT": [name + "_se" for name in TOTALS], "books": ["book_" + name for name in BOOKS], "lost": ["lost"],
-               "control": [f"{name}_control{error}" for error in ("", "_se") for name in totals]}
+    several = {"RAT": TOTALS, "se_RAT": [name + "_se" for name in TOTALS], "books": ["book_" + name for name in BOOKS], "lost": ["lost"]}
     whole = {*WHOLE, *(name for name, (dims, *_) in known.items() if dims[:1] in (("gate",), ("theta",)) and dims[0] in axes)}  # these with errors
     if "A_t" not in sections and "se_A_z" not in sections:  # --ignore-absorption
         whole.discard("A_t")
@@ -266,7 +263,7 @@ def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[s
     numbers.update({name + "_se": of(name, "se_" + name) for name in {*errors_of, *whole.difference(WHOLE)}})
     for key, names in several.items():
         if key in sections:
-            numbers.update(zip(names, file.numbers(key, len(names), key in ("se_RAT", "control"), key == "lost")))
+            numbers.update(zip(names, file.numbers(key, len(names), key == "se_RAT", key == "lost")))
     variables = {name: _variable(name, known, axes, values) for name, values in numbers.items()}
     for name, variable in variables.items():
         if name + "_se" in variables:

@@ -85,7 +85,6 @@ class FurnaceOptions(MeshOptions, total=False):
 
 class RunOptions(PlanOptions, total=False):
     sampling: Literal["lattice", "random"]
-    control: Literal["flat"]
     engine: Literal["cpu", "reference", "opencl"]
     checkpoint: Union[float, Literal["off"]]
     resume: bool

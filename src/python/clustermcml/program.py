@@ -65,7 +65,7 @@ def main() -> NoReturn:
 
 NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned", "verbose": "results are returned",
                 "output": "results are returned", "sweep": "clustermcml.sweep flies sweeps", "help": "clustermcml help run prints it",
-                "version": "results have it as an attribute"}
+                "part": "a part of a run has no result; clustermcml run flies it, merge joins all", "version": "results have it as an attribute"}
 
 
 def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[str]:

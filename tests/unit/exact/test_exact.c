@@ -50,7 +50,8 @@ static struct cml_exact solve(const struct stack *stack, bool diffuse, double an
 {
     struct cml_exact_ray beam = {cos(angle), 1};
     const struct cml_exact_light light = {.diffuse = diffuse, .num_beams = !diffuse, .beam = &beam};
-    const struct cml_exact_options options = {SANITIZED ? fmax(tolerance, 1e-5) : tolerance, 1e11, NULL};
+    const struct cml_exact_options options = {.tolerance = SANITIZED ? fmax(tolerance, 1e-5) : tolerance,
+                                              .most_work = 1e11};
     struct cml_exact exact;
     struct cml_error err;
     require_ok(cml_exact_solve(stack->media, stack->layers, &light, &options, &exact, &err), &err);
@@ -304,7 +305,7 @@ static void layers_in_many_parts_absorb_the_same(void **state)
     struct cml_medium_def media[2 * PARTS + 2] = {{.n = 1}};
     struct cml_exact_ray beam = {cos(0.7), 1};
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
-    const struct cml_exact_options options = {1e-4, 1e11, NULL};
+    const struct cml_exact_options options = {.tolerance = 1e-4, .most_work = 1e11};
     for (int i = 0; i < 2 * PARTS; i++) {
         media[i + 1] = layer[i / PARTS];
         media[i + 1].d /= PARTS;
@@ -458,7 +459,8 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
     struct cml_exact exact;
     struct cml_error err;
-    const struct cml_exact_options none = {1e-7, 1e5, NULL}, some = {1e-7, 3e7, NULL};
+    const struct cml_exact_options none = {.tolerance = 1e-7, .most_work = 1e5},
+                                   some = {.tolerance = 1e-7, .most_work = 3e7};
     assert_int_equal(cml_exact_solve(stack.media, 1, &light, &none, &exact, &err), CML_E_NUMERIC);
     assert_null(exact.value);
     require_ok(cml_exact_solve(stack.media, 1, &light, &some, &exact, &err), &err);
@@ -474,7 +476,7 @@ static void a_million_indices_are_refused_at_once(void **state)
     (void)state;
     struct cml_exact_ray beam = {1, 1};
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
-    const struct cml_exact_options options = {1e-7, 1e9, NULL};
+    const struct cml_exact_options options = {.tolerance = 1e-7, .most_work = 1e9};
     struct cml_medium_def *media = calloc(LAYERS + 2, sizeof *media);
     struct cml_exact exact;
     struct cml_error err;
@@ -492,7 +494,7 @@ static void numbers_beyond_double_precision_are_refused(void **state)
     const struct stack stack = slab(1e200, 1, 10, 0.5, 1);
     struct cml_exact_ray beam = {1, 1};
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
-    const struct cml_exact_options options = {1e-7, 1e11, NULL};
+    const struct cml_exact_options options = {.tolerance = 1e-7, .most_work = 1e11};
     struct cml_exact exact;
     struct cml_error err;
     assert_int_equal(cml_exact_solve(stack.media, 1, &light, &options, &exact, &err), CML_E_NUMERIC);

@@ -72,7 +72,7 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
     memcpy(stack + 1, media + layer, ((size_t)layers + 1) * sizeof *stack);
     stack[1].d -= z;
     const struct cml_exact_light light = {.num_beams = RAYS, .beam = ray};
-    require_ok(cml_directions_create(stack, layers, false, &light, ORDER, &directions, &err), &err);
+    require_ok(cml_directions_create(stack, layers, NULL, &light, ORDER, &directions, &err), &err);
     require_ok(cml_stack_responses(stack, &directions, 2 * ORDER, RAYS, response, &err), &err);
     for (int s = 0; s < tail.scores; s++) {
         const double *direct = response + (s > 0 ? s + 1 : 0) * RAYS;

@@ -58,6 +58,30 @@ static void the_depth_from_the_other_side_keeps_its_digits(void **state)
     }
 }
 
+/* What w sees of slopes below x, on paper: see cml_rough_share. */
+static long double share_below(long double wz, long double side, long double x)
+{
+    return side * expl(-x * x) / 2 + wz * sqrtl((long double)PI) * erfcl(-x) / 2;
+}
+
+static void slopes_of_beckmann_have_the_share_that_is_drawn(void **state)
+{
+    (void)state;
+    for (int degrees = 1; degrees < 170; degrees++) {
+        const real wz = (real)cos(degrees * PI / 180), side = (real)sin(degrees * PI / 180);
+        const double allowed = degrees <= 120 ? 5e-7 : degrees <= 150 ? 5e-6 : 5e-5;
+        for (int i = 0; i < 2000; i++) {
+            const double tail = 6e-8 * pow(10, i % 500 / 100.0), even = (i + 0.5) / 2000;
+            const real xi = (real)(i < 500 ? tail : i < 1000 ? 1 - tail : even);
+            const long double x = cml_rough_slope(wz, side, xi), top = (long double)wz / side;
+            const double found = (double)(share_below(wz, side, x) / share_below(wz, side, top));
+            if (!(fabs(found - (double)xi) < allowed * err_rounding + 3e-10))
+                fail_msg("%d degrees: share %.9g of the slope %g, expected %.9g", degrees, found, (double)x,
+                         (double)xi);
+        }
+    }
+}
+
 /* ---- a surface seen from a direction ---- */
 
 /* Mean over a facet's slopes of f(slope along x, along y), by a rule of equal shares of the projected area.
@@ -352,6 +376,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(functions_of_the_error_integral_are_those_of_the_c_library),
         cmocka_unit_test(the_depth_from_the_other_side_keeps_its_digits),
+        cmocka_unit_test(slopes_of_beckmann_have_the_share_that_is_drawn),
         cmocka_unit_test(lambda_is_the_projected_area),
         cmocka_unit_test(drawn_normals_are_those_that_are_seen),
         cmocka_unit_test(packets_leave_after_one_facet_as_smiths_shadowing_says),

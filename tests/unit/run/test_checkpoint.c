@@ -61,7 +61,7 @@ static void save(uint32_t seed)
     struct cml_run_state state = {.begin = BEGIN, .end = END, .seconds = seed};
     assert_int_equal(cml_ranges_add(&state.open, (struct cml_range){100, seed}, &err), CML_OK);
     assert_int_equal(cml_ranges_add(&state.open, (struct cml_range){70, 2}, &err), CML_OK);
-    assert_int_equal(cml_checkpoint_write(path, identity, &state, &result, &err), CML_OK);
+    assert_int_equal(cml_checkpoint_write(path, identity, NULL, &state, &result, &err), CML_OK);
     cml_ranges_clear(&state.open);
     cml_result_free(&result);
 }
@@ -192,12 +192,14 @@ enum {
     AT_BEGIN = 96,
     AT_END = 104,
     AT_SECONDS = 112,
-    AT_RECORDED = 136, /* of every kind, 8 bytes each */
+    AT_PART = 120,
+    AT_PARTS = 128,
+    AT_RECORDED = 152, /* of every kind, 8 bytes each */
     AT_NUM_LAYERS = AT_RECORDED + 8 * CML_RECORDED_LAYERS,
     AT_NUM_EXPECTED = AT_RECORDED + 8 * CML_RECORDED_EXPECTED,
     AT_NUM_DETECTORS = AT_RECORDED + 8 * CML_RECORDED_DETECTORS,
     AT_NUM_FLUXES = AT_RECORDED + 8 * CML_RECORDED_FLUXES,
-    AT_RANGES = 120 + sizeof(struct cml_record) + sizeof identity - 1,
+    AT_RANGES = 136 + sizeof(struct cml_record) + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -294,8 +296,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     } cases[] = {
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
-         ": the checkpoint has another format or byte order (expected format 14)"},
-        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 14)"},
+         ": the checkpoint has another format or byte order (expected format 15)"},
+        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 15)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;
@@ -412,6 +414,71 @@ static int choose_path(void **state)
     return 0;
 }
 
+/* Every turn is in one part, in order, also where there are more parts than turns. */
+static void parts_share_all_turns(void **state)
+{
+    (void)state;
+    static const uint64_t ends[][2] = {{0, 1}, {0, 1000}, {7, 10}, {(uint64_t)1 << 47, (uint64_t)1 << 48}};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        for (uint64_t count = 1; count <= 7; count++) {
+            uint64_t turn = ends[i][0];
+            for (uint64_t k = 1; k <= count; k++) {
+                const struct cml_range turns =
+                    cml_part_turns((struct cml_part){k, count}, ends[i][0], ends[i][1]);
+                assert_true(turns.first == turn && turns.count <= (ends[i][1] - ends[i][0]) / count + 1);
+                turn += turns.count;
+            }
+            assert_true(turn == ends[i][1]);
+        }
+}
+
+/* A part holds nothing of the rounds before its own, and what it was called with. */
+static void a_part_says_whose_it_is(void **state)
+{
+    (void)state;
+    struct cml_result result = new_result(5);
+    struct cml_run_state own = {.begin = BEGIN, .end = END, .part = {2, 3}}, read = {.begin = 0};
+    struct cml_checkpoint_about about;
+    struct cml_record record = {0};
+    enum cml_checkpoint_kind kind;
+    char *who = NULL, *call = NULL;
+    result.summary.count[CML_COUNT_PHOTONS] = END - BEGIN - 5;
+    assert_int_equal(cml_ranges_add(&own.open, (struct cml_range){100, 5}, &err), CML_OK);
+    assert_int_equal(cml_checkpoint_write(path, identity, "run\na b.mci\n", &own, &result, &err), CML_OK);
+    assert_int_equal(cml_part_look(path, &about, &who, &call, &err), CML_OK);
+    assert_string_equal(who, identity);
+    assert_string_equal(call, "run\na b.mci\n");
+    assert_true(about.part.number == 2 && about.part.count == 3 && about.begin == BEGIN && about.end == END);
+    assert_int_equal(cml_checkpoint_read(path, identity, &kind, &read, &result, true, &record, &note, &err),
+                     CML_OK);
+    assert_true(kind == CML_CHECKPOINT_PARTIAL && read.part.number == 2 && read.part.count == 3);
+    cml_record_clear(&record);
+    cml_ranges_clear(&read.open);
+    cml_ranges_clear(&own.open);
+    cml_result_free(&result);
+    free(who);
+    free(call);
+}
+
+static void what_is_no_part_is_refused(void **state)
+{
+    (void)state;
+    struct cml_checkpoint_about about;
+    char *who, *call;
+    save(5);
+    assert_int_equal(cml_part_look(path, &about, &who, &call, &err), CML_E_INPUT);
+    assert_non_null(strstr(err.text, ": is no part of a run"));
+    forge(AT_PART, &(uint64_t){4}, 8);
+    forge(AT_PARTS, &(uint64_t){3}, 8);
+    assert_int_equal(cml_part_look(path, &about, &who, &call, &err), CML_E_INPUT);
+    enum cml_checkpoint_kind kind;
+    assert_int_equal(read_as(identity, &kind, 0), CML_E_INPUT);
+    assert_non_null(strstr(err.text, "damaged (its head)"));
+    cml_checkpoint_remove(path);
+    assert_int_equal(cml_part_look(path, &about, &who, &call, &err), CML_E_INPUT);
+    assert_non_null(strstr(err.text, ": cannot be read"));
+}
+
 static int leave(void **state)
 {
     (void)state;
@@ -432,6 +499,9 @@ int main(void)
         cmocka_unit_test_teardown(a_finished_run_says_so, clean),
         cmocka_unit_test_teardown(a_finished_run_can_be_gone_on_with, clean),
         cmocka_unit_test_teardown(a_failed_write_leaves_the_old_one, clean),
+        cmocka_unit_test(parts_share_all_turns),
+        cmocka_unit_test_teardown(a_part_says_whose_it_is, clean),
+        cmocka_unit_test_teardown(what_is_no_part_is_refused, clean),
     };
     return cmocka_run_group_tests(tests, choose_path, leave);
 }

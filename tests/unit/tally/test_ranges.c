@@ -54,12 +54,49 @@ static void many_ranges_fit(void **state)
     cml_ranges_clear(&ranges);
 }
 
+/* Of ranges of any size, against indices one by one. */
+static void what_is_not_mine_goes_to_others(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 200 };
+    struct dice dice = dice_new(2);
+    for (int i = 0; i < 100; i++) {
+        struct cml_ranges ranges = {0}, others = {0};
+        int place[PHOTONS] = {0};
+        for (uint64_t at = 0; at < PHOTONS;) {
+            uint64_t count = 1 + (uint64_t)dice_below(&dice, 60);
+            if (at + count > PHOTONS) count = PHOTONS - at;
+            if (dice_below(&dice, 3) > 0) add(&ranges, at, count);
+            at += count;
+        }
+        for (size_t k = 0; k < ranges.count; k++)
+            for (uint64_t j = 0; j < ranges.item[k].count; j++) place[ranges.item[k].first + j] = 1;
+        const uint64_t all = ranges.total, first = (uint64_t)dice_below(&dice, PHOTONS),
+                       count = (uint64_t)dice_below(&dice, PHOTONS);
+        assert_int_equal(cml_ranges_keep(&ranges, (struct cml_range){first, count}, &others, &err), CML_OK);
+        assert_int_equal(ranges.total + others.total, all);
+        for (size_t k = 0; k < ranges.count; k++)
+            for (uint64_t j = 0; j < ranges.item[k].count; j++) {
+                const uint64_t index = ranges.item[k].first + j;
+                assert_true(place[index]-- == 1 && index >= first && index < first + count);
+            }
+        for (size_t k = 0; k < others.count; k++)
+            for (uint64_t j = 0; j < others.item[k].count; j++) {
+                const uint64_t index = others.item[k].first + j;
+                assert_true(place[index]-- == 1 && (index < first || index >= first + count));
+            }
+        cml_ranges_clear(&ranges);
+        cml_ranges_clear(&others);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_empty_set_gives_nothing),
         cmocka_unit_test(every_index_is_flown_once),
         cmocka_unit_test(many_ranges_fit),
+        cmocka_unit_test(what_is_not_mine_goes_to_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* Results: what tallies add up to, in which bins, with which errors. SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
+#include "tally/groups.h"
 #include "tally/piece.h"
 
 /* One unit too many in any of these cells shows. */
@@ -22,9 +23,13 @@ static void a_broken_map_does_not_balance(void **state)
     grid_of_all.nt = 2;
     grid_of_all.np = 3;
     grid_of_all.backed = true;
+    cml_tally_set_groups(&grid_of_all);
     struct cml_result result = make_result(&grid_of_all, 100);
+    const struct cml_once pixels = grid_of_all.map_once, directions = grid_of_all.direction_once;
     cml_u128 *const cells[] = {&result.Rd_xya[5],
                                &result.Tt_xya[0],
+                               &result.Tt_xya[15 * pixels.step],
+                               &result.Tt_dir[3 * directions.step],
                                &result.A_xyz[8],
                                &result.Rd_dir[1],
                                &result.Tt_dir[5],
@@ -47,8 +52,29 @@ static void the_error_of_what_a_packet_adds_once(void **state)
     struct cml_result result = {.summary.count[CML_COUNT_PHOTONS] = 1000};
     const cml_u128 sum = (cml_u128)250 << 30, square = (cml_u128)1 << 2 * (30 - CML_SQUARE_SHIFT);
     const double expected = sqrt((1.0 / 16 - 1.0 / 64) / 999);
-    assert_true(fabs(cml_result_once_error(&result, sum, 250 * square) / expected - 1) < 1e-12);
-    assert_true(cml_result_once_error(&result, 0, 0) == 0);
+    assert_true(fabs(cml_result_square_error(&result, sum, 250 * square) / expected - 1) < 1e-12);
+    assert_true(cml_result_square_error(&result, 0, 0) == 0);
+    const cml_u128 cells[2] = {sum, 250 * square};
+    assert_true(cml_result_once_sum(cells, 1, (struct cml_once){0, 1}) == (double)sum);
+    assert_true(fabs(cml_result_once_error(&result, cells, 1, (struct cml_once){0, 1}) / expected - 1) <
+                1e-12);
+}
+
+/* Two cells of each group. One packet in all has the error that it has alone, its weight over all packets; as
+ * much in every group has none. */
+static void the_error_of_what_groups_add_once(void **state)
+{
+    (void)state;
+    const struct cml_result result = {.photons = 1600, .summary.count[CML_COUNT_PHOTONS] = 1600};
+    const struct cml_once once = {2, 2};
+    cml_u128 cells[2 * CML_NUM_GROUPS] = {0};
+    assert_true(cml_result_once_error(&result, cells, 2, once) == 0);
+    cells[2 * 5 + 1] = (cml_u128)1 << 31;
+    assert_true(cml_result_once_sum(cells, 2, once) == 0x1p31);
+    assert_true(fabs(cml_result_once_error(&result, cells, 2, once) * 1600 - 1) < 1e-12);
+    assert_true(cml_result_once_error(&result, cells, 1, once) == 0);
+    for (int g = 0; g < CML_NUM_GROUPS; g++) cells[2 * g] = 7, cells[2 * g + 1] = 9;
+    assert_true(cml_result_once_error(&result, cells, 2, once) == 0);
 }
 
 /* Batches differ by at most one packet, and are all that there is. */
@@ -310,7 +336,7 @@ static void one_photon_has_no_error(void **state)
     assert_true(isnan(cml_result_error(&result, CML_TOTAL_REFLECTED)));
     assert_true(isnan(cml_result_bin_error(&result, result.Rd_r, 3, 1)));
     result.summary.count[CML_COUNT_PHOTONS] = 1;
-    assert_true(isnan(cml_result_once_error(&result, 1, 1)));
+    assert_true(isnan(cml_result_square_error(&result, 1, 1)));
     cml_result_free(&result);
     cml_tally_free(&tally);
 }
@@ -367,6 +393,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_broken_map_does_not_balance),
         cmocka_unit_test(the_error_of_what_a_packet_adds_once),
+        cmocka_unit_test(the_error_of_what_groups_add_once),
         cmocka_unit_test(every_photon_belongs_to_one_batch),
         cmocka_unit_test(places_hold_every_photon_once),
         cmocka_unit_test(a_result_has_the_margins_of_its_batches),

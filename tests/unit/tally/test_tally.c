@@ -1,5 +1,9 @@
 /* Tallies: their cells, and how those of threads come together. SPDX-License-Identifier: MIT */
+#include "tally/tally_cells.h"
+
 #include "unit/tally/tally_cases.h"
+
+#include "tally/groups.h"
 
 static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
 {
@@ -56,38 +60,52 @@ static void moving_takes_every_cell_once(void **state)
 }
 
 /* The maps of a tally: arrays with their numbers of cells. */
-#define MAPS 7
+#define MAPS 6
 static int map_cells(const struct cml_tally *t, uint64_t **cells)
 {
-    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya,  t->Rd_xya2, t->Tt_xya2,
-                                    t->A_xyz,  t->phi_xyz, t->facets};
-    const int counts[MAPS] = {6, 6, 6, 6, 9, 8 * CML_NUM_GROUPS, 2 * CML_FACET_SCORES};
+    const int parts = (int)cml_once_parts(t->grid.map_once);
+    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->A_xyz, t->phi_xyz, t->facets, t->detector_map, t->Rd_dir};
+    const int counts[MAPS] = {2 * 6 * parts,        9,         8 * CML_NUM_GROUPS,
+                              2 * CML_FACET_SCORES, 5 * parts, 3 * 2 * parts};
     int n = 0;
     for (int a = 0; a < MAPS; a++)
         for (int i = 0; i < counts[a]; i++) cells[n++] = &arrays[a][i];
     return n;
 }
 
-static void maps_have_cells_of_their_own(void **state)
+/* Each group has maps, directions and pixels of its own, or they have squares. */
+static struct cml_tally_grid grid_of_maps(bool by_group)
 {
-    (void)state;
-    struct cml_tally a = make_tally(&map_grid);
-    struct cml_result result = make_result(&map_grid, 64);
-    uint64_t *cells[64 + 8 * CML_NUM_GROUPS];
-    const int n = map_cells(&a, cells);
-    assert_int_equal(cml_tally_cells(&map_grid), cml_tally_cells(&grid) + (size_t)n);
+    struct cml_tally_grid of = map_grid;
+    of.nt = 1;
+    of.np = 2;
+    of.detector_pixels = 5;
+    cml_tally_set_groups(&of);
+    of.cell_errors = false;
+    of.voxel_step = of.facet_step = 0;
+    if (!by_group) of.map_once.step = of.pixel_once.step = of.direction_once.step = 0;
+    return of;
+}
+
+static void assert_maps_have_cells_of_their_own(const struct cml_tally_grid *of)
+{
+    struct cml_tally a = make_tally(of);
+    struct cml_result result = make_result(of, 64);
+    uint64_t *cells[1024];
+    const int n = map_cells(&a, cells), pixels = 12 * (int)cml_once_parts(of->map_once);
+    assert_true(a.Tt_xya == a.Rd_xya + 6 && a.Tt_dir == a.Rd_dir + 2 && a.Rsp_dir == a.Tt_dir + 2);
+    assert_int_equal(cml_tally_cells(of), cml_tally_cells(&grid) + (size_t)n);
     for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
     for (int i = 0; i < n; i++) assert_int_equal(*cells[i], i + 1);
     for (int i = 0; i < 24; i++) assert_int_equal(a.A_rz[i], 0); /* nor do they overlap with what is before */
     add_to_batch(&result, 0, &a);
     add_to_batch(&result, 1, &a);
-    for (int i = 0; i < 6; i++) {
-        assert_true(result.Rd_xya[i] == 2 * a.Rd_xya[i] && result.Tt_xya[i] == 2 * a.Tt_xya[i]);
-        assert_true(result.Rd_xya2[i] == 2 * a.Rd_xya2[i] && result.Tt_xya2[i] == 2 * a.Tt_xya2[i]);
-    }
+    for (int i = 0; i < pixels; i++) assert_true(result.Rd_xya[i] == 2 * a.Rd_xya[i]);
     for (int i = 0; i < 9; i++) assert_true(result.A_xyz[i] == 2 * a.A_xyz[i]);
     for (int i = 0; i < 8 * CML_NUM_GROUPS; i++) assert_true(result.phi_xyz[i] == 2 * a.phi_xyz[i]);
     for (int i = 0; i < 2 * CML_FACET_SCORES; i++) assert_true(result.facets[i] == 2 * a.facets[i]);
+    for (int i = 0; i < 5; i++) assert_true(result.detector_map[i] == 2 * a.detector_map[i]);
+    for (int i = 0; i < 6; i++) assert_true(result.Rd_dir[i] == 2 * a.Rd_dir[i]);
     for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
     for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
         assert_true(result.Rd_r[i] == 0); /* nor what comes behind */
@@ -95,6 +113,35 @@ static void maps_have_cells_of_their_own(void **state)
     cml_tally_zero(&a);
     for (int i = 0; i < n; i++) assert_int_equal(*cells[i], 0);
     cml_tally_free(&a);
+}
+
+static void maps_have_cells_of_their_own(void **state)
+{
+    (void)state;
+    for (int by_group = 0; by_group < 2; by_group++) {
+        const struct cml_tally_grid of = grid_of_maps(by_group);
+        assert_maps_have_cells_of_their_own(&of);
+    }
+}
+
+/* Arrays of 65536 cells are kept by group, larger ones not; cells of rows count, 16 at least. */
+static void small_arrays_are_kept_by_group(void **state)
+{
+    (void)state;
+    struct cml_tally_grid of = {
+        .nx = 256, .ny = 256, .map_na = 1, .nt = 64, .np = 64, .detector_pixels = 65536};
+    of.rows = 16;
+    cml_tally_set_groups(&of);
+    assert_int_equal(of.map_once.step, 2 * 65537);
+    assert_int_equal(of.pixel_once.step, 65536);
+    assert_int_equal(of.direction_once.step, 3 * 4096);
+    of.map_na = 2;
+    of.rows++;
+    of.detector_pixels++;
+    cml_tally_set_groups(&of);
+    assert_true(!of.map_once.step && !of.pixel_once.step && !of.direction_once.step);
+    assert_int_equal(of.map_once.squares, 4 * 65537);
+    assert_int_equal(of.direction_once.squares, 3 * 4096);
 }
 
 /* Threads have no maps of their own: merging them leaves the owner's as they are. */
@@ -252,6 +299,7 @@ int main(void)
         cmocka_unit_test(a_new_tally_is_zero_and_has_all_its_cells),
         cmocka_unit_test(moving_takes_every_cell_once),
         cmocka_unit_test(maps_have_cells_of_their_own),
+        cmocka_unit_test(small_arrays_are_kept_by_group),
         cmocka_unit_test(borrowed_maps_are_not_merged),
         cmocka_unit_test(threads_that_share_absorption_have_batches_of_their_own),
         cmocka_unit_test(late_packets_are_noted_in_their_own_batches),

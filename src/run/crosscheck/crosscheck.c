@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "run/crosscheck.h"
+#include "run/crosscheck/crosscheck.h"
 
 #include "base/significance.h"
 #include "tally/deal.h"

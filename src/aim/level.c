@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+#include "aim/level.h"
+
+#include <math.h>
+
+/* Whatever is not flat, and where light starts: the deepest point, and the first layer that may be flat below
+ * it. */
+struct floor {
+    int layer;
+    double depth;
+};
+
+static void sink(struct floor *floor, int layer, double depth)
+{
+    floor->layer = layer > floor->layer ? layer : floor->layer;
+    floor->depth = fmax(floor->depth, depth);
+}
+
+/* Parallel light may start below a clear first layer (P1). */
+static struct floor find_floor(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
+{
+    struct floor floor = {1, surfaces->item[0].depth};
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&surfaces->item[b].rough))
+            sink(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
+    for (int k = 0; k < surfaces->bodies.count; k++)
+        sink(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].inside) sink(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
+    if (cml_medium_mut(&scene->media[1]) == 0) sink(&floor, 2, surfaces->item[1].depth);
+    return floor;
+}
+
+/* In the first layer that goes on below the floor, a sixteenth of a mean free path, or of what is left of it,
+ * down: so that no rounding puts a packet beyond the level that has just come through a shape. */
+struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
+{
+    const struct floor floor = find_floor(scene, surfaces);
+    if (scene->backing.kind != CML_BACKING_NONE) return (struct cml_aim_level){0};
+    for (int l = floor.layer; l <= scene->num_layers; l++) {
+        const double top = surfaces->item[l - 1].depth, from = fmax(top, floor.depth),
+                     rest = surfaces->item[l].depth - from, mut = cml_medium_mut(&scene->media[l]);
+        if (!(rest > 1e-4 * (surfaces->item[l].depth - top))) continue;
+        const double z = from - top + fmin(rest, mut > 0 ? 1 / mut : rest) / 16;
+        return (struct cml_aim_level){.layer = l, .z = z, .depth = top + z};
+    }
+    return (struct cml_aim_level){0};
+}
+
+/* A packet's counted Tt has the relative variance V; an expected one, 1 / share or less where that share of
+ * the light comes down to the level: a third to a seventh of that, in four scenes that were flown both ways.
+ */
+double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                        const struct cml_result *result)
+{
+    const struct cml_aim_level level = cml_aim_level_of(scene, surfaces);
+    if (level.layer == 0) return NAN;
+    const double relative = cml_result_relative_error(result, CML_TOTAL_TRANSMITTED),
+                 d = surfaces->item[level.layer].depth - surfaces->item[level.layer - 1].depth;
+    double share = cml_result_total(result, CML_TOTAL_TRANSMITTED) +
+                   (1 - level.z / d) * cml_result_absorbed(result, level.layer);
+    for (int l = level.layer + 1; l <= scene->num_layers; l++) share += cml_result_absorbed(result, l);
+    return share > 0 && relative * relative * (double)result->photons * share > 1 ? level.depth : NAN;
+}

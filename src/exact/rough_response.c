@@ -1,0 +1,207 @@
+/* Walks start in exactly the direction of a node j. Their power is shared out to nodes i by the polynomials
+ * through the nodes, which are orthogonal over etendue. Therefore e_j P_ij, with etendues e, is a Galerkin
+ * matrix but for quadrature over j, and symmetric but for noise, because the walk is reciprocal. Its mean
+ * with its transpose is symmetric exactly and has half the noise. SPDX-License-Identifier: MIT */
+#include "exact/rough_response.h"
+
+#include "exact/rough_walk.h"
+#include "vector/processor.h"
+
+#include <math.h>
+#include <string.h>
+
+extern cml_rough_walker *const cml_rough_walker_base;
+#ifdef CML_X86_LEVELS
+extern cml_rough_walker *const cml_rough_walker_v3, *const cml_rough_walker_v4;
+#endif
+
+static cml_rough_walker *best_walker(void)
+{
+#ifdef CML_X86_LEVELS
+    if (cml_processor_level() >= 4) return cml_rough_walker_v4;
+    if (cml_processor_level() >= 3) return cml_rough_walker_v3;
+#endif
+    return cml_rough_walker_base;
+}
+
+struct work {
+    const struct cml_rough_plane *plane;
+    const struct cml_directions *directions;
+    int above, below, all;
+    struct cml_rough_interval *interval; /* [directions->num_weighted] rising */
+    double *factor;                      /* [directions->count] of intervals */
+    double *share;                       /* [directions->count] scratch */
+    double *walked;                      /* [all][all] from each direction into each */
+    unsigned seed;
+};
+
+/* The nodes above the index `below`, of which `first` is one [factors of the barycentric formula: Wang,
+ * Xiang, Math. Comput. 81, 861 (2012)]. */
+static void add_interval(struct work *w, struct cml_rough_interval *to, int first, double below)
+{
+    const struct cml_directions *d = w->directions;
+    const double n = d->index[first], most = sqrt((n - below) * (n + below)) / n;
+    *to = (struct cml_rough_interval){n, first, 0, d->cosine + first, w->factor + first};
+    for (int i = first; i < d->count && d->etendue[i] > 0 && d->index[i] == n; i++) {
+        const double x = 2 * d->cosine[i] / most - 1, weight = d->etendue[i] / d->cosine[i];
+        w->factor[i] = (i % 2 ? -1 : 1) * sqrt((1 - x * x) * weight);
+        to->count++;
+    }
+}
+
+static void find_intervals(struct work *w)
+{
+    const struct cml_directions *d = w->directions;
+    struct cml_rough_interval *to = w->interval;
+    double below = 0;
+    for (int k = 0; k < d->num_weighted; k += to++->count) {
+        add_interval(w, to, d->weighted[k], below);
+        below = to->index;
+    }
+}
+
+/* The number of walks from direction j in one part. Half of all walks follow the power that nodes carry in
+ * even light, a quarter is for all nodes alike, and a quarter for light that comes in directions of its own.
+ */
+static int count_walks(const struct work *w, int j, bool from_below, double walks)
+{
+    const struct cml_directions *d = w->directions;
+    double lit = 0, power = 0, nodes = 0;
+    for (int i = 0; i < w->all; i++) {
+        const int direction = i < w->above ? i : i - w->above;
+        if (i < w->above && w->plane->lit) lit += fabs(d->light[i]);
+        nodes += d->etendue[direction] > 0;
+        power += d->etendue[direction];
+    }
+    double share = d->etendue[j] > 0 ? 0.5 * d->etendue[j] / power + 0.25 / nodes : 0;
+    if (lit > 0 && !from_below) share += 0.25 * fabs(d->light[j]) / lit;
+    return (int)ceil(walks / CML_ROUGH_PARTS * share / (lit > 0 ? 1 : 0.75));
+}
+
+/* ---- matrices ---- */
+
+static double etendue(const struct work *w, int i)
+{
+    return w->directions->etendue[i < w->above ? i : i - w->above];
+}
+
+/* Makes all pairs of nodes reciprocal. The diagonal makes good for the power that a column gains or loses. */
+static void symmetrise(const struct work *w)
+{
+    const int n = w->all;
+    double *P = w->walked;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < j; i++) {
+            const double to = etendue(w, i), from = etendue(w, j);
+            if (!(to > 0 && from > 0)) continue;
+            const double mean = 0.5 * (from * P[j * n + i] + to * P[i * n + j]);
+            P[j * n + j] += P[j * n + i] - mean / from;
+            P[i * n + i] += P[i * n + j] - mean / to;
+            P[j * n + i] = mean / from;
+            P[i * n + j] = mean / to;
+        }
+}
+
+static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
+{
+    const int a = w->above, b = w->below;
+    for (int j = 0; j < w->all; j++)
+        for (int i = 0; i < w->all; i++) {
+            const double share = w->walked[j * w->all + i];
+            if (j < a)
+                *(i < a ? &to->R[i * a + j] : &to->T[(i - a) * a + j]) = share;
+            else
+                *(i < a ? &to->T_below[i * b + j - a] : &to->R_below[(i - a) * b + j - a]) = share;
+        }
+}
+
+static void walk_part(const struct work *w, int part, double walks, struct cml_rough_matrices *to)
+{
+    const struct cml_rough_plane *plane = w->plane;
+    cml_rough_walker *const walker = best_walker();
+    memset(w->walked, 0, (size_t)w->all * (size_t)w->all * sizeof *w->walked);
+    for (int j = 0; j < w->all; j++) {
+        const bool up = j >= w->above;
+        const int direction = up ? j - w->above : j;
+        const double near = up ? plane->below : plane->above;
+        double *row = w->walked + (size_t)j * (size_t)w->all, *below = row + w->above;
+        const struct cml_rough_start start = {.kind = (int)plane->rough.kind,
+                                              .alpha = plane->rough.alpha,
+                                              .near = near,
+                                              .far = up ? plane->above : plane->below,
+                                              .backed = plane->backing,
+                                              .kept = plane->backing ? 1 - plane->backing->R : 0,
+                                              .cosine = cml_directions_cosine(w->directions, direction, near),
+                                              .key = {w->seed, (unsigned)direction, up},
+                                              .part = part,
+                                              .count = count_walks(w, direction, up, walks)};
+        walker(&start, w->interval, w->share, up ? below : row, up ? row : below);
+    }
+    symmetrise(w);
+    set_matrices(w, to);
+}
+
+static struct cml_rough_matrices matrices_of(const struct work *w, struct cml_arrays *arrays)
+{
+    const size_t above = (size_t)w->above, below = (size_t)w->below;
+    return (struct cml_rough_matrices){.R = cml_arrays_add(arrays, above * above, sizeof(double)),
+                                       .T = cml_arrays_add(arrays, below * above, sizeof(double)),
+                                       .R_below = cml_arrays_add(arrays, below * below, sizeof(double)),
+                                       .T_below = cml_arrays_add(arrays, above * below, sizeof(double))};
+}
+
+static void add_mean(const double *part, size_t count, double *mean)
+{
+    for (size_t i = 0; i < count; i++) mean[i] += part[i] / CML_ROUGH_PARTS;
+}
+
+static void fill(const struct work *w, double walks, struct cml_rough_response *to)
+{
+    const size_t above = (size_t)w->above, below = (size_t)w->below;
+    for (int k = 0; k < CML_ROUGH_PARTS; k++) {
+        const struct cml_rough_matrices *part = &to->part[k];
+        walk_part(w, k, walks, &to->part[k]);
+        add_mean(part->R, above * above, to->mean.R);
+        add_mean(part->T, below * above, to->mean.T);
+        add_mean(part->R_below, below * below, to->mean.R_below);
+        add_mean(part->T_below, above * below, to->mean.T_below);
+    }
+}
+
+void cml_rough_response_clear(struct cml_rough_response *response)
+{
+    cml_arrays_free(&response->arrays);
+    *response = (struct cml_rough_response){0};
+}
+
+cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
+                                     const struct cml_directions *directions, int above, int below,
+                                     double walks, unsigned seed, struct cml_rough_response *to,
+                                     struct cml_error *err)
+{
+    struct cml_arrays arrays = {0};
+    struct work w = {.plane = plane,
+                     .directions = directions,
+                     .above = above,
+                     .below = below,
+                     .all = above + below,
+                     .seed = seed};
+    const size_t count = (size_t)directions->count, all = (size_t)w.all;
+    w.interval = cml_arrays_add(&arrays, count, sizeof *w.interval);
+    w.factor = cml_arrays_add(&arrays, count, sizeof *w.factor);
+    w.share = cml_arrays_add(&arrays, count, sizeof *w.share);
+    w.walked = cml_arrays_add(&arrays, all * all, sizeof *w.walked);
+    *to = (struct cml_rough_response){.above = above, .below = below};
+    to->mean = matrices_of(&w, &to->arrays);
+    for (int k = 0; k < CML_ROUGH_PARTS; k++) to->part[k] = matrices_of(&w, &to->arrays);
+    cml_status status = cml_arrays_check(&to->arrays, "a rough boundary", err);
+    if (status == CML_OK) status = cml_arrays_check(&arrays, "a rough boundary", err);
+    if (status == CML_OK) {
+        find_intervals(&w);
+        fill(&w, walks, to);
+    } else {
+        cml_rough_response_clear(to);
+    }
+    cml_arrays_free(&arrays);
+    return status;
+}

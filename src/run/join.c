@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+#include "run/join.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- files ---- */
+
+cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
+                               struct cml_error *err)
+{
+    *files = (struct cml_part_files){.file = calloc((size_t)count, sizeof *files->file)};
+    if (!files->file) return cml_fail_memory(err, (double)count * (double)sizeof *files->file, "the parts");
+    for (files->count = 0; files->count < count; files->count++) {
+        struct cml_part_file *file = &files->file[files->count];
+        file->path = path[files->count];
+        CML_TRY(cml_part_look(file->path, &file->about, &file->identity, &file->call, err));
+    }
+    return CML_OK;
+}
+
+void cml_part_files_clear(struct cml_part_files *files)
+{
+    for (int i = 0; files->file && i < files->count; i++) {
+        free(files->file[i].identity);
+        free(files->file[i].call);
+    }
+    free(files->file);
+    *files = (struct cml_part_files){0};
+}
+
+cml_status cml_part_files_used(const struct cml_part_files *files, struct cml_error *err)
+{
+    for (int i = 0; i < files->count; i++)
+        if (!files->file[i].joined)
+            return cml_fail(err, CML_E_INPUT, "%s: is of another run than %s (expected parts of one call)",
+                            files->file[i].path, files->file[0].path);
+    return CML_OK;
+}
+
+/* ---- which parts there are ---- */
+
+/* The turns of a file's part. */
+static struct cml_range turns_of(const struct cml_part_file *file)
+{
+    return cml_part_turns(file->about.part, file->about.begin, file->about.end);
+}
+
+static bool is_of(const struct cml_part_file *file, const struct cml_run_setup *setup)
+{
+    return strcmp(file->identity, setup->identity) == 0 && file->about.begin == setup->base;
+}
+
+static cml_status fail_other(const struct cml_run_setup *setup, const struct cml_part_file *file,
+                             struct cml_error *err)
+{
+    if (strcmp(file->identity, setup->identity) != 0)
+        return cml_fail_other_run(file->path, file->identity, setup->identity, "parts of one run", err);
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: begins with photon %" PRIu64 " (expected photons from %" PRIu64 " on)", file->path,
+                    file->about.begin, setup->base);
+}
+
+/* The part of the run that begins with this turn, which is in no file; cut as the others are. */
+static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
+                               uint64_t turn, struct cml_error *err)
+{
+    const char *name = setup->scene->output;
+    int first = 0;
+    while (first < files->count && !is_of(&files->file[first], setup)) first++;
+    struct cml_part part = {1, 0};
+    if (first < files->count) part.count = files->file[first].about.part.count;
+    while (
+        part.number < part.count &&
+        turn >=
+            cml_part_turns((struct cml_part){part.number + 1, part.count}, setup->base, setup->photons).first)
+        part.number++;
+    if (part.count == 0)
+        return cml_fail(err, CML_E_INPUT, "%s: no part of it (expected all its parts)", name);
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: part %" PRIu64 " of %" PRIu64 " is missing (expected all parts of the run)", name,
+                    part.number, part.count);
+}
+
+/* The file whose turns begin here; NULL: there is none. */
+static struct cml_part_file *find_at(const struct cml_run_setup *setup, const struct cml_part_files *files,
+                                     uint64_t turn)
+{
+    for (int i = 0; i < files->count; i++) {
+        struct cml_part_file *file = &files->file[i];
+        const struct cml_range turns = turns_of(file);
+        if (is_of(file, setup) && !file->joined && turns.first == turn && turns.count > 0) return file;
+    }
+    return NULL;
+}
+
+/* Refuses a file of this run whose photons others have, too: all of them are joined. */
+static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part_files *files,
+                              struct cml_error *err)
+{
+    for (int i = 0; i < files->count; i++) {
+        struct cml_part_file *file = &files->file[i];
+        const struct cml_range turns = turns_of(file);
+        if (!is_of(file, setup) || file->joined) continue;
+        file->joined = true;
+        for (int k = 0; turns.count > 0 && k < files->count; k++) {
+            const struct cml_range other = turns_of(&files->file[k]);
+            if (k == i || !is_of(&files->file[k], setup) || other.first >= turns.first + turns.count ||
+                turns.first >= other.first + other.count)
+                continue;
+            return cml_fail(err, CML_E_INPUT, "%s: has photons that %s has, too (expected each part once)",
+                            file->path, files->file[k].path);
+        }
+    }
+    return CML_OK;
+}
+
+/* ---- sums ---- */
+
+static void add_saved(struct cml_saved *to, struct cml_saved *from)
+{
+    const struct cml_saved_sums sums = cml_saved_sort(from);
+    cml_saved_add(to, sums.kept ? cml_saved_row(from, 0) : NULL, sums.kept);
+    cml_saved_find(to, sums.found - sums.kept);
+}
+
+static void add_result(struct cml_result *to, struct cml_result *from)
+{
+    size_t cells = 0;
+    const cml_u128 *more = cml_result_cells(from, &cells);
+    cml_u128 *cell = cml_result_cells(to, &cells);
+    for (size_t i = 0; i < cells; i++) cell[i] += more[i];
+    cml_summary_merge(&to->summary, &from->summary);
+    if (to->saved) add_saved(to->saved, from->saved);
+}
+
+/* Whether all turns of the part are flown: none of them is open. */
+static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
+                                 struct cml_error *err)
+{
+    struct cml_ranges others = {0};
+    cml_status status = cml_ranges_keep(open, turns_of(file), &others, err);
+    cml_ranges_clear(&others);
+    if (status == CML_OK && open->total > 0)
+        status =
+            cml_fail(err, CML_E_INPUT,
+                     "%s: has %" PRIu64 " photons to fly (expected a finished part; --resume continues it)",
+                     file->path, open->total);
+    return status;
+}
+
+/* one: an empty result of the run's grid, for the part alone. */
+static cml_status add_part(const struct cml_run_setup *setup, const struct cml_part_file *file,
+                           struct cml_result *one, struct cml_run_result *out, struct cml_error *err)
+{
+    struct cml_run_state state = {.begin = 0};
+    struct cml_record record = {0};
+    enum cml_checkpoint_kind kind;
+    struct cml_error note;
+    cml_status status =
+        cml_checkpoint_read(file->path, setup->identity, &kind, &state, one, true, &record, &note, err);
+    if (status == CML_OK) status = check_finished(file, &state.open, err);
+    if (status == CML_OK) add_result(&out->result, one);
+    out->state.seconds += state.seconds;
+    cml_ranges_clear(&state.open);
+    cml_record_clear(&record);
+    return status;
+}
+
+static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_files *files,
+                            struct cml_run_result *out, struct cml_error *err)
+{
+    const struct cml_tally_grid grid = cml_run_grid(setup);
+    CML_AT_END(cml_result_free) struct cml_result one = {.photons = 0};
+    CML_TRY(cml_result_create(&grid, setup->photons, &one, err));
+    CML_TRY(cml_result_create(&grid, setup->photons, &out->result, err));
+    if (setup->base > 0) CML_TRY(cml_run_read_base(setup, &out->state, &out->result, err));
+    out->state.begin = setup->base;
+    out->state.end = setup->photons;
+    for (uint64_t turn = setup->base; turn < setup->photons;) {
+        struct cml_part_file *file = find_at(setup, files, turn);
+        if (!file) return fail_missing(setup, files, turn, err);
+        CML_TRY(add_part(setup, file, &one, out, err));
+        file->joined = true;
+        turn += turns_of(file).count;
+    }
+    return check_twice(setup, files, err);
+}
+
+/* The time is that of all parts together. */
+cml_status cml_run_join(const struct cml_run_setup *setup, struct cml_part_files *files, bool alone,
+                        struct cml_run_result *out, struct cml_error *err)
+{
+    *out = (struct cml_run_result){.intent = setup->base > 0 ? CML_RUN_EXTEND : CML_RUN_FRESH};
+    for (int i = 0; alone && i < files->count; i++)
+        if (!is_of(&files->file[i], setup)) CML_TRY(fail_other(setup, &files->file[i], err));
+    const cml_status status = add_parts(setup, files, out, err);
+    out->result.photons = setup->photons;
+    out->timing.seconds = out->state.seconds;
+    if (status != CML_OK) cml_run_result_free(out);
+    return status;
+}

@@ -1,0 +1,29 @@
+/* What there is to say of a run beside its flight: may its result be trusted, how much memory does it take?
+ * SPDX-License-Identifier: MIT */
+#include "run/run.h"
+
+/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
+ * allowed as long as it is rarer than the noise of any run. */
+cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
+                           struct cml_error *err)
+{
+    const double imbalance = cml_result_imbalance(result);
+    if (imbalance != 0)
+        return cml_fail(err, CML_E_NUMERIC,
+                        "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
+                        imbalance);
+    const double lost = (double)cml_result_lost(result),
+                 photons = (double)result->summary.count[CML_COUNT_PHOTONS];
+    if (lost > 1e-6 * photons)
+        return cml_fail(err, CML_E_NUMERIC, "%s: %.0f of %.0f packets lost (at most 1 in 1e6 may be)",
+                        scene->output, lost, photons);
+    return CML_OK;
+}
+
+/* The result, the tally that has what threads share, and the tally of each thread; what the engine itself
+ * takes is counted where its surfaces are made. */
+double cml_run_bytes(const struct cml_tally_grid *grid, int threads)
+{
+    const struct cml_tally_grid of_thread = cml_tally_grid_of_thread(grid);
+    return cml_result_bytes(grid) + cml_tally_bytes(grid) + threads * cml_tally_bytes(&of_thread);
+}

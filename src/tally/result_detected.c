@@ -1,0 +1,55 @@
+/* What detectors have seen, and expected values: shares, means by weight and their errors.
+ * SPDX-License-Identifier: MIT */
+#include "tally/result.h"
+
+#include <math.h>
+
+void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)
+{
+    const int n = result->grid.detectors;
+    *value = cml_result_bin_sum(result->detector, n, k) * (CML_WEIGHT_UNIT / (double)result->photons);
+    *error = cml_result_bin_error(result, result->detector, n, k);
+}
+
+void cml_result_expected(const struct cml_result *result, int score, double *value, double *error)
+{
+    const int n = result->grid.scores;
+    *value = cml_result_bin_sum(result->expected, n, score) * (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) /
+             (double)result->photons;
+    *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
+}
+
+void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)
+{
+    const int score = layer - (result->grid.num_layers + 1 - result->grid.scores);
+    if (score > 0) {
+        cml_result_expected(result, score, value, error);
+        return;
+    }
+    *value = cml_result_absorbed(result, layer);
+    *error = cml_result_absorbed_error(result, layer);
+}
+
+/* The mean of packets by weight, R = sum X / sum Y: batches differ from it by (X_b - R Y_b) / sum Y [Cochran,
+ * Sampling Techniques, section 6.3]. */
+double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
+                       double *error)
+{
+    const int detectors = result->grid.detectors;
+    const double bottom = cml_result_bin_sum(result->detector, detectors, k),
+                 mean = cml_result_bin_sum(moment, n, i) / bottom;
+    double squares = 0, batches = 0;
+    int seen = 0; /* batches: those of one do not differ from their mean, and say nothing of its error */
+    *error = NAN;
+    if (!(bottom > 0)) return NAN;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        if (cml_batch_size(result->photons, b) == 0) continue;
+        const double x = (double)moment[(size_t)b * (size_t)n + (size_t)i],
+                     y = (double)result->detector[(size_t)b * (size_t)detectors + (size_t)k];
+        squares += (x - mean * y) * (x - mean * y);
+        batches += 1;
+        seen += y > 0;
+    }
+    if (seen > 1) *error = sqrt(squares * batches / (batches - 1)) / bottom;
+    return mean;
+}

@@ -6,7 +6,6 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 #include <math.h>
-#include <zlib.h>
 
 #include "result/h5.h"
 

@@ -43,7 +43,7 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
 # has one thread.
 {
     bash tests/fuzz/run.sh runs=8000 fly
-    bash tests/fuzz/run.sh runs=100000 mci obj heightmap csv options checkpoint sweep
+    bash tests/fuzz/run.sh runs=100000 mci obj heightmap options checkpoint sweep
     bash tests/fuzz/run.sh runs=2500 mco h5
 } &
 fuzzers=$!

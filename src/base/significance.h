@@ -10,13 +10,7 @@ double cml_normal_of_student(double t, double freedom);
 /* Probability that a standard normal deviate lies further from 0 than z does. */
 double cml_two_sided(double z);
 
-/* |z| beyond which a standard normal deviate lies with probability p, 0 < p < 1. */
-double cml_two_sided_limit(double p);
-
 /* Sidak: the probability that the smallest of `tests` p-values is p or less when nothing differs. Exact for
  * independent tests; never too small for the two-sided tests of jointly normal deviates, whatever their
  * correlations [Sidak, J. Am. Stat. Assoc. 62 (1967) 626]. 1 for no tests. */
 double cml_sidak(double p, double tests);
-
-/* The level of one test among `tests` at which all together keep `level`: the inverse of cml_sidak. */
-double cml_sidak_level(double level, double tests);

@@ -10,12 +10,6 @@
 CML_COMMANDS(CML_DECLARE)
 #undef CML_DECLARE
 
-/* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. starts: in which
- * media its beams start. */
-CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
-                                          const struct cml_scene_list *list, const int *starts,
-                                          enum cml_picture picture, struct cml_error *err);
-
 /* Behind the goals what is expected of Tt (P15 of kernels/README.md), and what setup->error_of names. */
 enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_NAMED, CML_PILOT_GOALS };
 
@@ -49,10 +43,3 @@ CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double
  * INFINITY where the last round saw fewer than four packets. The errors of rounds are known to 9 % (64
  * batches), so the photons to some 20 %; of n packets, fewer than 25, to 1 / sqrt(n). */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error);
-
-/* Of the i-th operand of `plot`: its label or its name. */
-const char *cml_plot_label(const struct cml_options *options, int i);
-
-/* `plot` of tables of sweeps. */
-CML_NODISCARD cml_status cml_plot_sweeps(const struct cml_options *options, enum cml_picture picture,
-                                         const char *path, struct cml_error *err);

@@ -239,47 +239,33 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
 }
 
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
- * memory needs their size. flown: the options with which the largest flight of a sweep flies. *starts: in
- * which medium every beam starts, the caller's to free. */
+ * memory needs their size. flown: the options with which the largest flight of a sweep flies. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_options *flown,
-                              const struct cml_scene *scene, const struct cml_sweep_size *sweep, int **starts,
+                              const struct cml_scene *scene, const struct cml_sweep_size *sweep,
                               struct cml_error *err)
 {
     CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
     CML_AT_END(cml_mean_shapes_clear) struct cml_mean_shapes mean = {0};
+    CML_FREED int *starts = NULL; /* in which medium every beam starts */
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
-    CML_TRY(cml_note_beam(scene, &surfaces, starts, err));
+    CML_TRY(cml_note_beam(scene, &surfaces, &starts, err));
     CML_TRY(cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err));
-    return show(flown, scene, &surfaces, *starts, &mean, sweep, err);
+    return show(flown, scene, &surfaces, starts, &mean, sweep, err);
 }
 
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
     struct cml_inputs inputs;
-    enum cml_picture picture = CML_PICTURE_SVG;
-    if (options->output) {
-        CML_TRY(cml_picture_of(options->output, &picture, err));
-        CML_TRY(cml_check_overwrite("check", options->output, options->operands, options->num_operands, err));
-    }
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     struct cml_sweep_size sweep;
     struct cml_options flown = *options;
     cml_status status = cml_sweep_check(options, &list, &inputs, &sweep, &flown.engine_options, err);
-    int *starts = NULL, *drawn = NULL; /* drawn: of the run that the picture shows */
-    for (int i = 0; status == CML_OK && i < list.count; i++) {
-        status = check_scene(options, &flown, &list.scenes[i], &sweep, &starts, err);
-        if ((uint64_t)i + 1 == options->run)
-            drawn = starts;
-        else
-            free(starts);
-        starts = NULL;
-    }
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = check_scene(options, &flown, &list.scenes[i], &sweep, err);
     if (status == CML_OK && sweep.rows > 0 && !options->json)
         printf("  %d row%s of %s: %d flight%s\n", sweep.rows, sweep.rows == 1 ? "" : "s", options->sweep,
                sweep.flights, sweep.flights == 1 ? "" : "s");
-    if (status == CML_OK) status = cml_draw_section(options, &list, drawn, picture, err);
-    free(drawn);
     cml_scene_list_clear(&list);
     cml_inputs_clear(&inputs);
     return status;

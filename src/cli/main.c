@@ -5,6 +5,7 @@
 #include "base/print_line.h"
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/hand_over.h"
 #include "cli/options/help.h"
 #include "cli/options/options_parse.h"
 #include "run/stop.h"
@@ -76,6 +77,11 @@ static void open_standard_streams(void)
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
+    if (cml_is_handed_over(argc, argv)) {
+        const cml_status handed = cml_hand_over(argc, argv, &err);
+        complain(handed, &err);
+        return (int)handed;
+    }
     open_standard_streams();
     cml_stop_ignore();
     cml_stop_with_parent();

@@ -38,6 +38,22 @@ struct list {
     json_t *(*element)(const struct subject *subject, int i);
 };
 
+/* What a picture needs of a boundary: its depth, that of the plane in which it goes on, the period of a tile,
+ * and where its shape comes from. */
+static void set_place(json_t *object, const struct cml_boundary *boundary)
+{
+    const char *slash = boundary->file ? strrchr(boundary->file, '/') : NULL;
+    const char *shape = slash ? slash + 1 : boundary->file ? boundary->file : "heightfield";
+    set_real(object, "z", boundary->z);
+    set_real(object, "outer_z", cml_outer_depth(boundary));
+    if (boundary->form == CML_FORM_PLANE) return;
+    json_object_set_new(object, "shape", cml_json_name(shape));
+    if (boundary->form == CML_FORM_TILE)
+        json_object_set_new(
+            object, "period",
+            json_pack("[f,f]", cml_tile_period(&boundary->tile, 0), cml_tile_period(&boundary->tile, 1)));
+}
+
 /* How a boundary is represented. An unknown bias is infinite. */
 static json_t *boundary_json(const struct subject *subject, int b)
 {
@@ -49,6 +65,7 @@ static json_t *boundary_json(const struct subject *subject, int b)
                   def->build_seconds, "MiB", def->bytes / 1048576, "bias", cml_json_real(expect->bias),
                   "query_ns", expect->query_ns, "deviation", expect->deviation);
     if (subject->mean) set_real(object, "mean_height", subject->mean->height[b]);
+    if (subject->mean) set_place(object, &subject->scene->boundaries[b]);
     return object;
 }
 
@@ -92,6 +109,8 @@ static json_t *beam_json(const struct subject *subject, int k)
     if (!subject->starts) return object;
     cml_medium_name(subject->scene, subject->starts[k], name);
     json_object_set_new(object, "medium", beam->inside ? json_string(name) : json_null());
+    set_real(object, "spread",
+             in_degrees(cml_light_spread(&beam->light, subject->scene->media[subject->starts[k]].n)));
     return object;
 }
 
@@ -122,6 +141,15 @@ static json_t *host_json(const struct cml_scene *scene, int host)
     return body > 0 ? json_pack("{s:i}", "body", body) : json_pack("{s:i}", "layer", host);
 }
 
+/* Corners of the box around a body, cm. */
+static void set_box(json_t *object, const struct cml_scene_body *body)
+{
+    double lower[3], upper[3];
+    cml_body_box(body, lower, upper);
+    json_object_set_new(object, "lower", json_pack("[f,f,f]", lower[0], lower[1], lower[2]));
+    json_object_set_new(object, "upper", json_pack("[f,f,f]", upper[0], upper[1], upper[2]));
+}
+
 static json_t *body_json(const struct subject *subject, int k)
 {
     const struct cml_scene *scene = subject->scene;
@@ -134,6 +162,7 @@ static json_t *body_json(const struct subject *subject, int k)
                              (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host),
                              "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
     const struct cml_result *result = subject->sums;
+    if (subject->mean) set_box(body, &scene->bodies[k]);
     if (result) set_real(body, "A", cml_result_absorbed(result, m));
     if (result) set_real(body, "A_se", cml_result_absorbed_error(result, m));
     return with_phase(body, medium->phase);

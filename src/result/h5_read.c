@@ -178,7 +178,8 @@ static cml_status read_scene(const struct reader *r)
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "input", &o->scene, r->err));
     drop_lines(o->scene, 2);
-    return cml_outcome_make_shapes(o, r->err);
+    cml_outcome_count_bodies(o);
+    return CML_OK;
 }
 
 /* ---- all of it ---- */
@@ -221,8 +222,7 @@ static cml_status read_head(const struct reader *r)
 {
     CML_TRY(read_photons(r));
     CML_TRY(read_options(r));
-    CML_TRY(read_scene(r));
-    return cml_outcome_own_stream(r->o, r->err);
+    return read_scene(r);
 }
 
 /* Bodies are counted before what there is of each. */

@@ -73,7 +73,6 @@ static void next_parameters(struct reader *r)
         if (r->copied) r->cursor[strcspn(r->cursor, "#")] = '\0';
         if (!r->copied || strchr("+-.0123456789", *first_of(r->cursor))) return;
         if (begins_with(r->cursor, "RAT")) break;
-        r->o->curved |= begins_with(r->cursor, "b");
     }
     r->cursor = NULL;
 }

@@ -72,7 +72,6 @@ static cml_status read_head(const struct reader *r, struct cml_error *err)
     return CML_OK;
 }
 
-/* A run's own random numbers stand among its options. */
 static cml_status read_comments(const struct reader *r, struct cml_error *err)
 {
     struct cml_outcome *o = r->o;
@@ -84,8 +83,8 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
-    CML_TRY(cml_outcome_make_shapes(o, err));
-    return cml_outcome_own_stream(o, err);
+    cml_outcome_count_bodies(o);
+    return CML_OK;
 }
 
 /* ---- sections ---- */

@@ -206,9 +206,8 @@ void cml_outcome_clear(struct cml_outcome *o)
     free_arrays(o);
     for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output,  o->program,   o->stream, o->settings, o->beam,
-                           o->phases,  o->detectors, o->shapes, o->scene,    o->extent,
-                           o->heights, o->detector,  o->damage};
+    void *const owned[] = {o->output, o->program, o->settings, o->beam,     o->phases, o->detectors,
+                           o->shapes, o->scene,   o->heights,  o->detector, o->damage};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -216,23 +215,6 @@ void cml_outcome_clear(struct cml_outcome *o)
 double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 {
     return &o->value[CML_QUANTITY_layer_n + number][layer];
-}
-
-cml_status cml_outcome_own_stream(struct cml_outcome *o, struct cml_error *err)
-{
-    const double seed = o->provenance.value[CML_DECIDES_seed], run = o->provenance.value[CML_DECIDES_run];
-    if (!(seed >= 0 && seed <= 0x1p53 && run >= 0 && run <= 0x1p53)) return CML_OK;
-    CML_TRY(cml_array_grow(&o->stream, (size_t)o->num_streams, sizeof *o->stream, "a list of seeds", err));
-    o->stream[o->num_streams++] = (struct cml_seed){(uint64_t)seed, (uint64_t)run};
-    return CML_OK;
-}
-
-const double *cml_outcome_errors(const struct cml_outcome *o, enum cml_quantity quantity)
-{
-    const size_t size = cml_outcome_size(o, quantity);
-    for (size_t i = 0; o->error[quantity] && i < size; i++)
-        if (isnan(o->error[quantity][i])) return NULL;
-    return o->error[quantity];
 }
 
 cml_status cml_outcome_add_heights(struct cml_outcome *o, int boundary, int n, double **pair,
@@ -398,47 +380,10 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
     return CML_OK;
 }
 
-/* ---- where shapes lie ---- */
-
-/* The extent that a line of `shapes` tells. A body, or what is no plane: "z = A to B cm", of a body also "r =
- * C to D cm". */
-static struct cml_extent extent_of(const char *line)
+void cml_outcome_count_bodies(struct cml_outcome *o)
 {
-    struct cml_extent extent = {.boundary = -1, .body = strncmp(line, "body ", 5) == 0};
-    char kind[8] = "";
-    double *z = extent.z, *r = extent.r, depth = 0;
-    const char *at = strstr(line, " (z = ");
-    const int wanted = extent.body ? 4 : 2;
-    const int found =
-        at ? sscanf(at, " (z = %lf to %lf cm, r = %lf to %lf cm", &z[0], &z[1], &r[0], &r[1]) : 0;
-    extent.known = found >= wanted && isfinite(z[0]) && isfinite(z[1]) && isfinite(r[0]) && isfinite(r[1]);
-    if (extent.body) return extent;
-    int boundary = -1;
-    if (sscanf(line, "boundary %d: %7s at z = %lf cm", &boundary, kind, &depth) != 3 || !isfinite(depth))
-        return extent;
-    extent.boundary = boundary;
-    extent.plane = strcmp(kind, "plane") == 0;
-    if (extent.plane) z[0] = z[1] = depth;
-    extent.known |= extent.plane;
-    return extent;
-}
-
-cml_status cml_outcome_make_shapes(struct cml_outcome *o, struct cml_error *err)
-{
-    enum { LINE = 1024 }; /* of a shape, without the end of its file's name */
-    char line[LINE];
-    size_t lines = 0;
-    for (const char *at = o->shapes; at && *at; at++) lines += *at == '\n';
-    o->extent = calloc(lines + 1, sizeof *o->extent);
-    if (!o->extent) return cml_fail_memory(err, (double)lines * sizeof *o->extent, "shapes");
-    for (const char *at = o->shapes; at && *at;) {
-        const size_t length = strcspn(at, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)(length < LINE ? length : LINE - 1), at);
-        at += length + (at[length] == '\n');
-        o->extent[o->num_extents] = extent_of(line);
-        o->num_bodies += o->extent[o->num_extents++].body;
-    }
-    return CML_OK;
+    for (const char *at = o->shapes; at && *at; at += strcspn(at, "\n"), at += *at == '\n')
+        o->num_bodies += strncmp(at, "body ", 5) == 0;
 }
 
 /* Squares of larger numbers would overflow. place: of the first, among those that have the name together. */

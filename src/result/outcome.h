@@ -1,4 +1,4 @@
-/* What a run has found: the structure that readers fill, writers write, and plots and comparisons use.
+/* What a run has found: the structure that readers fill and writers write.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -6,19 +6,6 @@
 #include "result/provenance.h"
 #include "result/quantity.h"
 #include "tally/result.h"
-
-/* The random numbers that it has. */
-struct cml_seed {
-    uint64_t seed, run;
-};
-
-/* Where a boundary or a body lies. */
-struct cml_extent {
-    int boundary; /* number from 0; -1: a body, or a line that names no boundary */
-    bool body, plane;
-    bool known;        /* all of what follows; of a boundary z alone */
-    double z[2], r[2]; /* cm; r about the z axis */
-};
 
 /* A radial shape as an .mco repeats it: n pairs of r and h, cm. */
 struct cml_heights {
@@ -43,20 +30,15 @@ struct cml_outcome {
     double n_above, n_below;
     double *value[CML_NUM_QUANTITIES]; /* [cml_outcome_size] as written, i.e. scaled; NULL: not there */
     double *error[CML_NUM_QUANTITIES]; /* standard errors of those; NULL: not known */
-    bool curved;                       /* a copy of the input in the file has boundaries that are no planes */
 
     char *program; /* that has written it: "1.0 (abc)"; NULL: another than ours, of which nothing below is
                       known */
     struct cml_provenance provenance;
     char identity[CML_IDENTITY_SUM]; /* of its run; "": not known */
-    int num_streams;
-    struct cml_seed *stream;
     struct cml_lost_list lost;
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
     char *settings, *beam, *phases, *detectors, *shapes, *scene;
-    int num_extents;
-    struct cml_extent *extent; /* of all shapes, of what was read */
     int num_heights;
     struct cml_heights *heights;
     char *damage; /* what is wrong with a section of ours, the first of them, for who insists on them; NULL:
@@ -117,12 +99,6 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
 
-/* Gives the result the random stream of its provenance, unless it has none. */
-CML_NODISCARD cml_status cml_outcome_own_stream(struct cml_outcome *outcome, struct cml_error *err);
-
-/* Standard errors of a profile or total; NULL where they are not known, or one of them is not. */
-const double *cml_outcome_errors(const struct cml_outcome *outcome, enum cml_quantity quantity);
-
 /* Room for n pairs of r and h, for the caller to fill in. */
 CML_NODISCARD cml_status cml_outcome_add_heights(struct cml_outcome *outcome, int boundary, int n,
                                                  double **pair, struct cml_error *err);
@@ -141,5 +117,5 @@ double cml_outcome_numbers(const struct cml_outcome *outcome);
 CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file,
                                            struct cml_error *err);
 
-/* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
-CML_NODISCARD cml_status cml_outcome_make_shapes(struct cml_outcome *outcome, struct cml_error *err);
+/* Makes `num_bodies` of `shapes`, for readers. */
+void cml_outcome_count_bodies(struct cml_outcome *outcome);

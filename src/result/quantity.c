@@ -47,27 +47,6 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
 }
 
-const char *cml_quantity_axes(enum cml_quantity quantity)
-{
-    const enum cml_axis_kind axis = cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity)];
-    switch (axis) {
-    case CML_AXIS_NONE:
-        return NULL;
-    case CML_AXIS_z:
-        return "z [cm]";
-    case CML_AXIS_gate:
-        return "t [ps]";
-    case CML_AXIS_layer:
-        return "layer";
-    case CML_AXIS_body:
-        return "body";
-    case CML_AXIS_theta:
-        return "direction [bin]";
-    default:
-        return axis == CML_AXIS_r ? "r [cm]" : "a [rad]";
-    }
-}
-
 const char *cml_quantity_unit(enum cml_quantity quantity)
 {
     const char *units = cml_quantities[quantity].units;

@@ -194,14 +194,10 @@ extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 /* An axis under its name: n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
-/* Whether a quantity is one number, and below whether it is a profile over r. */
+/* Whether a quantity is one number. */
 static inline bool cml_quantity_is_total(enum cml_quantity quantity)
 {
     return quantity <= CML_QUANTITY_Tt || quantity == CML_QUANTITY_A_backing;
-}
-static inline bool cml_quantity_is_radial(enum cml_quantity quantity)
-{
-    return cml_quantities[quantity].axis[0] == CML_AXIS_r;
 }
 
 static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
@@ -237,9 +233,7 @@ static inline int cml_num_totals(bool backed)
     return backed ? CML_TOTALS + 1 : CML_TOTALS;
 }
 
-/* A quantity's axes, and below its unit, as they stand beside numbers for people: "r [cm]", NULL for a
- * number; "1/sr", "-". */
-const char *cml_quantity_axes(enum cml_quantity quantity);
+/* A quantity's unit as it stands beside numbers for people: "1/sr", "-". */
 const char *cml_quantity_unit(enum cml_quantity quantity);
 
 /* Gives a field name, long name and units. */

@@ -249,3 +249,23 @@ double cml_radial_height(const struct cml_radial *radial, double r)
     const double t = (r - radial->r[i]) / (radial->r[i + 1] - radial->r[i]);
     return radial->h[i] + t * (radial->h[i + 1] - radial->h[i]);
 }
+
+double cml_light_spread(const struct cml_light *light, double medium_n)
+{
+    const double *t = light->t, *intensity = light->intensity;
+    double half = 0;
+    int last = light->rows - 1;
+    if (light->kind != CML_LIGHT_OF_TABLE) return cml_light_widest(light, medium_n);
+    for (int i = 0; i < light->rows; i++) half = fmax(half, intensity[i] / 2);
+    while (intensity[last] < half) last--;
+    if (last == light->rows - 1) return t[last];
+    return t[last] +
+           (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
+}
+
+double cml_outer_depth(const struct cml_boundary *boundary)
+{
+    if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
+    if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
+    return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
+}

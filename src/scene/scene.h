@@ -267,6 +267,13 @@ static inline int cml_body_medium(const struct cml_scene *scene, int k)
 /* The largest angle to its axis at which a light shines, rad. medium_n: of the medium it starts in. */
 double cml_light_widest(const struct cml_light *light, double medium_n);
 
+/* The angle from the axis, rad, of the rays at a beam's sides in a picture: the widest; of a table the last
+ * that has half of its largest intensity, as tables end where hardly anything is left. */
+double cml_light_spread(const struct cml_light *light, double medium_n);
+
+/* Depth of the plane in which the boundary goes on outside its shape; mean depth of a tile; cm. */
+double cml_outer_depth(const struct cml_boundary *boundary);
+
 /* Whether any beam starts at its place (z=) instead of above all surfaces. */
 bool cml_scene_starts_inside(const struct cml_scene *scene);
 

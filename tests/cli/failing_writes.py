@@ -1,4 +1,4 @@
-"""Every write, fsync, close and rename on a result fails, once and from there on, in run, --more, --sweep, merge and plot: a file
+"""Every write, fsync, close and rename on a result fails, once and from there on, in run, --more, --sweep and merge: a file
 that stands under the name of a result afterwards is that of a run without faults, or what stood there before. Exit code 0
 means that all of them are those of a run without faults; else the exit code is 5, and one line names the file and says why.
 Nothing temporary is left. A link that takes the place of a temporary .h5 file is not followed.
@@ -44,7 +44,6 @@ WORK = {
     "sweep": ([], [*RUN, "--sweep", "table.csv", "--resume"]),
     "sweep over an older one": ([[*RUN, "--sweep", "table.csv", "--seed", "2"]], [*RUN, "--sweep", "table.csv"]),
     "merge": ([[*RUN, "--part", "1/2"], [*RUN, "--part", "2/2"]], "merge OUT/small.mco.part1of2 OUT/small.mco.part2of2 --quiet".split()),
-    "plot": ([], "plot one/small.mco -o OUT/small.svg".split()),
 }
 
 

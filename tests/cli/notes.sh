@@ -1,5 +1,5 @@
 #!/bin/sh
-# What the program says in cases that are seldom: notes and warnings of check, mesh, compare and plot, refusals that only
+# What the program says in cases that are seldom: notes and warnings of check, mesh and compare, refusals that only
 # one command has, and the progress bar, which needs a terminal.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -71,17 +71,6 @@ expect_code 0 "$work/two.mci" --photons 100 --quiet -o "$work"
 code=0
 "$program" compare "$work/one.mco" "$work/two.mco" >"$work/out" 2>&1 || code=$?
 test $code -le 1 && grep -q '^note: 1 and 2 layers$' "$work/out" || complain "other layers: exit $code: $(cat "$work/out")"
-
-# plot: too few bins, no light on one side
-sed -e 's/^20 20 10/20 2 10/' -e 's/^one.mco/few.mco/' "$work/scene.mci" >"$work/few.mci"
-expect_code 0 "$work/few.mci" --photons 100 --quiet -o "$work"
-expect_error 2 "$work/few.mco: nr = 2 (expected 3 or more bins for a curve over r)" plot "$work/few.mco" -o "$work/few.svg"
-if command -v gnuplot >/dev/null; then
-    sed -e 's/^1.4 .*/1.4 1e4 0 0 1/' -e 's/^one.mco/dark.mco/' "$work/scene.mci" >"$work/dark.mci"
-    expect_code 0 "$work/dark.mci" --photons 100 --quiet -o "$work"
-    expect_code 0 plot "$work/dark.mco" -o "$work/dark.svg"
-    grep -q 'no light' "$work/dark.svg" || complain "a picture without light says nothing of it"
-fi
 
 # What reads well and was perhaps not meant: marks that are missing, thicknesses in mm, runs beyond the announced number.
 cat >"$work/odd.mci" <<'END'

@@ -1,122 +1,93 @@
 #!/bin/sh
-# Pictures are what their names say, complete or absent.
+# plot: pictures of results, curves of others and sweeps, which are complete or absent, and hold the numbers of their files.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-command -v gnuplot >/dev/null || { echo "gnuplot is missing"; exit 77; }
+need_package
+python=${CLUSTERMCML_PYTHON:-python3}
 for sample in fig5 shapes/hinoise shapes/plane; do
     expect_code 0 samples/$sample.mci --photons 2e4 --quiet -o "$work"
 done
-
-starts_with() { # FILE BYTES
-    test "$(head -c 200 "$1" | tr -d '\0' | grep -c "$2")" -ge 1 || complain "$1 does not begin like $2"
+has() { # PICTURE TEXT...
+    drawn=$1
+    shift
+    for text; do grep -qF -- "$text" "$work/$drawn" || complain "$drawn has no $text"; done
+    tail -3 "$work/$drawn" | grep -q '</svg>' || complain "$drawn has no end"
 }
 
+# Curves, of others too; heightfields; whatever a name holds is drawn as it stands. The same input has the same bytes.
 expect_code 0 plot "$work/hinoise.mco" -o "$work/one.svg"
 test "$(cat "$work/out")" = "$work/one.svg" || complain "plot does not name its picture"
-starts_with "$work/one.svg" '<svg'
-tail -3 "$work/one.svg" | grep -q '</svg>' || complain "the svg has no end"
-grep -q 'height' "$work/one.svg" || complain "the heightfield is not drawn"
+has one.svg '>height  [cm]<' '>r·Rd_r(r)  [1/cm]<' '>radius r  [cm]<' '>hinoise<'
+cp "$work/one.svg" "$work/before.svg"
+expect_code 0 plot "$work/hinoise.mco" -o "$work/one.svg" --quiet
+cmp -s "$work/one.svg" "$work/before.svg" && test ! -s "$work/out" || complain "other bytes, or --quiet was not quiet"
 expect_code 0 plot "$work/fig5.mco" -o "$work/flat.svg"
-grep -q 'height \[cm\]' "$work/flat.svg" && complain "a plane has an axis of heights"
-expect_code 0 plot "$work/hinoise.mco" "$work/plane.mco" "$work/fig5.mco" -o "$work/three.PNG" --quiet
-test ! -s "$work/out" || complain "--quiet was not quiet"
-starts_with "$work/three.PNG" PNG
-
-# Names are data, never commands or markup.
+grep -q 'height  \[cm\]' "$work/flat.svg" && complain "a plane has an axis of heights"
 odd="$work/a'b\"c\$d_{e}^f\\g\`h\`<i>&%s@~#.mco"
 cp "$work/plane.mco" "$odd"
-expect_code 0 plot "$odd" "$work/fig5.mco" -o "$work/odd'\$name.svg"
-if command -v xmllint >/dev/null; then
-    xmllint --noout "$work/odd'\$name.svg" 2>"$work/xml" || complain "the svg is not XML: $(cat "$work/xml")"
-fi
-grep -q 'd_{e}^f' "$work/odd'\$name.svg" || complain "the odd name is not in the legend"
-
-for name in p.jpg a.svg/b svg; do
-    expect_error 2 "--output $name (expected a name that ends in .svg, .png, .pdf or .eps)" plot "$work/fig5.mco" -o $name
+expect_code 0 plot tests/reference/profiles/hinoise.reentry.csv "$odd" "$work/fig5.mco" -o "$work/odd.svg" --caption "A <caption> \$x\$ $(printf 'word %.0s' $(seq 40))"
+has odd.svg 'd_{e}^f' 'hinoise.reentry.csv' 'stroke-dasharray' 'A &lt;caption&gt; '
+! command -v xmllint >/dev/null || xmllint --noout "$work/odd.svg" 2>"$work/xml" || complain "the svg is not XML: $(cat "$work/xml")"
+for kind in PNG:PNG pdf:%PDF- EPS:%!PS-Adobe; do
+    expect_code 0 plot "$work/hinoise.mco" "$work/plane.mco" -o "$work/a.${kind%%:*}" --of Rd_a --style /dev/null
+    head -c 20 "$work/a.${kind%%:*}" | tr -d '\0' | grep -q "${kind#*:}" || complain "a.${kind%%:*} is none"
 done
-expect_code 0 plot "$work/fig5.mco" -o "$work/one.pdf"
-starts_with "$work/one.pdf" '%PDF-'
-tail -1 "$work/one.pdf" | grep -q '%%EOF' || complain "the PDF has no end"
-expect_code 0 plot "$work/fig5.mco" -o "$work/one.EPS"
-starts_with "$work/one.EPS" '%!PS-Adobe-.* EPSF'
-expect_code 2 plot "$work/missing.mco" -o "$work/none.svg"
-expect_code 2 plot samples/fig5.mci -o "$work/none.svg"
-expect_code 5 plot "$work/fig5.mco" -o "$work/missing/none.svg"
+printf 'image.cmap: magma\nfont.size: 7\n' >"$work/journal.mplstyle"
+expect_code 0 plot "$work/fig5.mco" --of A_rz -o "$work/map.svg" --style "$work/journal.mplstyle"
+grep -q 'font: [0-9]* *7px' "$work/map.svg" || complain "--style does nothing"
 
-# Curves of others: dashed, in the colour of the result that stands at the same place; a caption breaks into lines.
-curve=tests/reference/profiles/hinoise.reentry.csv
-expect_code 0 plot $curve "$work/hinoise.mco" -o "$work/curve.svg" --caption "A caption of <one> & 'two' words $(printf '%0200d' 0) end"
-grep -q 'hinoise.reentry.csv' "$work/curve.svg" || complain "the curve is not in the legend"
-grep -q 'stroke-dasharray' "$work/curve.svg" || complain "the curve is not dashed"
-grep -q "A caption of &lt;one> &amp; 'two' words" "$work/curve.svg" || complain "the caption is missing"
-test "$(grep -c '#0072B2\|rgb(  0, 114, 178)' "$work/curve.svg")" -ge 2 || complain "the curve has another colour"
+# Refusals: one line, nothing written.
+refused() { expect_error 2 "$@" -o "$work/none.svg"; }
+expect_error 2 "--output p.jpg (expected a name that ends in .svg, .png, .pdf or .eps)" plot "$work/fig5.mco" -o p.jpg
+refused "$work/missing.mco: cannot be opened (No such file or directory)" plot "$work/missing.mco"
+refused "--xrange 2:1 (expected A:B with A below B; A: and :B leave the other end open)" plot "$work/fig5.mco" --xrange 2:1
+refused "--cut w (expected an axis and a place, as y=0)" plot "$work/fig5.mco" --of A_rz --cut w
+refused "--cut q=1 (expected an axis of A_rz: r z)" plot "$work/fig5.mco" --of A_rz --cut q=1
+refused "--over (expected with the table of a sweep, NAME.sweep.csv)" plot "$work/fig5.mco" --over a
+expect_error 5 "$work/none/f.svg: cannot be written (No such file or directory)" plot "$work/fig5.mco" -o "$work/none/f.svg"
+expect_code 2 plot "$work/fig5.mco" --of none -o "$work/none.svg"
+grep -q "no array none (expected one of fluence fluence_rz .* A_z" "$work/err" || complain "$(cat "$work/err")"
+printf 'r_mid_cm,Rd_r_per_cm2\n0.5,x\n1,2\n' >"$work/bad.csv"
+expect_code 2 plot "$work/bad.csv" --of Rd_r -o "$work/none.svg"
+grep -q "bad.csv:2: 0.5 x (expected 2 numbers" "$work/err" || complain "$(cat "$work/err")"
+test ! -e "$work/none.svg" || complain "a refused plot left a picture"
 
-# Whatever a caption or a name holds is drawn as it stands, and nothing in it is an order to gnuplot.
-for text in "'at both ends'" "''two'' '''three'''" "'" "a \"quoted\" word\"" 'back\slash\' '`touch '"$work"'/called`7' '@x % $0'; do
-    expect_code 0 plot "$work/fig5.mco" -o "$work/text.svg" --caption "$text"
-    drawn=$(printf %s "$text" | sed 's/&/\&amp;/g; s/</\&lt;/g')
-    grep -Fq ">$drawn</text>" "$work/text.svg" || complain "the caption $text is not drawn: $(cat "$work/err")"
-    cp "$work/fig5.mco" "$work/$(printf %s "$text" | tr / :).mco"
-    expect_code 0 plot "$work/$(printf %s "$text" | tr / :).mco" -o "$work/text.svg"
-done
-test ! -e "$work/called" || complain "a caption was run as a command"
+# Sweeps: columns over each other, by what tells rows apart, and in colours.
+printf '1.0\n1\ngrid.mco A\n300\n0.1 0.1\n5 5 2\n1\n1\n1.4 1 50 0.8 0.1\n1\n' >"$work/grid.mci"
+printf 'layer1.mua,layer1.mus\n3,50\n0.5,50\n1,50\n0.5,20\n1,20\n' >"$work/grid.csv"
+expect_code 0 "$work/grid.mci" --sweep "$work/grid.csv" --quiet -o "$work"
+grid=$work/grid.sweep.csv
+expect_code 0 plot "$grid" -o "$work/sweep.svg" --title "A title"
+has sweep.svg '>layer1.mus = 20<' '>layer1.mus = 50<' '>layer1.mua  [1/cm]<' '>Rd  [-]<' '>A title<'
+expect_code 0 plot "$grid" "$grid" --over layer1.mua,layer1.mus --of A -o "$work/swept.svg"
+has swept.svg '>layer1.mus  [1/cm]<' 'grey: no row'
+expect_code 2 plot "$grid" --of nix -o "$work/none.svg"
+grep -q -e "--of nix (expected a column of $grid: row, layer1.mua, " "$work/err" || complain "$(cat "$work/err")"
 
-# The title is the scene's name, without an ending of results.
+# An .h5: every array that has axes is drawn, by these, and its numbers are those of the file.
 if "$program" --version | grep -q "HDF5 yes"; then
-    sed 's/^fig5.mco A/fig5.h5 B/' samples/fig5.mci >"$work/fig5.mci"
-    expect_code 0 "$work/fig5.mci" --photons 1000 --quiet -o "$work"
-    expect_code 0 plot "$work/fig5.h5" -o "$work/text.svg"
-    grep -q '>fig5</text>' "$work/text.svg" || complain "the title of an .h5: $(grep -o '>fig5[^<]*<' "$work/text.svg")"
+    printf '1.0\n1\nv.h5 B\n2e3\nmap 8 6 0.05 0.05 angles volume\nfluence\nfacets\ntime 100 10\ndirections 4 6\ndetector map 8 8 0.05 0.05 na=0.9 name=cam\n0.02 0.05\n10 8 4\n2\n1\nb 3  0.05 0.02  0.02 0.04  0 0.05\n1.4 1 50 0.7 0.2\ni sphere 0.1 0.1 0.1 0.05 1.4 5 50 0.7\n1.5 2 30 .8 .1\n1\n' >"$work/v.mci"
+    expect_code 0 "$work/v.mci" --quiet -o "$work"
+    "$python" tests/lib/drawn_arrays.py "$work/v.h5" 2>"$work/err" || complain "arrays: $(tail -n 3 "$work/err")"
+    expect_code 0 plot "$work/v.h5" --of A_xyz --cut z=0.05 -o "$work/cut.svg"
+    has cut.svg 'A_xyz  [1/cm³], z = 0.05' '>x  [cm]<' '>y  [cm]<'
+    expect_code 0 plot "$work/v.h5" --of Rd_dir -o "$work/dir.svg"
+    expect_code 0 plot "$work/v.h5" "$work/v.h5" --label one --label two --of Tt -o "$work/two.svg"
+    has two.svg '>one<' '>two<' '>Tt  [1/cm²]'
+    expect_code 0 plot "$work/v.h5" --of boundary0_irradiance_above -o "$work/facets.png"
+    refused "--cut y=9 (expected a place of -0.15 to 0.15 cm, in $work/v.h5)" plot "$work/v.h5" --of A_xyz --cut y=9
+    refused "--of Rd_xya: over y x alpha (expected --cut at a place of one of them)" plot "$work/v.h5" --of Rd_xya
 fi
-
-# But for what XML does not have: the end of CDATA, controls, halves of surrogates, characters too long or beyond the last.
-while read -r bytes drawn; do
-    text=$(printf "$bytes") drawn=$(printf "$drawn")
-    expect_code 0 plot "$work/fig5.mco" -o "$work/text.svg" --caption "$text" --title "$text" --label "$text"
-    test "$(grep -Fc ">$drawn</text>" "$work/text.svg")" -ge 2 || complain "the caption $bytes is not drawn as $drawn"
-    ! command -v xmllint >/dev/null || xmllint --noout "$work/text.svg" 2>"$work/xml" || complain "$bytes: the svg is not XML: $(cat "$work/xml")"
-done <<'END'
-a]]>b a?]>b
-a]]]>b a]?]>b
-a\355\240\200b a???b
-a\355\277\277b a???b
-a\340\237\277b a???b
-a\360\217\277\277b a????b
-a\364\220\200\200b a????b
-a\357\277\276b a???b
-a\001b\177 a?b?
-\355\237\277\356\200\200\364\217\277\277\357\277\275 \355\237\277\356\200\200\364\217\277\277\357\277\275
-END
-bad_curve() { # MESSAGE TEXT
-    printf "$2" >"$work/bad.csv"
-    expect_error 2 "$work/bad.csv$1" plot "$work/bad.csv" -o "$work/none.svg"
-}
-columns="two or three columns of numbers: place, value, standard error"
-bad_curve ": columns is missing (expected $columns)" ''
-bad_curve ":1: columns = a (expected $columns)" 'a,b,c,d\n'
-bad_curve ':1: rows is missing (expected 2 or more)' 'bin,r,Rd_r_per_cm2\n'
-bad_curve ': Rd_r is missing (expected a column of this name, or Tt_r)' 'bin,r_mid_cm\n'
-bad_curve ':3: Rd_r = x (expected a number of 0 or more)' '# c\nr_mid_cm,Rd_r_per_cm2\n0.5,x\n'
-bad_curve ':3: standard error = -1 (expected a number of 0 or more)' '# c\nr value error\n0.5 1 -1\n'
-bad_curve ':3: row is missing (expected as many columns as in the first line)' '1 2 3\n\n2 3\n'
-bad_curve ':2: r_mid_cm = 1 (expected more than in the row before)' '1,1\n1,1\n'
-bad_curve ':2: rows is missing (expected 2 or more)' 'r_mid_cm,Tt_r_per_cm2\n0,1\n'
-
-# No text of any picture runs through another.
 check_texts
 
-# Without gnuplot, and with one that fails: one line, no picture, the old picture stays.
-mkdir "$work/bin"
-real=$program
-program=$work/elsewhere
-printf '#!/bin/sh\nPATH="%s" exec "%s" "$@"\n' "$work/bin" "$real" >"$program"
-chmod +x "$program"
-expect_error 5 "gnuplot cannot be started (No such file or directory); is it installed?" \
-    plot "$work/fig5.mco" -o "$work/none.svg"
-printf '#!/bin/sh\necho first >&2\necho broken >&2\nexit 3\n' >"$work/bin/gnuplot"
-chmod +x "$work/bin/gnuplot"
-cp "$work/one.svg" "$work/kept.svg"
-expect_error 5 "gnuplot failed (broken)" plot "$work/fig5.mco" -o "$work/one.svg"
-cmp -s "$work/one.svg" "$work/kept.svg" || complain "a failed plot changed the old picture"
-ls "$work" | grep -q -e none -e '\.tmp$' && complain "a failed plot left a file"
+# Without Python, and with one that lacks the modules: one line.
+lacks() { # PYTHON LINE
+    code=0
+    CLUSTERMCML_PYTHON=$1 "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
+    test $code -eq 5 && grep -q "^clustermcml: plot: $2 (\(.*; \)*expected it: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 || complain "$1: $code $(cat "$work/err")"
+}
+lacks "$work/none" "$work/none cannot be started"
+printf '#!/bin/sh\nexec "%s" -S "$@"\n' "$python" >"$work/bare"
+chmod +x "$work/bare"
+lacks "$work/bare" ".* has no module [a-z0-9]*"
 finish

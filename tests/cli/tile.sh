@@ -87,7 +87,7 @@ grep -q 'NumberOfPolys="8192"' "$work/facets.boundary0.vtp" || complain "facets 
 
 expect_code 0 trace samples/furrows.mci 7
 grep -q 'boundary\|reflect\|transmit' "$work/out" || complain "trace shows no boundary event"
-expect_code 0 check samples/furrows.mci -o "$work/section.svg"
+expect_code 0 view samples/furrows.mci -o "$work/section.svg"
 check_texts
 expect_code 2 "$work/mirror.mci" --engine opencl -o "$work"
 grep -q 'boundary 0 is a mesh' "$work/err" || complain "opencl: $(cat "$work/err")"

@@ -7,7 +7,7 @@ program=$(realpath "$1")
 mkdir -p "$2"
 out=$(realpath "$2")
 cd "$(dirname "$0")/../.."
-for target in mci fly obj heightmap mco csv options checkpoint h5 sweep; do mkdir -p "$out/$target"; done
+for target in mci fly obj heightmap mco options checkpoint h5 sweep; do mkdir -p "$out/$target"; done
 
 # A scene and the files that it names become one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
 join() {
@@ -81,9 +81,6 @@ for name in plane maps hill; do
     "$program" "$out/fly/$name" --quiet --threads 1 -o "$scratch"
     cp "$scratch/$name.mco" "$out/mco"
 done
-printf '# a curve\nbin,r_mid_cm,Rd_r_per_cm2,Tt_r_per_cm2\n0,0.05,2,1e-3\n1,0.15,1,0\n3,0.35,0.5,1e-9\n' >"$out/csv/curve"
-printf 'bin,x,r_mid_cm,Rd_r_per_cm2\r\n0,9,0.005,2\r\n1,9,0.015,1\r\n' >"$out/csv/crlf"
-for file in tests/reference/profiles/*.csv; do head -n 8 "$file" >"$out/csv/$(basename "$file")"; done
 
 # The grid of fuzz_checkpoint.c, which puts zeros for the cells that are cut off here. The run is ended as soon as it has
 # left a checkpoint, however slow the machine is.
@@ -97,9 +94,7 @@ head -c 2300 "$scratch/plane.mco.checkpoint" >"$out/checkpoint/partial"
 
 # Command lines: what the help text names, and the examples in the manual's words.
 printf 'run\nscene.mci\n--photons\n1e7\n--seed=2\n-o\nresults\n' >"$out/options/run"
-printf 'compare\na.mco\nb.mco\n--alpha\n0.05\n--json\n-of.svg\n' >"$out/options/compare"
 printf 'trace\nscene.mci\n7\n--run\n2\n--engine\nreference\n--boundaries=mesh\n--normals\nfacet\n--rings\narea\n' >"$out/options/trace"
-printf 'plot\na.h5\n--of\nTt\n--log\n--caption\na b\n--\n-x\n' >"$out/options/plot"
 printf -- '--checkpoint\noff\n--patience\n1e3\n--target-error\n.01\n--tolerance\n1e-3\n--threads\n2\n--device\n0,1\n' >"$out/options/machine"
 
 # Tables of sweeps, and changes of an .h5: one of each kind.

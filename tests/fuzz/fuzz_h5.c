@@ -1,15 +1,12 @@
-/* .h5 files: a whole result, changed by HDF5 as the input says, then read as result, map and fields.
- * The input is a list of changes: one byte each for what is done, to which object and how; so every
+/* .h5 files: a whole result, changed by HDF5 as the input says, then read as a result. The input is a list
+ * of changes: one byte each for what is done, to which object and how; so every
  * file is one that HDF5 itself has made, and what it holds is anything. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include <hdf5.h>
 #include <hdf5_hl.h>
 #include <math.h>
-#include <zlib.h>
 
-#include "output/files/hdf5_arrays.h"
-#include "plot/files/map_h5.h"
 #include "result/h5.h"
 
 enum { NR = 3, NZ = 2, NA = 2, NX = 3, NY = 2 };
@@ -287,45 +284,6 @@ static void read_result(const char *path)
     cml_outcome_clear(&found);
 }
 
-static void read_map(const char *path)
-{
-    struct cml_pixels map;
-    struct cml_error err = {CML_OK, ""};
-    char unit[CML_HDF5_UNIT];
-    const struct cml_voxel_cut none = {0, 0};
-    const cml_status status = cml_hdf5_read_map(path, "Rd_xy", &none, "", &map, unit, &err);
-    if (status != CML_OK) fuzz_refused(status, &err);
-    cml_pixels_clear(&map);
-}
-
-static void read_fields(const char *path)
-{
-    struct cml_hdf5_arrays fields;
-    struct cml_error err = {CML_OK, ""};
-    const size_t most = sizeof room / sizeof(double);
-    cml_status status = cml_hdf5_arrays_open(path, &fields, &err);
-    for (int i = 0; status == CML_OK && i < fields.count; i++) {
-        const size_t size = cml_field_size(&fields.item[i].field);
-        status =
-            cml_hdf5_array_read(&fields, &fields.item[i], 0, size < most ? size : most, (double *)room, &err);
-    }
-    if (status != CML_OK) fuzz_refused(status, &err);
-    cml_hdf5_arrays_close(&fields);
-}
-
-/* What takes longer comes more rarely, by the input's checksum: a choice of the input would be that of the
- * fuzzer, which likes what takes long. */
-static void read_as(unsigned long how, const char *path)
-{
-    how %= 64;
-    if (how < 40)
-        read_map(path);
-    else if (how < 48)
-        read_fields(path);
-    else
-        read_result(path);
-}
-
 /* What is left open in it would stay for the next input. */
 static void close_file(hid_t file)
 {
@@ -359,7 +317,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     H5Fflush(file, H5F_SCOPE_GLOBAL);
     const bool closed = size % 16 == 0;
     if (closed) close_file(file);
-    read_as(crc32(0, data, (uInt)size) >> 8, path);
+    read_result(path);
     if (!closed) close_file(file);
     return 0;
 }

@@ -1,63 +1,7 @@
-/* .mco files: read; written, read and written again with the same bytes; compared with themselves; drawn.
- * SPDX-License-Identifier: MIT */
+/* .mco files: read; written, read and written again with the same bytes. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
-#include "plot/compare_report.h"
-#include "plot/plot.h"
-#include "plot/plot_map.h"
 #include "result/mco.h"
-
-static const char *const names[2] = {"a.mco", "b.mco"};
-
-/* Equal results have no difference in any test, whatever the numbers. */
-static void compare(const struct cml_outcome mco[2])
-{
-    struct cml_comparison comparison;
-    struct cml_error err = {CML_OK, ""};
-    const cml_status status = cml_compare(&mco[0], &mco[1], names, &comparison, &err);
-    if (status != CML_OK) {
-        fuzz_refused(status, &err);
-        return;
-    }
-    for (int i = 0; i < comparison.count; i++) FUZZ_CHECK(comparison.test[i].z == 0);
-    const struct cml_compare_report report = {
-        .names = names, .outcome = mco, .comparison = &comparison, .alpha = 0.01};
-    FUZZ_CHECK(comparison.p == 1);
-    cml_compare_summary(fuzz_nowhere(), &report);
-    if (cml_compare_json(fuzz_nowhere(), &report, &err) != CML_OK) fuzz_refused(CML_E_INPUT, &err);
-    if (cml_compare_script(fuzz_nowhere(), &report, &err) != CML_OK) fuzz_refused(CML_E_INPUT, &err);
-    cml_comparison_clear(&comparison);
-}
-
-/* Everything that can be shown of it, as curves or as a map over (r, z). */
-static void draw(const struct cml_outcome mco[2])
-{
-    static const char *const of[] = {NULL, "Rd_r", "Tt_a", "fluence", "A_rz", "fluence_rz"};
-    const struct cml_plot_style style = {
-        .x = cml_axis_range_any, .y = cml_axis_range_any, .colour = cml_axis_range_any, .percentile = 90};
-    const struct cml_shown *shown;
-    struct cml_error err = {CML_OK, ""};
-    if (mco->nr < 3) return;
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
-        FUZZ_CHECK(cml_shown_find(of[i], &shown, &err) == CML_OK);
-        struct cml_pixels map = {0};
-        const struct cml_plot plot = {
-            .shown = shown, .num_results = 2, .results = mco, .paths = names, .names = names, .style = style};
-        const struct cml_map_plot picture = {.count = 1,
-                                             .maps = &map,
-                                             .names = names,
-                                             .quantity = "A",
-                                             .grey = "no light",
-                                             .axes = &cml_map_rz,
-                                             .style = style};
-        cml_status status = shown->map ? cml_shown_map(mco, names[0], shown, &map, &err)
-                                       : cml_plot_script(fuzz_nowhere(), &plot, &err);
-        if (status == CML_OK && map.value && map.n[0] * map.n[1] < 4096)
-            status = cml_map_script(fuzz_nowhere(), &picture, &err);
-        if (status != CML_OK) fuzz_refused(status, &err);
-        cml_pixels_clear(&map);
-    }
-}
 
 /* The bytes of the file that a result is written as; the caller's to free. */
 static char *written(const struct cml_outcome *mco, size_t *size)
@@ -96,9 +40,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     check_written(mco);
     cml_outcome_clear(&mco[1]);
-    mco[1] = mco[0];
-    compare(mco);
-    draw(mco);
     cml_outcome_clear(&mco[0]);
     return 0;
 }

@@ -42,12 +42,10 @@ ROOMS = {
     "src/run/crosscheck": "src/run src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/result src/output/files src/tally src/base",
-    "src/plot/files": "src/result src/output/files src/tally src/base",
-    "src/plot": "src/plot/files src/result src/output/files src/tally src/input/sweep src/base",
-    "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
+    "src/cli/options": "src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
+    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -61,20 +59,18 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/vector/group_masks",
-    "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
+    "jansson.h": "src/base/json_name src/output/report_json src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_read",
     "sys/resource.h": "src/cli/load/scenes",
     "sys/ioctl.h": "src/cli/run/progress",
-    "spawn.h": "src/plot/gnuplot",
     "signal.h": "src/run/stop",
     "mpi.h": "src/run/cluster_parts",
     "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
-    "sys/mman.h": "src/plot/gnuplot src/tally/tally",
-    "sys/wait.h": "src/plot/gnuplot",
+    "sys/mman.h": "src/tally/tally",
     "sys/prctl.h": "src/run/stop",
     "dirent.h": "src/base/atomic_file",
 }

@@ -35,9 +35,13 @@ def cut(path, out):
         plain.write(file.read().replace("   Last line: # end", "").split("\n# clustermcml ")[0])
 
 
-def compare(a, b):
-    done = subprocess.run([cml.PROGRAM, "compare", a, b, "--json"], capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 1):
+def compare_all(paths):
+    """What `compare --json` says of each pair, by one interpreter: to start it takes longer than to compare."""
+    script = "import json, sys, clustermcml\nprint(json.dumps([clustermcml.compare(a, b) for a, b in json.load(sys.stdin)]))"
+    package = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "python")
+    done = subprocess.run([os.environ.get("CLUSTERMCML_PYTHON", "python3"), "-c", script], input=json.dumps(paths), capture_output=True,
+                          text=True, check=False, env={**os.environ, "PYTHONPATH": package})
+    if done.returncode:
         raise RuntimeError(done.stderr)
     return json.loads(done.stdout)
 
@@ -53,12 +57,13 @@ def quantile(n, p, level):
 
 def count_alarms(verdict, name, paths):
     """paths: of both files of every pair."""
-    records = [compare(*pair) for pair in paths]
+    records = compare_all(paths)
     alarms, tests = sum(record["p"] < 0.05 for record in records), sum(record["tests"] for record in records)
     most = quantile(len(paths), 0.05, 1e-4)
     print(f"{name}: {alarms} alarms in {len(paths)} pairs, {tests / len(paths):.0f} tests each")
     verdict.check(name, alarms <= most, f"{alarms} alarms, expected at most {most}")
     verdict.check(name, tests > 10 * len(paths), f"{tests} tests in {len(paths)} pairs")
+    return records
 
 
 def false_alarms(verdict, scene, photons, pairs):
@@ -85,9 +90,8 @@ def false_alarms_of_arrays(verdict, photons, pairs):
         text = cml.repeated(2 * pairs, layers, "a", ".h5", photons=photons, grid="0.02 0.01", bins="10 20 5", extra=asks, surfaces={0: "b 3  0.15 0.02  0.05 0.04  0 0.05"})
         cml.run(re.sub(r"(\.h5) A\n", r"\1 B\n", text), "--seed", 31, "--derivatives", keep=keep)
         paths = [[os.path.join(keep, f"a{i}.h5") for i in (2 * k, 2 * k + 1)] for k in range(pairs)]
-        count_alarms(verdict, f"arrays {photons}", paths)
-        tested = compare(*paths[0])["quantities"]
-        for name in ("A_xyz", "phi_xyz", "Rd_xya", "detector_map", "irradiance_above", "body_exitance_inside", "A_l", "A_body", "detector_path", "dRd_dmua"):
+        tested = count_alarms(verdict, f"arrays {photons}", paths)[0]["quantities"]
+        for name in ("A_xyz", "phi_xyz", "Rd_xya", "detector_camera_map", "irradiance_above", "body_exitance_inside", "A_l", "A_body", "detector_far_path", "dRd_dmua"):
             verdict.check("arrays", tested.get(name, {"tests": 0})["tests"] > 0, f"{name} is not tested")
 
 
@@ -100,8 +104,8 @@ def power(verdict, photons):
         fly(keep, "b", [layers[0].replace(" 20 ", " 20.2 ")], bins, grid, photons, 1, 22, *AS_MCML)
         cut(keep + "/a0.mco", keep + "/a0.cut")
         cut(keep + "/b0.mco", keep + "/b0.cut")
-        for a, b in (("mco", "mco"), ("cut", "mco"), ("mco", "cut"), ("cut", "cut")):
-            record = compare(f"{keep}/a0.{a}", f"{keep}/b0.{b}")
+        kinds = [("mco", "mco"), ("cut", "mco"), ("mco", "cut"), ("cut", "cut")]
+        for (a, b), record in zip(kinds, compare_all([[f"{keep}/a0.{a}", f"{keep}/b0.{b}"] for a, b in kinds])):
             worst = record["worst"][0]
             print(f"mus + 1 %, {photons} packets, {a} against {b}: p = {record['p']:.2g}, z of {worst['quantity']}"
                   f"[{worst['first']}..{worst['last']}] {worst['z']:+.2f}")

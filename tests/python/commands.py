@@ -68,7 +68,7 @@ class Roughness(unittest.TestCase):
 class Options(unittest.TestCase):
     def test_are_those_of_the_program(self):
         """All of them, and no others; and they stand in the signature that completion asks for."""
-        for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "furnace", "compare"):
+        for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "furnace"):
             kind = set(vars(options)[name.capitalize() + "Options"].__annotations__)
             theirs = {word.replace("-", "_") for word in re.findall(r"^  (?:-\w, )?--([\w-]+)", command("help", name), re.MULTILINE)}
             self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir", "reweight"}, name)  # the latter: of sweep
@@ -160,8 +160,12 @@ class Commands(unittest.TestCase):
 
     def test_pictures(self):
         path = os.path.join(self.folder, "section.svg")
-        mc.check(HILL, output=path)
+        mc.view(HILL, path)
         self.assertGreater(os.path.getsize(path), 1000)
+        slab = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=[mc.Sphere(0, 0, 0.05, 0.02, n=1.4, mua=1, mus=2, g=0)])], photons=10)
+        mc.view(slab, path)
+        with open(path, encoding="utf-8") as file:
+            self.assertIn(">body 1, n = 1.4<", file.read())
 
     def test_messages_name_no_files_that_are_gone(self):
         """Of files beside the scene the program says something, of results this package."""

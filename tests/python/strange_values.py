@@ -25,10 +25,11 @@ SOUND = [
 CALLS = {  # each with the arguments that stay, and those that become strange
     mc.run: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "output_dir", "seed", "photons", "set", "roulette", "engine", "target_error", "resume")),
     mc.sweep: ({"scene": mc.Scene([LAYER], photons=100), "parameters": {"layer1.mua": [1, 2]}}, ("parameters", "dim", "coords", "variables", "output_dir")),
-    mc.check: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "sweep", "run", "output")),
+    mc.check: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "sweep")),
     mc.trace: ({"scene": mc.Scene([LAYER], photons=100), "photon": 1}, ("photon", "seed")),
     mc.mesh: ({"scene": mc.Scene([LAYER], photons=100)}, ("output_dir",)),
-    mc.compare: ({"a": "none", "b": "none"}, ("a",)),
+    mc.view: ({"scene": mc.Scene([LAYER], photons=100), "output": "x.svg"}, ("output", "run", "style")),
+    mc.compare: ({"a": "none", "b": "none"}, ("a", "alpha", "output")),
     mc.merge: ({"results": ["none", "none"]}, ("results",)),
     mc.read: ({}, ("path",)),
     mc.read_photons: ({}, ("path",)),

@@ -35,6 +35,11 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
         FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md"
         PATTERN "*.txt" PATTERN "*.csv" PATTERN "*.ipynb")
+# The package, for plot, compare and view; a wheel has it above its program.
+if(NOT SKBUILD)
+    install(DIRECTORY src/python/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/python
+            FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+endif()
 install(PROGRAMS samples/slurm.sh samples/slurm-array.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/samples)
 if(CLUSTERMCML_PAGES)
     find_program(AWK NAMES mawk gawk awk REQUIRED)

@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/* Of plot, compare and view. */
+#define OF_PACKAGE "The Python package does it: needs python3, h5py, matplotlib and xarray; clustermcml "
+
 const struct cml_command_def cml_commands[] = {
     [CML_COMMAND_RUN] = {"run", "scene.mci", 1, 1, "simulate all runs of the file",
                          "Flies the photons of all runs of the file and writes one result each. The word run "
@@ -25,9 +28,9 @@ const struct cml_command_def cml_commands[] = {
                            "mean free paths, grids, how "
                            "every boundary is represented and why, mesh sizes, the memory that a run will "
                            "hold, and the totals of the "
-                           "scene without its shapes. With -o it draws a section through the scene along x. "
+                           "scene without its shapes. "
                            "Flies no photons but the trial ones of --tolerance.",
-                           "clustermcml check samples/mixed.mci -o mixed.svg\n"
+                           "clustermcml check samples/mixed.mci\n"
                            "clustermcml check samples/scan.mci --tolerance 0.01 --json\n"},
     [CML_COMMAND_EXACT] = {"exact", "scene.mci", 1, 1,
                            "totals of the flat scene without photons, by adding-doubling",
@@ -56,12 +59,13 @@ const struct cml_command_def cml_commands[] = {
          "turbid layer and body is known from its volume alone. So it proves that the meshes of a scene "
          "are flown as they should be. Writes no file.",
          "clustermcml furnace samples/mixed.mci --photons 1e6\n"},
-    [CML_COMMAND_COMPARE] = {"compare", "a.mco b.mco", 2, 2,
-                             "do two results agree within their noise? exit code 1 if not",
-                             "Tests the totals and every bin of the profiles of two results on the same "
-                             "grid, ours or original MCML's. "
-                             "Prints z and a p-value that is corrected for the number of tests.",
-                             "clustermcml compare a.mco b.mco -o z.svg\n"},
+    [CML_COMMAND_COMPARE] =
+        {"compare", "a.mco b.mco", 2, 2, "do two results agree within their noise? exit code 1 if not",
+         "Tests the totals, every bin of every array and the sums of arrays of two results "
+         "on the same grid, ours or original MCML's. "
+         "Prints z and a p-value that is corrected for the number of tests. " OF_PACKAGE
+         "compare --help lists its options.",
+         "clustermcml compare a.mco b.mco -o z.svg\n"},
     [CML_COMMAND_MERGE] = {"merge", "[scene.mci] FILE ...", 1, 65536,
                            "the parts of one run (run --part), joined: the result of the whole run",
                            "Adds up the parts of a run, or of all runs and rows that one call of run has "
@@ -72,17 +76,23 @@ const struct cml_command_def cml_commands[] = {
                            "clustermcml run samples/skin7.mci --part 1/2\n"
                            "clustermcml run samples/skin7.mci --part 2/2\n"
                            "clustermcml merge skin7.mco.part*\n"},
-    [CML_COMMAND_PLOT] = {"plot", "FILE ...", 1, 64,
-                          "draw results and curves (.mco, .h5, .csv), maps (.h5) or sweeps (.sweep.csv)",
-                          "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, "
-                          ".h5), with bands of one standard error, heightfields dotted and the curves of "
-                          "others (.csv: place, value, standard error) dashed; or Rd(x,y) of one or more "
-                          "maps (.h5 with --of) in colours, side by side; or columns of the tables of sweeps "
-                          "(.sweep.csv) over each other. Needs gnuplot.",
-                          "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
-                          "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
-                          "clustermcml plot skinmap.h5 --of Tt --percentile 99.9 -o map.png\n"
-                          "clustermcml plot a.sweep.csv --of A --over layer1.mua --by layer1.mus -o a.svg\n"},
+    [CML_COMMAND_PLOT] =
+        {"plot", "FILE ...", 1, 64, "draw results (.mco, .h5), curves (.csv) or sweeps (.sweep.csv)",
+         "Draws r*Rd(r) and r*Tt(r), or the array that --of names, of one or more results "
+         "(.mco, .h5), by its axes: as curves with bands of one standard error, maps in colours, "
+         "cuts through voxels, directions as discs, facets as shaded meshes; the curves of others "
+         "(.csv: place, value, standard error) dashed, heightfields dotted; or columns of the "
+         "tables of sweeps (.sweep.csv) over each other. " OF_PACKAGE "plot --help lists its options.",
+         "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
+         "clustermcml plot a.h5 --of phi_xyz --cut y=0 --title 'Skin, 633 nm' -o fluence.svg\n"
+         "clustermcml plot skinmap.h5 --of Tt --percentile 99.9 -o map.png\n"
+         "clustermcml plot a.sweep.csv --of A --over layer1.mua --by layer1.mus -o a.svg\n"},
+    [CML_COMMAND_VIEW] =
+        {"view", "scene.mci", 1, 1, "draw the section through a scene",
+         "Draws the plane y = 0: boundaries, layers, bodies with their numbers, beams with the "
+         "rays at their sides, detectors, the ends of the map. Flies no photons. " OF_PACKAGE
+         "view --help lists its options.",
+         "clustermcml view samples/mixed.mci -o mixed.svg\n"},
     [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
                              "Lists what photons can be flown on: cores and their vector instructions, "
                              "OpenCL devices with the numbers that "

@@ -18,6 +18,7 @@
     C(COMPARE, compare, false)                                                                               \
     C(MERGE, merge, false)                                                                                   \
     C(PLOT, plot, false)                                                                                     \
+    C(VIEW, view, false)                                                                                     \
     C(DEVICES, devices, false)                                                                               \
     C(HELP, help, false)
 

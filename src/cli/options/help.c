@@ -21,7 +21,8 @@ static const struct {
     {2, "usage or input, or a request that does not fit into memory"},
     {3, "no device, or one that failed"},
     {4, "numerical: lost packets, or a balance of weights that is not 0; the result is written all the same"},
-    {5, "a file or standard output could not be written, a rank was lost, or gnuplot failed"},
+    {5, "a file or standard output could not be written, a rank was lost, or Python or a module of it is "
+        "missing"},
     {75, "stopped by a signal; --resume continues"},
     {141, "who read standard output went away; files are written all the same"},
 };

@@ -4,10 +4,7 @@
 #include "base/settings.h"
 #include "cli/options/command_table.h"
 #include "engine/engine.h"
-#include "plot/plot_parts.h"
 #include "surface/surface.h"
-
-enum { CML_MOST_LABELS = 64 };
 
 struct cml_options {
     enum cml_command which; /* run where none is named */
@@ -32,18 +29,11 @@ struct cml_options {
     struct cml_part_files *joined; /* of `merge`: parts whose sums take the place of flights; NULL: none */
     double timeout;                /* s of a rank's silence */
     bool quiet, json, verbose;
-    double alpha;                /* level of `compare` */
-    struct cml_plot_style style; /* of `plot` */
-    const char *of;              /* what `plot` shows, NULL: not given */
-    char cut_axis;               /* of a cut through voxels, 'x', 'y' or 'z'; 0: not given */
-    double cut_at;               /* cm */
-    const char *over, *by;       /* columns of the table of a sweep's results, NULL: not given */
-    int num_labels;
-    const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */
-    const char *sweep;                   /* a table, one run a row; NULL: not given */
-    bool reweight;                       /* rows that differ in absorption come of one flight */
-    const char *directory;               /* of the results; NULL: not given */
-    const char *output;           /* the name of `run`'s result, or the picture of others; NULL: not given */
+    double alpha;                 /* level of `furnace` */
+    const char *sweep;            /* a table, one run a row; NULL: not given */
+    bool reweight;                /* rows that differ in absorption come of one flight */
+    const char *directory;        /* of the results; NULL: not given */
+    const char *output;           /* the name of a result; NULL: not given */
     struct cml_settings settings; /* values in place of what the scene's file says */
     const char *dump;             /* crosscheck: a file for the photons that differ; NULL: not wanted */
     int num_operands;             /* without the command's name */

@@ -170,8 +170,6 @@ static void set_defaults(struct cml_options *options)
     /* a fixed seed, so that a run can be repeated by whoever has its file */
     options->engine_options.seed = 1;
     options->run = 1;
-    options->style = (struct cml_plot_style){
-        .x = cml_axis_range_any, .y = cml_axis_range_any, .colour = cml_axis_range_any, .percentile = 100};
     options->engine_options.lattice = true;
     options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
     options->engine_options.reentry = true;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/files/hdf5_read.h"
 
-#include "base/array.h"
-
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -235,47 +233,6 @@ void cml_hdf5_dataset_close(struct cml_hdf5_dataset *dataset)
     *dataset = (struct cml_hdf5_dataset){0};
 }
 
-struct listing {
-    const struct cml_hdf5 *file;
-    struct cml_hdf5_dataset *item;
-    int count;
-    cml_status status;
-    struct cml_error *err;
-};
-
-/* One link of the root. */
-static herr_t add_link(hid_t root, const char *name, const H5L_info_t *info, void *context)
-{
-    (void)root, (void)info;
-    struct listing *list = context;
-    list->status =
-        cml_array_grow(&list->item, (size_t)list->count, sizeof *list->item, "a list of arrays", list->err);
-    if (list->status != CML_OK) return -1;
-    list->status = cml_hdf5_dataset_open(list->file, name, &list->item[list->count], list->err);
-    if (list->status == CML_OK && list->item[list->count].id > 0) list->count++;
-    return list->status == CML_OK ? 0 : -1;
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(((const struct cml_hdf5_dataset *)a)->name, ((const struct cml_hdf5_dataset *)b)->name);
-}
-
-/* In the order of the file: where HDF5 sorts links itself and meets a bad one, it frees pointers that it
- * never set. */
-cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_dataset **items, int *count,
-                             struct cml_error *err)
-{
-    struct listing list = {.file = file, .err = err};
-    const herr_t result = H5Literate(file->id, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_link, &list);
-    if (result < 0 && list.status == CML_OK)
-        list.status = refuse(file, "the list of its arrays", "cannot be read", "the .h5 file of a run", err);
-    if (list.count > 0) qsort(list.item, (size_t)list.count, sizeof *list.item, by_name);
-    *items = list.item;
-    *count = list.count;
-    return list.status;
-}
-
 /* ---- values ---- */
 
 /* The number in bytes `stride` apart, lowest first. */
@@ -470,51 +427,6 @@ cml_status cml_hdf5_text(const struct cml_hdf5 *file, const struct cml_hdf5_data
     free(*text);
     *text = NULL;
     return status;
-}
-
-uint64_t cml_hdf5_address(const struct cml_hdf5_dataset *dataset)
-{
-    hobj_ref_t reference = 0;
-    _Static_assert(sizeof reference == sizeof(uint64_t), "an address of 64 bits");
-    (void)H5Rcreate(&reference, dataset->id, ".", H5R_OBJECT, -1);
-    return reference;
-}
-
-/* As H5DSattach_scale writes it. The other direction, from data sets to scales, is of variable length, which
- * the library reads without a bound. */
-static bool read_uses(hid_t attribute, struct cml_hdf5_use *out)
-{
-    const hid_t type = H5Aget_type(attribute), wanted = H5Tcreate(H5T_COMPOUND, sizeof *out);
-    (void)H5Tinsert(wanted, "dataset", HOFFSET(struct cml_hdf5_use, dataset), H5T_STD_REF_OBJ);
-    (void)H5Tinsert(wanted, "dimension", HOFFSET(struct cml_hdf5_use, axis), H5T_NATIVE_INT);
-    const bool good = H5Tequal(type, wanted) > 0 && H5Aread(attribute, wanted, out) >= 0;
-    H5Tclose(wanted);
-    H5Tclose(type);
-    return good;
-}
-
-cml_status cml_hdf5_uses(const struct cml_hdf5_dataset *scale, struct cml_hdf5_use **uses, size_t *count,
-                         struct cml_error *err)
-{
-    static const char name[] = "REFERENCE_LIST";
-    *uses = NULL;
-    *count = 0;
-    const hid_t attribute = open_attribute(scale->file, scale, name);
-    if (attribute < 0) return CML_OK;
-    const hssize_t found = elements_of(attribute, 1);
-    const bool fits = found > 0 && (size_t)found <= scale->file->bytes / sizeof **uses;
-    struct cml_hdf5_use *list = calloc(fits ? (size_t)found : 1, sizeof *list);
-    cml_status status = list ? CML_OK : cml_fail_memory(err, (double)found * sizeof *list, name);
-    if (list && !(fits && read_uses(attribute, list)))
-        status = refuse(scale->file, name, "is of another type or shape", "a list of data sets", err);
-    H5Aclose(attribute);
-    if (status != CML_OK) {
-        free(list);
-        return status;
-    }
-    *uses = list;
-    *count = (size_t)found;
-    return CML_OK;
 }
 
 #else

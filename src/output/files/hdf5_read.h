@@ -29,12 +29,6 @@ struct cml_hdf5_dataset {
     struct cml_hdf5_chunks *chunks; /* NULL: its values lie in one piece */
 };
 
-/* An axis of a data set that a scale belongs to. */
-struct cml_hdf5_use {
-    uint64_t dataset; /* cml_hdf5_address */
-    int axis;
-};
-
 /* `path` must outlive the file. The caller closes it. A program without HDF5 refuses every file, and has
  * cml_hdf5_close and cml_hdf5_number alone of the other functions. */
 CML_NODISCARD cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_error *err);
@@ -48,11 +42,6 @@ CML_NODISCARD cml_status cml_hdf5_dataset_open(const struct cml_hdf5 *file, cons
                                                struct cml_hdf5_dataset *dataset, struct cml_error *err);
 void cml_hdf5_dataset_close(struct cml_hdf5_dataset *dataset);
 
-/* All data sets of the root by name, opened, or those up to the one that failed. In either case the caller
- * closes each and frees *list. */
-CML_NODISCARD cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_dataset **list,
-                                           int *count, struct cml_error *err);
-
 /* Fills out[count] with the values from number `begin` on, the last axis fastest. */
 CML_NODISCARD cml_status cml_hdf5_values(const struct cml_hdf5_dataset *dataset, size_t begin, size_t count,
                                          double *out, struct cml_error *err);
@@ -65,10 +54,3 @@ CML_NODISCARD cml_status cml_hdf5_number(const struct cml_hdf5 *file, const char
  * caller's to free. */
 CML_NODISCARD cml_status cml_hdf5_text(const struct cml_hdf5 *file, const struct cml_hdf5_dataset *dataset,
                                        const char *name, char **text, struct cml_error *err);
-
-/* What a dimension scale belongs to: *count uses, the caller's to free; none where it belongs to nothing. */
-CML_NODISCARD cml_status cml_hdf5_uses(const struct cml_hdf5_dataset *scale, struct cml_hdf5_use **uses,
-                                       size_t *count, struct cml_error *err);
-
-/* The place of a data set in its file. */
-uint64_t cml_hdf5_address(const struct cml_hdf5_dataset *dataset);

@@ -15,7 +15,8 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
-from .commands import check, compare, crosscheck, exact, furnace, mesh, plan, trace, version
+from .commands import check, crosscheck, exact, furnace, mesh, plan, trace, version
+from .compare import compare
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
@@ -27,9 +28,10 @@ from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
+from .view import view
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace"]
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

@@ -1,4 +1,4 @@
-"""`python3 -m clustermcml fit scene.mci measured.csv layer1.mua=0.01:10 layer1.mus=10:500`: what mc.fit does, from a shell.
+"""Commands: `python3 -m clustermcml fit scene.mci measured.csv layer1.mua=0.01:10 layer1.mus=10:500`, what mc.fit does, from a shell; `plot`, `compare`, `view`.
 
 Lines of the table: name, place, value, standard error; the place, in cm or rad, says which bin of a profile is meant, and is empty of totals.
 
@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 import warnings
@@ -16,6 +17,7 @@ from typing import Any, Iterator
 import numpy as np
 
 from . import errors
+from .command_line import print_text
 from .commands import check
 from .fit import Fit, fit
 from .mco import NUMERAL
@@ -135,28 +137,26 @@ def _beside(found: Fit) -> list[str]:
     return lines
 
 
-def _print(text: str) -> int:
-    """Exit code, as the program's: 5 where standard output cannot be written, 141 and no word where its reader has gone away."""
-    try:
-        if sys.stdout is None:  # closed
-            raise OSError
-        print(text, end="", flush=True)
-        return 0
-    except BrokenPipeError:
-        code = 141
-    except OSError:
-        code = 5
-        print("clustermcml: standard output cannot be written", file=sys.stderr)
-    setattr(sys, "stdout", None)  # else Python tries again when it ends
-    return code
-
-
 class _Parser(argparse.ArgumentParser):
     def print_help(self, file: Any = None) -> None:
-        raise SystemExit(_print(self.format_help()))
+        raise SystemExit(print_text(self.format_help()))
 
 
 def main() -> int:
+    """`clustermcml plot`, `compare` and `view` hand over to this."""
+    commands = {"compare": ".compare", "plot": ".plot", "view": ".view"}
+    if len(sys.argv) < 2 or sys.argv[1] not in commands:
+        return fit_main()
+    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
+    try:
+        found: int = importlib.import_module(commands[sys.argv[1]], __package__).main(sys.argv[2:])
+        return found
+    except errors.ClustermcmlError as error:
+        print(f"clustermcml: {error}", file=sys.stderr)
+        return error.exit_code
+
+
+def fit_main() -> int:
     parser = _Parser(prog="python3 -m clustermcml", allow_abbrev=False, description="Fits mua and mus of layers and bodies to what was measured.")
     parser.add_argument("command", choices=["fit"])
     parser.add_argument("scene", help="an .mci file with one run")
@@ -174,7 +174,7 @@ def main() -> int:
         if words.output is not None and not words.output.lower().endswith((".svg", ".png", ".pdf", ".eps")):
             raise errors.refuse("-o", words.output, "a name that ends in .svg, .png, .pdf or .eps")
         found = fit(words.scene, _bounds(words.parameters), measured, flights=words.flights, **_options(words))
-        code = _print("\n".join([str(found), *_beside(found), ""]))
+        code = print_text("\n".join([str(found), *_beside(found), ""]))
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:

@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
-from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
+from .options import CheckOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
 from .program import PREFIX, environment, exits_on_signals, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
 from .scene import Scene
 from .sweep import write_table
@@ -26,7 +26,7 @@ from .sweep import write_table
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-DIFFERENT = 1  # exit code of compare, crosscheck and furnace where results disagree
+DIFFERENT = 1  # exit code of crosscheck and furnace where results disagree
 EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", "x": "place", "y": "place", "z": "depth",
          "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
 
@@ -68,7 +68,7 @@ def version() -> str:
 def check(scene: Union[Scene, Path], *, sweep: Union[Path, Mapping[str, ArrayLike], pd.DataFrame, None] = None, reweight: bool = False,
           **options: Unpack[CheckOptions]) -> list[dict[str, Any]]:
     """What the program understands of a scene, for each of its runs: layers, boundaries and how they are represented, memory.
-    output: a picture of the section through it, .svg, .png, .pdf or .eps. sweep: parameters as mc.sweep takes them, without dim and
+    sweep: parameters as mc.sweep takes them, without dim and
     coords, or the path of a table: all its rows are checked, and `sweep` in what is returned says how many these are, and how many
     flights they take, with reweight as in mc.sweep.
 
@@ -138,10 +138,3 @@ def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[Me
     return re.findall(r" triangles -> (.*)$", said, re.MULTILINE)
 
 
-@shown
-def compare(a: Path, b: Path, **options: Unpack[CompareOptions]) -> dict[str, Any]:
-    """Whether two results (.mco, .h5) agree within their noise: what `clustermcml compare --json` says, and `agree`. output: a picture of
-    both."""
-    words = ["compare", errors.existing_file("a", a), errors.existing_file("b", b), "--json", *option_words(options, CompareOptions)]
-    told: dict[str, Any] = json.loads(say(words, "", (0, DIFFERENT)))
-    return told

@@ -19,7 +19,8 @@ import h5py
 import numpy as np
 
 from . import errors
-from .commands import check, say
+from .command_line import picture_name
+from .commands import check
 from .mco import read_mco
 from .measured import PROFILES, TOTALS, Data, is_detector, read_measured
 from .options import FitOptions, Path, shown
@@ -65,11 +66,12 @@ class Fit:
     places: dict[str, Any]
 
     def plot(self, output: Path, of: Optional[str] = None) -> None:
-        """Draws a profile of the model beside the measured one into a file, .svg, .png, .pdf or .eps, as `clustermcml plot` does, which
-        needs gnuplot; totals and values stand below it. of: its name, that of the first without it."""
+        """Draws a profile of the model beside the measured one into a file, .svg, .png, .pdf or .eps, as `clustermcml plot` does;
+        totals and values stand below it. of: its name, that of the first without it."""
         profiles = [name for name in self.measured if name in PROFILES]
         if not profiles or of not in (None, *profiles):
             raise errors.refuse("of", of, "a profile that was measured" + (": " + " ".join(profiles) if profiles else ", of which there is none"))
+        from .plot import main as plot
         name = of or profiles[0]
         totals = [f"{kind}: model {self.prediction[kind]:.4g}, measured {value:.4g} ± {self.measured_errors[kind]:.2g}"
                   for kind, value in self.measured.items() if kind not in PROFILES]
@@ -78,8 +80,8 @@ class Fit:
             files = [os.path.join(scratch, file) for file in ("model.csv", "measured.csv")]
             for file, values, sigmas in zip(files, (self.prediction, self.measured), (self.prediction_errors, self.measured_errors)):
                 np.savetxt(file, np.stack([self.places[name], values[name], sigmas[name]], axis=1), delimiter=",", fmt="%.9g")
-            say(["plot", *files, "--of", name, "--label", "model", "--label", "measured", "--caption", "; ".join(found + totals),
-                 "--output", os.path.abspath(os.fspath(output))], scratch)
+            plot(["--of", name, "--label", "model", "--label", "measured", "--caption", "; ".join(found + totals), "--quiet", "--output",
+                  picture_name(os.path.abspath(os.fspath(output))), *files])
 
     def __str__(self) -> str:
         lines = [f"{name} = {errors.rounded(value, self.errors[name])}" for name, value in self.values.items()]

@@ -34,11 +34,9 @@ class _Flight(MeshOptions, total=False):
 
 
 class CheckOptions(_Flight, total=False):
-    run: int
     ignore_absorption: bool
     engine: Literal["cpu", "reference", "opencl"]
     threads: int
-    output: Path
 
 
 class _Packets(_Flight, total=False):
@@ -105,11 +103,6 @@ class FitOptions(_Photons, total=False):
 
 class SweepOptions(RunOptions, total=False):
     reweight: bool
-
-
-class CompareOptions(TypedDict, total=False):
-    alpha: float
-    output: Path
 
 
 def shown(function: Function) -> Function:

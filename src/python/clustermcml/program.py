@@ -58,6 +58,7 @@ def main() -> NoReturn:
     """The command `clustermcml` of the package: becomes the program. CLUSTERMCML may name this very command."""
     if os.path.realpath(os.environ.get("CLUSTERMCML", "")) == os.path.realpath(sys.argv[0]):
         del os.environ["CLUSTERMCML"]
+    os.environ.setdefault("CLUSTERMCML_PYTHON", sys.executable)  # to which the program hands over what this package does
     program = find_program()
     os.execv(program, [program, *sys.argv[1:]])
 

@@ -27,3 +27,8 @@ def read(path: Union[str, os.PathLike[str]]) -> xr.Dataset:
     if reader is None:
         raise errors.refuse("path", os.fspath(path), "a name that ends in .mco or .h5")
     return reader(name)
+
+
+def read_as(path: str) -> xr.Dataset:
+    """The same by the name as it was typed, which messages then have: what is no `.h5` file is read as an `.mco` file."""
+    return read_h5(path) if path.lower().endswith(".h5") else read_mco(path)

@@ -23,9 +23,6 @@ static void normal_tails_are_those_of_the_tables(void **state)
     assert_near(cml_two_sided(-3), 0.0026997960633, 1e-10);
     assert_near(cml_two_sided(6), 1.9731752898e-9, 1e-9);
     assert_true(cml_two_sided(INFINITY) == 0);
-    assert_near(cml_two_sided_limit(0.05), 1.95996398454, 1e-10);
-    assert_near(cml_two_sided_limit(0.6826894921), 0.40879584127, 1e-9);
-    assert_near(cml_two_sided(cml_two_sided_limit(1e-12)), 1e-12, 1e-9);
 }
 
 /* Two-sided tail of Student's t by Simpson's rule over the angle: t = sqrt(f) tan(a), dt -> cos^(f-1) da. */
@@ -61,7 +58,6 @@ static void sidak_is_the_chance_of_the_smallest(void **state)
     assert_near(cml_sidak(0.5, 2), 0.75, 1e-15);
     assert_near(cml_sidak(1e-20, 1e6), 1e-14, 1e-9); /* no cancellation */
     assert_true(cml_sidak(1, 10) == 1 && cml_sidak(0, 10) == 0 && cml_sidak(0.01, 0) == 1);
-    assert_near(cml_sidak(cml_sidak_level(0.01, 333), 333), 0.01, 1e-12);
 }
 
 int main(void)

@@ -82,8 +82,8 @@ static void letters_take_the_rest_of_their_word_or_the_next(void **state)
     assert_string_equal(accepted("a.mci -o out").directory, "out");
     assert_string_equal(accepted("a.mci -oout").directory, "out");
     assert_string_equal(accepted("a.mci -o -h").directory, "-h");
-    assert_string_equal(accepted("plot a.mco -o f.svg").output, "f.svg");
-    assert_string_equal(accepted("-o f.svg plot a.mco").output, "f.svg");
+    assert_string_equal(accepted("merge a.mco b.mco -o c.mco").output, "c.mco");
+    assert_string_equal(accepted("-o c.mco merge a.mco b.mco").output, "c.mco");
     assert_true(accepted("-h").help);
     assert_string_equal(accepted("a.mci -ho out").directory, "out");
     refused("a.mci -o", "-o is missing its value (try clustermcml --help)");
@@ -93,11 +93,11 @@ static void letters_take_the_rest_of_their_word_or_the_next(void **state)
 static void a_value_may_look_like_anything(void **state)
 {
     (void)state;
-    assert_string_equal(accepted("plot a.mco --caption --log").style.caption, "--log");
-    assert_string_equal(accepted("plot a.mco --caption=").style.caption, "");
-    assert_string_equal(accepted("plot a.mco --caption a=b").style.caption, "a=b");
-    assert_string_equal(accepted("plot a.mco --caption=a=b").style.caption, "a=b");
-    assert_string_equal(accepted("plot a.mco --caption ").style.caption, "");
+    assert_string_equal(accepted("crosscheck a.mci --dump --log").dump, "--log");
+    assert_string_equal(accepted("crosscheck a.mci --dump=").dump, "");
+    assert_string_equal(accepted("crosscheck a.mci --dump a=b").dump, "a=b");
+    assert_string_equal(accepted("crosscheck a.mci --dump=a=b").dump, "a=b");
+    assert_string_equal(accepted("crosscheck a.mci --dump ").dump, "");
     refused("a.mci --seed -1", "--seed -1 (expected a whole number from 0 to 9007199254740992)");
     refused("a.mci --seed", "--seed is missing its value (try clustermcml --help)");
     refused("a.mci --quiet=1", "--quiet takes no value (try clustermcml --help)");

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/hand_over.h"
+
+#include "cli/command.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define CURE "apt-get install python3-h5py python3-matplotlib python3-xarray, or pip install clustermcml"
+
+/* What Python runs. A module of the current folder must not take the place of one of the libraries. */
+static const char start[] =
+    "import sys\n"
+    "if sys.path[0] == '': del sys.path[0]\n"
+    "try:\n"
+    "    from clustermcml.__main__ import main\n"
+    "except ImportError as error:\n"
+    "    print(f'clustermcml: {sys.argv[1]}: {sys.executable} has no module {error.name} (expected it: " CURE
+    ")', file=sys.stderr)\n"
+    "    sys.exit(5)\n"
+    "sys.exit(main())\n";
+
+bool cml_is_handed_over(int argc, char *const *argv)
+{
+    const enum cml_command which = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;
+    return which == CML_COMMAND_PLOT || which == CML_COMMAND_COMPARE || which == CML_COMMAND_VIEW;
+}
+
+/* Where the package lies, from the folder of the program: build tree, install tree, wheel. */
+static bool find_package(const char *folder, char path[PATH_MAX])
+{
+    static const char *const places[] = {"../src/python", "../share/clustermcml/python", "../.."};
+    char main[PATH_MAX + 40];
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        if (snprintf(path, PATH_MAX, "%s/%s", folder, places[i]) >= PATH_MAX) continue;
+        snprintf(main, sizeof main, "%s/clustermcml/__main__.py", path);
+        if (access(main, R_OK) == 0) return true;
+    }
+    return false;
+}
+
+/* The package asks this very program, and Python looks beside it first. */
+static cml_status set_environment(struct cml_error *err)
+{
+    char program[PATH_MAX], package[PATH_MAX], all[3 * PATH_MAX];
+    const char *others = getenv("PYTHONPATH");
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length < 0) return CML_OK; /* what the search path has will do */
+    program[length] = '\0';
+    int failed = setenv("CLUSTERMCML", program, 1);
+    *strrchr(program, '/') = '\0';
+    if (find_package(program, package)) {
+        snprintf(all, sizeof all, "%s%s%s", package, others ? ":" : "", others ? others : "");
+        failed |= setenv("PYTHONPATH", all, 1);
+    }
+    return failed ? cml_fail_memory(err, sizeof all, "the environment") : CML_OK;
+}
+
+cml_status cml_hand_over(int argc, char **argv, struct cml_error *err)
+{
+    const char *named = getenv("CLUSTERMCML_PYTHON"), *python = named && *named ? named : "python3";
+    char **words = calloc((size_t)argc + 3, sizeof *words);
+    if (!words) return cml_fail_memory(err, 8.0 * argc, "the words of a command");
+    words[0] = (char *)(uintptr_t)python;
+    words[1] = (char *)(uintptr_t) "-c";
+    words[2] = (char *)(uintptr_t)start;
+    for (int i = 1; i < argc; i++) words[2 + i] = argv[i];
+    cml_status status = set_environment(err);
+    if (status == CML_OK) {
+        execvp(python, words);
+        status = cml_fail(err, CML_E_IO, "%s: %s cannot be started (%s; expected it: " CURE ")", argv[1],
+                          python, strerror(errno));
+    }
+    free(words);
+    return status;
+}
+
+/* They are reached only where another word stands before the command. */
+static cml_status refuse(const char *name, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT, "%s stands behind other words (expected clustermcml %s ...)", name,
+                    name);
+}
+
+cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
+{
+    return refuse(cml_commands[options->which].name, err);
+}
+
+cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
+{
+    return refuse(cml_commands[options->which].name, err);
+}
+
+cml_status cml_command_view(const struct cml_options *options, struct cml_error *err)
+{
+    return refuse(cml_commands[options->which].name, err);
+}

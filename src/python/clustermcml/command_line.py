@@ -1,0 +1,129 @@
+"""What the commands of the package share: options, messages, exit codes, files.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import math
+import os
+import re
+import sys
+import tempfile
+from typing import Any, Callable, NoReturn, Optional, Sequence
+
+from . import errors
+
+PICTURES = (".svg", ".png", ".pdf", ".eps")
+
+
+def print_text(text: str) -> int:
+    """Exit code, as the program's: 5 where standard output cannot be written, 141 and no word where its reader has gone away."""
+    try:
+        if sys.stdout is None:  # closed
+            raise OSError
+        print(text, end="", flush=True)
+        return 0
+    except BrokenPipeError:
+        code = 141
+    except OSError:
+        code = 5
+        print("clustermcml: standard output cannot be written", file=sys.stderr)
+    setattr(sys, "stdout", None)  # else Python tries again when it ends
+    return code
+
+
+def shown_path(path: str) -> str:
+    r"""A file's name for people and JSON: bytes that are no UTF-8, and controls of terminals, as \xNN.
+
+    >>> shown_path("a" + chr(27) + "b.mco")
+    'a\\x1bb.mco'
+    """
+    text = os.fsencode(path).decode("utf-8", "backslashreplace")
+    return "".join(sign if sign.isprintable() else "".join(f"\\x{byte:02x}" for byte in sign.encode()) for sign in text)
+
+
+class Parser(argparse.ArgumentParser):
+    """Options of a command. Every mistake is one line and exit code 2."""
+
+    def __init__(self, command: str, operands: str, text: str, example: str) -> None:
+        super().__init__(prog="clustermcml " + command, usage=f"clustermcml {command} {operands} [options]", description=text, epilog="example: " + example,
+                         allow_abbrev=False)
+        self.command = command
+
+    def error(self, message: str) -> NoReturn:
+        """argparse's "argument -o/--output: TEXT" is "--output TEXT" for us."""
+        own = re.fullmatch(r"argument (?:-\w/)?(--[\w-]+): (.*)", message)
+        text = f"{own[1]} {own[2]}" if own and "(expected" in own[2] else f"{self.command}: {message}"
+        raise errors.InputError(text if "(expected" in text else f"{text} (try clustermcml {self.command} --help)")
+
+    def print_help(self, file: Any = None) -> None:
+        raise SystemExit(print_text(self.format_help()))
+
+    def add_output(self, text: str, default: Optional[str] = None) -> None:
+        self.add_argument("-o", "--output", metavar="FILE", default=default, type=picture_name, help=text)
+
+    @staticmethod
+    def number(expected: str, least: float = -math.inf, most: float = math.inf) -> Callable[[str], float]:
+        """A reader of numbers within limits."""
+        def of(word: str) -> float:
+            with contextlib.suppress(ValueError):
+                if math.isfinite(float(word)) and least <= float(word) <= most:
+                    return float(word)
+            raise argparse.ArgumentTypeError(f"{word} (expected {expected})")
+        return of
+
+
+def picture_name(path: str) -> str:
+    if not path.lower().endswith(PICTURES):
+        raise argparse.ArgumentTypeError(f"{path} (expected a name that ends in .svg, .png, .pdf or .eps)")
+    return path
+
+
+def picture_path(output: Any) -> str:
+    """The argument `output` of a function that draws."""
+    if not isinstance(output, (str, os.PathLike)) or not os.fspath(output).lower().endswith(PICTURES) or "\0" in os.fspath(output):
+        raise errors.refuse("output", output, "a name that ends in .svg, .png, .pdf or .eps")
+    return os.fspath(output)
+
+
+def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) -> None:
+    for path in inputs if output is not None else ():
+        if os.path.exists(path) and os.path.exists(str(output)) and os.path.samefile(path, str(output)):
+            raise errors.InputError(f"{command}: -o {output} would overwrite its input {path}")
+
+
+def readable(path: str) -> str:
+    """The path of a file that can be opened."""
+    try:
+        with open(path, "rb"):
+            return path
+    except (OSError, ValueError) as error:
+        raise errors.InputError(f"{shown_path(path)}: cannot be opened ({getattr(error, 'strerror', None) or error})") from None
+
+
+def write(path: str, content: bytes) -> None:
+    """All of the file or nothing of it. What is no plain file, as /dev/stdout, is written as it is."""
+    try:
+        if os.path.exists(path) and not os.path.isfile(path):
+            with open(path, "wb") as file:
+                file.write(content)
+            return
+        path = os.path.realpath(path)
+        handle, name = tempfile.mkstemp(dir=os.path.dirname(path), prefix=".clustermcml_")
+        try:
+            with io.FileIO(handle, "w") as file:
+                file.write(content)
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(name, os.stat(path).st_mode & 0o777 if os.path.exists(path) else 0o666 & ~umask)
+            os.replace(name, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(name)
+            raise
+    except OSError as error:
+        raise errors.ClustermcmlError(f"{shown_path(path)}: cannot be written ({error.strerror})", 5) from error

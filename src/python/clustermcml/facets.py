@@ -1,0 +1,67 @@
+"""Meshes whose facets have numbers: reads the .vtp files that runs leave, and draws them from the side, shaded.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import errors
+from .command_line import readable, shown_path
+
+TYPES = {"Float64": "<f8", "Float32": "<f4", "UInt32": "<u4", "Int64": "<i8"}
+RASTER = 2000  # facets from which a picture holds pixels in place of polygons
+
+
+class Mesh(NamedTuple):
+    points: Any  # [n, 3] cm, z down
+    facets: list[Any]  # points of each
+    values: Any
+
+
+def read_mesh(path: str, name: str) -> Mesh:
+    """The shapes and one array of a .vtp file of ours: arrays behind one header, each behind its number of bytes."""
+    with open(readable(path), "rb") as file:
+        content = file.read()
+    try:
+        head, _, _ = content.partition(b"<AppendedData")
+        begin = content.index(b"_", len(head)) + 1
+        arrays = {}
+        for kind, label, offset in re.findall(rb'<DataArray type="(\w+)" Name="(\w+)"[^>]*offset="(\d+)"', head):
+            size = int(np.frombuffer(content, "<u8", 1, begin + int(offset))[0])
+            kept = np.dtype(TYPES[kind.decode()])
+            arrays[label.decode()] = np.frombuffer(content, kept, size // kept.itemsize, begin + int(offset) + 8)
+        if name not in arrays:
+            raise errors.InputError(f"{shown_path(path)}: no array {name} (expected one of {' '.join(sorted(set(arrays) - {'Points', 'connectivity', 'offsets'}))})")
+        corners, points = arrays["connectivity"].astype(int), arrays["Points"].reshape(-1, 3)
+        ends = arrays["offsets"].astype(int)
+        if corners.size and corners.max() >= len(points) or arrays[name].size != ends.size or not np.isfinite(points).all():
+            raise ValueError("facets without points or numbers")
+        return Mesh(points, np.split(corners, ends[:-1]), arrays[name].astype(float))
+    except errors.InputError:
+        raise
+    except Exception as error:  # whatever numpy says of bytes that are not what they should be
+        raise errors.unreadable(path, "a .vtp file of this program", error) from error
+
+
+def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    polygons = [mesh.points[corners] * (1, 1, -1) for corners in mesh.facets]  # heights up
+    normals = np.array([np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0]) for polygon in polygons])
+    length = np.linalg.norm(normals, axis=1)
+    lit = abs(normals @ np.array([-0.5, -0.3, 0.81])) / np.where(length > 0, length, 1)
+    colours = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"])(norm(np.maximum(mesh.values, norm.vmin)))
+    colours[:, :3] *= (0.45 + 0.55 * lit)[:, None]
+    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors="none", linewidths=0, rasterized=len(polygons) > RASTER))
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    size = np.maximum(high - low, 1e-3 * (high - low).max())
+    axes.set(xlim=(low[0], low[0] + size[0]), ylim=(low[1], low[1] + size[1]), zlim=(-high[2], -high[2] + size[2]), zlabel="height  [cm]")
+    axes.set_xlabel("x  [cm]", labelpad=12)
+    axes.set_ylabel("y  [cm]", labelpad=12)
+    axes.set_box_aspect(np.maximum(size / size.max(), 0.08))
+    axes.locator_params(axis="z", nbins=3)
+    axes.view_init(elev=32, azim=-60)

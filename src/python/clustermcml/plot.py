@@ -1,0 +1,542 @@
+"""Pictures of results, by the axes of an array and not by its name: curves with bands of one standard error, maps, cuts through voxels,
+directions as discs, facets as shaded meshes; the tables of sweeps; the curves of others.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import math
+import os
+import re
+from typing import Any, Iterator, NamedTuple, Optional, Sequence
+
+import numpy as np
+import xarray as xr
+
+from . import errors
+from .command_line import Parser, check_overwrite, print_text, readable, shown_path
+from .pictures import COLOURS, drawing, save
+from .results import read_as
+
+MARKS = "oshDv^P*"
+MOST = 64  # files
+FAR = 100.0  # range from which colours are logarithmic
+UNLIT = "#D0D0D0"
+COUNTED = ("layer", "body", "medium", "inside", "side")  # axes without lengths
+NAMES = {"r": "radius r", "z": "depth z", "z_volume": "depth z", "alpha": "angle α from the vertical", "gate": "time t"}
+
+
+class Curve(NamedTuple):
+    x: Any
+    y: Any
+    error: Any  # None: not known
+    others: bool  # read from a table of someone else
+    drawn_as: str  # label of the upright axis
+    axis: str  # label of the lower one
+
+
+# ---- results ----
+
+def _spread_over_mua(result: xr.Dataset, name: str) -> xr.DataArray:
+    """Absorption over mua of the layer in which a bin lies; NaN in bins that several media share, or where nothing absorbs."""
+    array = result[name]
+    edges = np.concatenate(([0.0], np.cumsum(result.layer_d.values)))
+    half = array.z.values[0]
+    low, high = array.z.values - half, array.z.values + half
+    mua = result.layer_mua.values[np.clip(np.searchsorted(edges, array.z.values, side="right") - 1, 0, result.layer.size - 1)]
+    shapes = [(float(a), float(b)) for a, b in re.findall(r"\(z = (\S+) to (\S+) cm", str(result.attrs.get("boundaries", "")))]
+    mixed = low > edges[-1]
+    for top, bottom in [(edge, edge) for edge in edges[1:-1]] + shapes:
+        mixed |= (low < bottom - 1e-9) & (high > top + 1e-9)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        over: xr.DataArray = array * xr.DataArray(np.where(mixed | (mua == 0), np.nan, 1 / mua), dims="z")
+    return over
+
+
+class Result:
+    """A file of results, and what a word of --of means in it."""
+
+    def __init__(self, path: str) -> None:
+        self.path, self.data = path, read_as(readable(path))
+
+    def of(self, name: str) -> tuple[xr.DataArray, Optional[xr.DataArray]]:
+        """The array and its errors."""
+        if name in ("fluence", "fluence_rz"):
+            of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
+            if of not in self.data or not (self.data.layer_mua.values > 0).any():
+                raise errors.InputError(f"{self.path}: mua = 0 in all layers (expected a layer that absorbs, for a fluence)")
+            known = _spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None
+            return _spread_over_mua(self.data, of).rename(name).assign_attrs(long_name=f"fluence, {of} over mua", units=unit), known
+        if name + "_xy" in self.data and (name not in self.data or not self.data[name].dims):
+            name += "_xy"
+        if name not in self.data.data_vars or not self.data[name].dims:
+            arrays = [str(known) for known in self.data.data_vars if self.data[known].dims and not str(known).endswith("_se")]
+            raise errors.InputError(f"{shown_path(self.path)}: no array {name} (expected one of {' '.join(['fluence fluence_rz', *arrays])})")
+        return self.data[name], self.data.get(name + "_se")
+
+    def cut(self, name: str, cuts: dict[str, float]) -> tuple[xr.DataArray, Optional[xr.DataArray]]:
+        """What is left of an array at the places of its axes, nearest bins; voxels are cut at y = 0 without one."""
+        array, known = self.of(name)
+        places = {("z_volume" if axis == "z" and "z_volume" in array.dims else axis): place for axis, place in cuts.items()}
+        if "z_volume" in array.dims and not places:
+            places = {"y": 0.0}
+        for axis, place in places.items():
+            if axis not in array.dims or axis not in array.coords:
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected an axis of {name}: {' '.join(map(str, array.dims))})")
+            ends = array[axis].values
+            half = abs(ends[-1] - ends[0]) / max(ends.size - 1, 1) / 2
+            if not ends.min() - half <= place <= ends.max() + half:
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g} {array[axis].attrs.get('units', '')}, in {shown_path(self.path)})")
+            array, known = array.sel({axis: place}, method="nearest"), None if known is None else known.sel({axis: place}, method="nearest")
+        return array, known
+
+    def heights(self) -> list[tuple[Any, Any]]:
+        """Radial heightfields: r and h, cm. An .mco has sections of them, an .h5 the lines of its scene."""
+        if self.path.lower().endswith(".h5"):
+            found = []
+            for count, words in re.findall(r"^(?:#@ )?b\s+(\d+)\s+([^#\n]*)", str(self.data.attrs.get("input", "")), re.MULTILINE):
+                with contextlib.suppress(ValueError):
+                    numbers = np.array([float(word) for word in words.split()[:2 * int(count)]])
+                    found.append((np.concatenate(([0.0], np.cumsum(numbers[1::2])))[:int(count)], numbers[::2]))
+            return found
+        with open(self.path, encoding="utf-8", errors="replace") as file:
+            sections = re.findall(r"^heightfield\d+ #.*\n((?:[-+0-9.eE]+\n)+)", file.read(), re.MULTILINE)
+        pairs = [np.array(section.split(), dtype=float) for section in sections]
+        return [(pair[0::2], pair[1::2]) for pair in pairs if pair.size >= 2]
+
+
+def _label(array: xr.DataArray, name: str = "") -> str:
+    units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
+    unit = str(array.attrs.get("units", "1"))
+    unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))
+    return f"{name or NAMES.get(str(array.name)) or array.name}  [{unit}]"
+
+
+def _curve(array: xr.DataArray, known: Optional[xr.DataArray], times_r: bool) -> Curve:
+    """Of one axis. The last bin over r and z holds what lies beyond, and is left out."""
+    axis = array[array.dims[0]] if array.dims[0] in array.coords else xr.DataArray(np.arange(array.size), name=array.dims[0])
+    end = array.size - (axis.name in ("r", "z") and array.size > 1)
+    factor = axis.values if times_r else 1.0
+    y, error = array.values * factor, None if known is None else known.values * factor
+    long = str(array.attrs.get("long_name", "")).partition(";")[0]
+    drawn = f"r·{array.name}(r)  [1/cm]" if times_r else _label(array)
+    return Curve(axis.values[:end], y[:end], None if error is None else error[:end], False, drawn + ("\n" + long if long and not times_r else ""), _label(axis))
+
+
+# ---- curves of others ----
+
+def _table(path: str) -> list[tuple[int, list[str]]]:
+    try:
+        with open(readable(path), encoding="utf-8-sig", errors="replace") as file:
+            lines = [(number, re.split(r"[,;\s]+", line.partition("#")[0].strip(" ,;\t\n"))) for number, line in enumerate(file, 1)]
+    except OSError as error:
+        raise errors.unreadable(path, "a table", error) from error
+    return [(number, words) for number, words in lines if words != [""]]
+
+
+def _is_number(word: str) -> bool:
+    with contextlib.suppress(ValueError):
+        return bool(float(word) <= math.inf)
+    return False
+
+
+def _others(path: str, name: str) -> Curve:
+    """A curve in a table: place, value, standard error; or columns with names, as r_mid_cm and Rd_r_per_cm2."""
+    rows, columns = _table(path), [0, 1, 2]
+    if rows and not _is_number(rows[0][1][0]):
+        head = rows[0][1]
+        of = [i for i, word in enumerate(head) if re.match(re.escape(name) + "(_|$)", word) and not word.startswith(name + "_se")]
+        place = [i for i, word in enumerate(head) if re.match("(r|z|alpha|t)(_|$)", word)]
+        if len(head) > 3 or of:
+            if not of or not place:
+                raise errors.InputError(f"{shown_path(path)}: {name} is missing (expected a column of this name, and one of its places, as r_mid_cm)")
+            columns = [place[0], of[0], *[i for i, word in enumerate(head) if word.startswith(name + "_se")]]
+        rows = rows[1:]
+    columns = [column for column in columns if rows and column < len(rows[0][1])]
+    if len(rows) < 2 or len(columns) < 2:
+        raise errors.InputError(f"{shown_path(path)}: no curve (expected two rows or more of two or three numbers: place, value, standard error)")
+    numbers: list[list[float]] = []
+    for number, words in rows:
+        good = all(column < len(words) and _is_number(words[column]) for column in columns)
+        if not good or float(words[columns[1]]) < 0 or numbers and not float(words[columns[0]]) > numbers[-1][0]:
+            raise errors.InputError(f"{shown_path(path)}:{number}: {' '.join(words)[:80]} (expected {len(columns)} numbers: a place beyond the last, a value of 0 or more"
+                                    f"{', its standard error' if len(columns) > 2 else ''})")
+        numbers.append([float(words[column]) for column in columns])
+    x, y, *error = np.array(numbers).T
+    return Curve(x, y, error[0] if error else None, True, "", "")
+
+
+# ---- sweeps ----
+
+class Sweep:
+    """The table of a sweep."""
+
+    def __init__(self, path: str) -> None:
+        with open(readable(path), encoding="utf-8", errors="replace", newline="") as file:
+            rows = list(csv.reader(file))
+        self.path, self.head = path, rows[0] if rows else []
+        self.rows = [dict(zip(self.head, row)) for row in rows[1:]]
+        if "row" not in self.head or "Rsp" not in self.head or "photons" not in self.head or any(len(row) != len(self.head) for row in rows):
+            raise errors.InputError(f"{shown_path(path)}: no table of a sweep (expected columns row, photons and Rsp, and as many words in each row)")
+        self.swept = [name for name in self.head[self.head.index("row") + 1:self.head.index("photons")]]
+
+    def column(self, option: str, name: str) -> str:
+        if name not in self.head:
+            raise errors.InputError(f"--{option} {name} (expected a column of {shown_path(self.path)}: {', '.join(self.head)})")
+        return name
+
+    def numbers(self, option: str, name: str, rows: Optional[list[dict[str, str]]] = None) -> Any:
+        words = [row[self.column(option, name)] for row in (self.rows if rows is None else rows)]
+        if not all(map(_is_number, words)):
+            raise errors.InputError(f"--{option} {name} (expected a column of numbers)")
+        return np.array(words, dtype=float)
+
+    def varies(self, name: str) -> bool:
+        return len({row[name] for row in self.rows}) > 1
+
+    def over(self, wanted: Optional[str]) -> list[str]:
+        """The columns along the axes: without a wish, a label that is a number, else what was swept first."""
+        if wanted:
+            return [self.column("over", name) for name in wanted.split(",")]
+        able = [name for name in self.swept if self.varies(name) and all(_is_number(row[name]) for row in self.rows)]
+        labels = [name for name in able if "." not in name]
+        if not able:
+            raise errors.InputError(f"{shown_path(self.path)}: rows (expected two that differ in a number, or --over)")
+        return (labels or able)[:1]
+
+    def curves(self, over: str, by: Optional[str]) -> Iterator[tuple[str, list[dict[str, str]]]]:
+        """Rows of each curve, and what tells it from others: where rows need it, the column that makes the fewest."""
+        def split(name: Optional[str]) -> dict[str, list[dict[str, str]]]:
+            found: dict[str, list[dict[str, str]]] = {}
+            for row in self.rows:
+                found.setdefault(row[name] if name else "", []).append(row)
+            return found
+        able: list[Optional[str]] = [self.column("by", by)] if by else [None, *sorted((name for name in self.swept if name != over and self.varies(name)), key=lambda name: len(split(name)))]
+        for name in able:
+            parts = split(name)
+            if by or all(len({row[over] for row in rows}) == len(rows) for rows in parts.values()):
+                yield from ((f"{name} = {value}" if name else "", sorted(rows, key=lambda row: float(row[over]))) for value, rows in parts.items())
+                return
+        raise errors.InputError(f"{shown_path(self.path)}: rows with the same {over} (expected --by, a column that tells them apart)")
+
+    def unit(self, name: str) -> str:
+        units = {"mua": "1/cm", "mus": "1/cm", "d": "cm", "angle": "degree", "azimuth": "degree"}
+        return f"{name}  [{units.get(name.rpartition('.')[2], '-')}]" if "." in name or name in ("Rsp", "Rd", "A", "Tt") else name
+
+
+# ---- drawing ----
+
+def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> None:
+    names = [given.of] if given.of else ["Rd_r", "Tt_r"]
+    panels = figure.subplots(len(names), squeeze=False)[:, 0]
+    for axes, name in zip(panels, names):
+        heights: list[tuple[int, Any, Any]] = []
+        beyond = 0.0
+        for k, source in enumerate(sources):
+            if isinstance(source, Result):
+                curve = _curve(*source.cut(name, given.cut), times_r=not given.of)
+                heights += [(k, r, h) for r, h in source.heights()] if "radius" in curve.axis else []
+            else:
+                curve = _others(source, name)
+                if not given.of:
+                    curve = curve._replace(y=curve.y * curve.x, error=None if curve.error is None else curve.error * curve.x)
+            _draw_curve(axes, curve, given.labels[k], COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
+            values: Any = np.nan_to_num(np.asarray(curve.y, dtype=float))
+            lit = curve.x[values > 0]
+            beyond = max(beyond, float(lit[-1]) if lit.size else 0.0)
+            if curve.axis:
+                axes.set(xlabel=curve.axis, ylabel=curve.drawn_as)
+        counted = axes.get_xlabel().split()[:1] and axes.get_xlabel().split()[0] in COUNTED
+        if beyond > 0 and not given.logx and not counted and min(axes.dataLim.x0, axes.dataLim.x1) >= 0:
+            axes.set_xlim(0, beyond * 1.02)
+        axes.set_yscale(given.scale or ("linear" if counted else "log"))
+        if heights and not given.logx:
+            _draw_heights(axes, heights)
+        axes.legend()
+    _set_ranges(panels, given)
+
+
+def _draw_curve(axes: Any, curve: Curve, label: str, colour: str, mark: str) -> None:
+    if "[-]" in curve.axis and curve.axis.split()[0] in COUNTED:
+        axes.errorbar(curve.x, curve.y, curve.error, fmt=mark, color=colour, ms=5, capsize=3, label=label)
+        axes.set_xticks(curve.x)
+    elif curve.others:
+        axes.errorbar(curve.x, curve.y, curve.error, ls="--", marker=mark, mfc="none", color=colour, ms=4, lw=1.1, markevery=max(1, curve.x.size // 20), label=label)
+    else:
+        axes.plot(curve.x, curve.y, marker=mark, color=colour, ms=3.5, lw=1.3, markevery=max(1, curve.x.size // 20), label=label)
+        if curve.error is not None:
+            axes.fill_between(curve.x, curve.y - curve.error, curve.y + curve.error, color=colour, alpha=0.25, lw=0)
+
+
+def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
+    """Dotted, in the lowest quarter of the panel."""
+    twin = axes.twinx()
+    for k, r, h in heights:
+        twin.plot(np.append(r, max(r[-1], axes.get_xlim()[1])), np.append(h, h[-1]), ":", color=COLOURS[k % len(COLOURS)], lw=1.3)
+    low, high = min(float(h.min()) for _, _, h in heights), max(float(h.max()) for _, _, h in heights)
+    size = high - low or abs(high) or 1.0
+    twin.set(ylim=(low - 0.1 * size, low + 4 * size), ylabel="height  [cm]", xlim=axes.get_xlim())
+    twin.set_yticks([low, high] if high > low else [low])
+    twin.grid(False)
+
+
+def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
+    for axes in panels:
+        if given.logx:
+            axes.set_xscale("log")
+        if given.xrange:
+            axes.set_xlim(given.xrange)
+        if given.yrange:
+            axes.set_ylim(given.yrange)
+
+
+def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> Any:
+    """One scale for all maps: linear up to a range of FAR, logarithmic beyond; the faintest hundredth of what is lit has the darkest colour."""
+    flat: list[Any] = [np.ravel(array) for array in arrays]
+    lit = np.concatenate([array[np.isfinite(array) & (array > 0)] for array in flat])
+    log = given.scale == "log" or given.scale is None and lit.size > 0 and lit.max() > FAR * lit.min()
+    low, high = given.crange or (None, None)
+    high = high if high is not None else float(np.percentile(lit, given.percentile)) if lit.size else 1.0
+    least = min((float(array[np.isfinite(array)].min()) for array in flat if np.isfinite(array).any()), default=0.0)
+    low = low if low is not None else (float(np.percentile(lit, 1)) if lit.size else high / 10) if log else min(0.0, least)
+    if log and not low > 0:
+        raise errors.InputError(f"--crange {low:g}: on a logarithmic scale (expected a lower end above 0, or --linear)")
+    return matplotlib.colors.LogNorm(low, max(high, low * 1.0001)) if log else matplotlib.colors.Normalize(low, max(high, low + 1e-30))
+
+
+def _edges(axis: xr.DataArray) -> tuple[float, float]:
+    values = axis.values
+    half = abs(values[-1] - values[0]) / (values.size - 1) / 2 if values.size > 1 else abs(values[0]) or 0.5
+    return float(values.min() - half), float(values.max() + half)
+
+
+def _draw_map(figure: Any, axes: Any, array: xr.DataArray, norm: Any, cmap: Any) -> Any:
+    """Over two axes; rows that are depths go down. Directions are a disc: the angle from the middle, the azimuth around it."""
+    if array.dims == ("theta", "phi"):
+        round_ = -(-180 // array.sizes["phi"])  # straight pieces in place of each arc
+        theta, phi = np.linspace(0, np.pi / 2, array.sizes["theta"] + 1), np.linspace(0, 2 * np.pi, round_ * array.sizes["phi"] + 1)
+        axes.set(yticks=[30, 60, 90], ylim=(0, 90))
+        axes.set_yticklabels(["30°", "60°", "90°"], color="#404040")
+        return axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
+    first = str(array.dims[0])
+    if first == "r" or first in ("x", "layer", "body") or first.endswith("_x"):
+        array = array.transpose(*array.dims[::-1])
+    array = array.isel({dim: slice(0, -1) for dim in array.dims if dim in ("r", "z") and array.sizes[dim] > 1})
+    y, x = (array[dim] if dim in array.coords else xr.DataArray(np.arange(array.sizes[dim]) + 0.5, name=dim) for dim in array.dims)
+    down = str(y.name).startswith("z")
+    (left, right), (bottom, top) = _edges(x), _edges(y)
+    drawn = axes.imshow(array.values, extent=(left, right, bottom, top), origin="lower", interpolation="nearest", aspect="equal" if x.attrs.get("units") == y.attrs.get("units") and 0.2 < (right - left) / (top - bottom) < 5 else "auto", norm=norm, cmap=cmap)
+    axes.set(xlabel=_label(x), ylabel=_label(y))
+    axes.grid(False)
+    if down:
+        axes.invert_yaxis()
+    return drawn
+
+
+def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources: list[Any]) -> None:
+    arrays = [source.cut(given.of, given.cut)[0] for source in sources]
+    for source, array in zip(sources, arrays):
+        if array.dims != arrays[0].dims:
+            raise errors.InputError(f"{shown_path(source.path)}: {given.of} over {' '.join(map(str, array.dims))} (expected {' '.join(map(str, arrays[0].dims))}, as in {shown_path(sources[0].path)})")
+    cmap = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"]).copy()
+    cmap.set_bad(UNLIT)
+    norm = _norm(matplotlib, [array.values for array in arrays], given)
+    panels = figure.subplots(1, len(arrays), squeeze=False, subplot_kw={"projection": "polar"} if arrays[0].dims == ("theta", "phi") else {})[0]
+    for axes, array, label in zip(panels, arrays, given.labels):
+        drawn = _draw_map(figure, axes, array, norm, cmap)
+        axes.set_title(label)
+    at = ", ".join(f"{axis.removesuffix('_volume')} = {place:g}" for axis, place in given.cut.items())
+    log = isinstance(norm, matplotlib.colors.LogNorm)
+    figure.colorbar(drawn, ax=list(panels), label=_label(arrays[0], given.of) + (f", {at}" if at else "") + ("; grey: no light" if log and any((a.values <= 0).any() for a in arrays) else ""), extend="max" if given.percentile < 100 else "neither")
+    _set_ranges(panels, given)
+
+
+def _draw_sweeps(matplotlib: Any, figure: Any, given: argparse.Namespace, sweeps: list[Sweep]) -> None:
+    of, over = given.of or "Rd", sweeps[0].over(given.over)
+    if len(over) > 2:
+        raise errors.InputError(f"--over {given.over} (expected one column, or two)")
+    if len(over) == 2:
+        _draw_swept_maps(matplotlib, figure, given, sweeps, of, over)
+        return
+    axes, k = figure.subplots(), 0
+    for sweep, label in zip(sweeps, given.labels):
+        sweep.numbers("over", over[0])
+        for by, rows in sweep.curves(over[0], given.by):
+            x, y = sweep.numbers("over", over[0], rows), sweep.numbers("of", of, rows)
+            error = sweep.numbers("of", of + "_se", rows) if of + "_se" in sweep.head else None
+            name = ": ".join(filter(None, [label if len(sweeps) > 1 or given.label else "", by])) or of
+            _draw_curve(axes, Curve(x, y, error, False, "", ""), name, COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
+            k += 1
+    axes.set(xlabel=sweeps[0].unit(over[0]), ylabel=sweeps[0].unit(of), yscale=given.scale or "log")
+    axes.legend()
+    _set_ranges([axes], given)
+
+
+def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sweeps: list[Sweep], of: str, over: list[str]) -> None:
+    """Values lie one beside the other, rising, as if evenly spread."""
+    grids = []
+    for sweep in sweeps:
+        x, y, values = sweep.numbers("over", over[0]), sweep.numbers("over", over[1]), sweep.numbers("of", of)
+        (xs, i), (ys, j) = np.unique(x, return_inverse=True), np.unique(y, return_inverse=True)
+        if len(set(zip(i, j))) < len(i):
+            raise errors.InputError(f"{shown_path(sweep.path)}: rows with the same {over[0]} and {over[1]} (expected one row for each)")
+        grid = np.full((ys.size, xs.size), np.nan)
+        grid[j, i] = values
+        grids.append((xs, ys, grid))
+    cmap = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"]).copy()
+    cmap.set_bad(UNLIT)
+    norm = _norm(matplotlib, [grid for _, _, grid in grids], given)
+    panels = figure.subplots(1, len(sweeps), squeeze=False)[0]
+    for axes, label, (xs, ys, grid) in zip(panels, given.labels, grids):
+        drawn = axes.imshow(grid, origin="lower", aspect="auto", interpolation="nearest", norm=norm, cmap=cmap)
+        for ticks, values in ((axes.set_xticks, xs), (axes.set_yticks, ys)):
+            step = max(1, -(-values.size // 8))
+            ticks(np.arange(0, values.size, step), [f"{value:g}" for value in values[::step]])
+        axes.set(xlabel=sweeps[0].unit(over[0]), ylabel=sweeps[0].unit(over[1]), title=label)
+        axes.grid(False)
+    figure.colorbar(drawn, ax=list(panels), label=sweeps[0].unit(of) + ("; grey: no row" if any(np.isnan(grid).any() for _, _, grid in grids) else ""))
+
+
+def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, sources: list[Any]) -> None:
+    """Meshes from the side, shaded, each facet in the colour of its number. Their shapes stand in the .vtp file beside the .h5."""
+    from .facets import draw_mesh, read_mesh
+    shape, _, name = given.of.partition("_")
+    meshes = [read_mesh(re.sub(r"\.h5$", "", source.path, flags=re.IGNORECASE) + (".bodies.vtp" if shape == "body" else f".{shape}.vtp"), name) for source in sources]
+    norm = _norm(matplotlib, [mesh.values for mesh in meshes], given)
+    panels = figure.subplots(1, len(meshes), squeeze=False, subplot_kw={"projection": "3d"})[0]
+    for axes, mesh, label in zip(panels, meshes, given.labels):
+        draw_mesh(matplotlib, axes, mesh, norm)
+        axes.set_title(label)
+    drawn = matplotlib.cm.ScalarMappable(norm, matplotlib.rcParams["image.cmap"])
+    figure.colorbar(drawn, ax=list(panels), label=_label(sources[0].of(given.of)[0]), shrink=0.7, pad=0.12)
+
+
+# ---- the command ----
+
+def _range(word: str) -> tuple[Optional[float], Optional[float]]:
+    """A:B with A below B; one of them may be left out.
+
+    >>> _range("0.1:"), _range("1:2")
+    ((0.1, None), (1.0, 2.0))
+    """
+    low, colon, high = word.partition(":")
+    with contextlib.suppress(ValueError):
+        ends = (float(low) if low else None, float(high) if high else None)
+        if colon and (low or high) and all(end is None or math.isfinite(end) for end in ends) and (ends[0] is None or ends[1] is None or ends[0] < ends[1]):
+            return ends
+    raise argparse.ArgumentTypeError(f"{word} (expected A:B with A below B; A: and :B leave the other end open)")
+
+
+def _cut(word: str) -> tuple[str, float]:
+    axis, _, place = word.partition("=")
+    if not axis or not _is_number(place) or not math.isfinite(float(place)):
+        raise argparse.ArgumentTypeError(f"{word} (expected an axis and a place, as y=0)")
+    return axis, float(place)
+
+
+def _parser() -> Parser:
+    parser = Parser("plot", "FILE ...", "Draws r*Rd(r) and r*Tt(r), or the array that --of names, of one or more results (.mco, .h5): by its axes as curves with bands of one standard "
+                    "error, maps in colours side by side, cuts through voxels, directions as discs, facets as shaded meshes. Curves of others (.csv: place, value, standard error) are "
+                    "dashed, radial heightfields dotted. Of tables of sweeps (.sweep.csv) columns over each other.",
+                    "clustermcml plot a.h5 --of phi_xyz --cut y=0 --title 'Skin, 633 nm' -o fluence.svg")
+    parser.add_argument("files", nargs="+", metavar="FILE", help=".mco, .h5, .csv or .sweep.csv")
+    parser.add_output("the picture: .svg, .png, .pdf or .eps; default plot.svg", "plot.svg")
+    parser.add_argument("--of", metavar="NAME", help="an array of the file, its errors NAME_se, or fluence, fluence_rz (A_z, A_rz over mua); of a map Rd or Tt; of a sweep a column; default r*Rd(r) and r*Tt(r), of a sweep Rd")
+    parser.add_argument("--cut", metavar="AXIS=A", type=_cut, action="append", default=[], help="an array of more axes at one place of an axis, cm or rad; of voxels y=0 without it")
+    parser.add_argument("--over", metavar="NAME[,NAME]", help="of a sweep: the column along the lower axis, default what was swept first; two: in colours over both")
+    parser.add_argument("--by", metavar="NAME", help="of a sweep: a curve for each value of this column; default where rows need it")
+    parser.add_argument("--label", metavar="TEXT", action="append", default=[], help="in place of a file's name; once for each file, in their order")
+    parser.add_argument("--title", metavar="TEXT", help="above the picture; default: names of the scenes, none above maps")
+    parser.add_argument("--caption", metavar="TEXT", help="below the picture, broken into lines")
+    for name, text in (("xrange", "of the lower axis, in its unit"), ("yrange", "of the upright axis, likewise"), ("crange", "of the colours of a map: the same for all pictures that shall be compared")):
+        parser.add_argument("--" + name, metavar="A:B", type=_range, help=text + "; A: and :B leave the other end to the data")
+    parser.add_argument("--percentile", metavar="P", type=parser.number("a number above 0, up to 100", 1e-9, 100), default=100.0, help="the colours of a map end at this percentile of its lit pixels, default 100")
+    parser.add_argument("--log", dest="scale", action="store_const", const="log", help="logarithmic scale; default: curves are, maps as their range asks for")
+    parser.add_argument("--linear", dest="scale", action="store_const", const="linear", help="linear scale")
+    parser.add_argument("--logx", action="store_true", help="of curves: the lower axis is logarithmic, too")
+    parser.add_argument("--style", metavar="FILE", help="a style of matplotlib (.mplstyle), over ours: fonts, colour map, widths of a journal")
+    parser.add_argument("--quiet", action="store_true", help="does not name the picture")
+    return parser
+
+
+def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
+    """What the files are: sweeps; else results and curves of others."""
+    endings = [path.lower() for path in given.files]
+    tables = [path.endswith(".sweep.csv") for path in endings]
+    for path in given.files:
+        if path.lower().endswith((".vti", ".vtp")):
+            raise errors.InputError(f"{shown_path(path)} (expected the .h5 beside it, which has the same arrays, and --of)")
+    if any(tables):
+        if not all(tables):
+            raise errors.InputError(f"{shown_path(given.files[tables.index(False)])} (expected the table of a sweep, like {shown_path(given.files[tables.index(True)])})")
+        return "sweep", [Sweep(path) for path in given.files]
+    for option in ("over", "by"):
+        if getattr(given, option):
+            raise errors.InputError(f"--{option} (expected with the table of a sweep, NAME.sweep.csv)")
+    sources: list[Any] = [path if path.lower().endswith(".csv") else Result(path) for path in given.files]
+    results = [source for source in sources if isinstance(source, Result)]
+    array = results[0].cut(given.of, given.cut)[0] if results and given.of else None
+    if array is not None and str(array.dims[0]).endswith("facet"):
+        kind = "facets"
+    elif array is not None and array.ndim > 2:
+        raise errors.InputError(f"--of {given.of}: over {' '.join(map(str, array.dims))} (expected --cut at a place of one of them)")
+    else:
+        kind = "map" if array is not None and array.ndim == 2 else "curve"
+    if kind != "curve" and len(results) < len(sources):
+        raise errors.InputError(f"{shown_path(next(s for s in sources if not isinstance(s, Result)))} (expected a result with {given.of}, like {shown_path(results[0].path)})")
+    if array is not None and "z_volume" in results[0].of(given.of)[0].dims and not given.cut:
+        given.cut = {"y": 0.0}
+    return kind, sources
+
+
+def _labels(given: argparse.Namespace) -> list[str]:
+    """Names of files; folders tell files of one name apart."""
+    names = [os.path.basename(path) for path in given.files]
+    own = [shown_path(name if names.count(name) == 1 else path) for name, path in zip(names, given.files)]
+    shown = given.label + own[len(given.label):]
+    return [text if len(text) <= 60 else text[:28] + "..." + text[-29:] for text in (label.replace("$", r"\$") for label in shown)]
+
+
+def _title(sources: list[Any]) -> str:
+    names = [re.sub(r"\.(mco|h5)$", "", str(source.data.attrs.get("title", ""))) for source in sources if isinstance(source, Result)]
+    return ", ".join(dict.fromkeys(names)) if len(names) <= 4 else ""
+
+
+def draw(given: argparse.Namespace) -> None:
+    given.cut = dict(given.cut)
+    kind, sources = _sources(given)
+    given.labels = _labels(given)
+    with drawing(given.style) as matplotlib:
+        from matplotlib.figure import Figure
+        size = (8.0, 4.0 * (1 if given.of else 2)) if kind == "curve" else (8.0, 5.0) if kind == "sweep" else (1.6 + 5.2 * len(sources), 4.8)
+        figure = Figure(figsize=size, layout="constrained")
+        if kind == "curve":
+            _draw_curves(figure, given, sources)
+        else:
+            {"sweep": _draw_sweeps, "facets": _draw_facets, "map": _draw_maps}[kind](matplotlib, figure, given, sources)
+        title = given.title if given.title is not None else _title(sources) if kind == "curve" else ""
+        if title:
+            figure.suptitle(title.replace("$", r"\$"), fontweight="bold")
+        if given.caption:
+            _add_caption(figure, given.caption)
+        save(figure, given.output)
+
+
+def _add_caption(figure: Any, caption: str) -> None:
+    import textwrap
+    lines = textwrap.wrap(caption, int(figure.get_figwidth() * 15))
+    figure.set_figheight(figure.get_figheight() + 0.16 * len(lines))
+    figure.supxlabel("\n".join(lines).replace("$", r"\$"), fontsize="small", x=0.01, ha="left", color="#404040")
+
+
+def main(words: list[str]) -> int:
+    given = _parser().parse_args(words)
+    if len(given.files) > MOST or len(given.label) > len(given.files):
+        raise errors.InputError(f"plot: {len(given.files)} files and {len(given.label)} labels (expected at most {MOST} files, and a label for each)")
+    check_overwrite("plot", given.output, given.files)
+    draw(given)
+    return 0 if given.quiet else print_text(shown_path(given.output) + "\n")

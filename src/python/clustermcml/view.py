@@ -1,0 +1,327 @@
+"""The picture of a scene: the plane y = 0 with boundaries, layers, bodies, beams with the rays at their sides, detectors and the map, from what
+`check --json` and `mesh` say.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from typing import Any, Iterable, Optional, Union
+
+import numpy as np
+
+from . import errors
+from .command_line import Parser, check_overwrite, picture_path, print_text, shown_path
+from .commands import check, mesh
+from .pictures import COLOURS, drawing, save
+from .program import scratch_folder
+from .scene import Scene
+
+LAYERS, BODIES = 20, 40  # that are named
+MOST_CELLS = 2000  # of a tile, along the picture
+HALF = {"pencil": 0.0, "disk": 1.0, "gaussian": 1.0, "ring": 1.0, "rectangle": 0.5, "image": 0.5}  # of the size that reaches farthest
+
+
+# ---- sections ----
+
+def _read_obj(path: str) -> tuple[Any, Any]:
+    points, facets = [], []
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for line in file:
+            words = line.split()
+            if words[:1] == ["v"]:
+                points.append([float(word) for word in words[1:4]])
+            elif words[:1] == ["f"]:
+                facets.append([int(word.partition("/")[0]) - 1 for word in words[1:4]])
+    return np.array(points), np.array(facets, dtype=int)
+
+
+def section(points: Any, facets: Any, y: float) -> Any:
+    """Where the plane at y cuts triangles: [n, 2 ends, x and height], of those that it passes.
+
+    >>> section(np.array([[0, -1, 0], [2, 1, 2], [0, 1, 0.0]]), np.array([[0, 1, 2]]), 0.0).tolist()
+    [[[1.0, 1.0], [0.0, 0.0]]]
+    """
+    a, b = points[facets], points[np.roll(facets, -1, axis=1)]
+    passes = (a[..., 1] > y) != (b[..., 1] > y)
+    cut = passes.sum(axis=1) == 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = ((y - a[..., 1]) / (b[..., 1] - a[..., 1]))[..., None]
+        ends = (a + share * (b - a))[..., [0, 2]]
+    return ends[cut][passes[cut]].reshape(-1, 2, 2)
+
+
+class Line:
+    """The section of a boundary or body: pieces, depths down."""
+
+    def __init__(self, pieces: Any) -> None:
+        self.pieces = pieces
+
+    def draw(self, axes: Any, **style: Any) -> None:
+        gaps = np.full((len(self.pieces), 1, 2), np.nan)
+        path = np.concatenate([self.pieces, gaps], axis=1).reshape(-1, 2)
+        axes.plot(path[:, 0], path[:, 1], **style)
+
+
+def _boundary_pieces(boundary: dict[str, Any], shape: Optional[str], left: float, right: float) -> Any:
+    """Its shape, periods of it, and the plane in which it goes on."""
+    outer = float(boundary["outer_z"])
+    if shape is None:
+        return np.array([[[left, outer], [right, outer]]])
+    points, facets = _read_obj(shape)
+    period = boundary.get("period")
+    y = 0.0 if period is None else math.ceil(points[:, 1].min() / period[1]) * period[1]
+    pieces = section(points, facets, y)
+    pieces[..., 1] = float(boundary["z"]) - pieces[..., 1]
+    if period is not None:
+        first, last = math.floor((left - points[:, 0].max()) / period[0]), math.ceil((right - points[:, 0].min()) / period[0])
+        step = max(1, (last - first) * len(pieces) // (MOST_CELLS * 10))
+        return np.concatenate([pieces + np.array([k * period[0], 0.0]) for k in range(first, last + 1, step)])
+    low, high = (pieces[..., 0].min(), pieces[..., 0].max()) if len(pieces) else (right, right)
+    return np.concatenate([pieces, [[[left, outer], [min(low, right), outer]], [[high, outer], [max(high, right), outer]]]])
+
+
+def _body_pieces(body: dict[str, Any], shape: Optional[str]) -> Any:
+    low, high = np.array(body["lower"]), np.array(body["upper"])
+    if low[1] > 0 or high[1] < 0:
+        return np.zeros((0, 2, 2))
+    if body["form"] == "sphere":
+        middle, radius = (low + high) / 2, (high[0] - low[0]) / 2
+        across = math.sqrt(max(radius ** 2 - middle[1] ** 2, 0))
+        turn = np.linspace(0, 2 * np.pi, 65)
+        circle = np.stack([middle[0] + across * np.cos(turn), middle[2] + across * np.sin(turn)], axis=1)
+        return np.stack([circle[:-1], circle[1:]], axis=1)
+    pieces = section(*_read_obj(str(shape)), 0.0)
+    pieces[..., 1] *= -1
+    return pieces
+
+
+# ---- the frame ----
+
+def _half(beam: dict[str, Any]) -> float:
+    """Half the width of its shape along its own x."""
+    return HALF[beam["shape"]] * float(beam["size"][-1 if beam["shape"] == "ring" else 0]) if beam["size"] else 0.0
+
+
+def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
+    """All that is no plane, of a tile one period, and map; the grid where there is nothing else; then beams and detectors."""
+    ends = [end for points in shapes for end in (points[:, 0].min(), points[:, 0].max())]
+    for body in scene.get("bodies", []):
+        ends += [body["lower"][0], body["upper"][0]]
+    if scene["map"]:
+        ends += [sign * scene["map"]["nx"] * scene["map"]["dx"] / 2 for sign in (-1, 1)]
+    if not ends or not max(ends) > min(ends):
+        ends = [sign * scene["grid"]["nr"] * scene["grid"]["dr"] for sign in (-1, 1)]
+    for beam in scene["beams"]:
+        slant = 1 if beam["z"] is not None else math.sqrt(1 - (math.sin(math.radians(beam["angle"])) * math.cos(math.radians(beam["azimuth"]))) ** 2)
+        ends += [beam["x"] - _half(beam) / slant, beam["x"] + _half(beam) / slant]
+    for detector in scene.get("detectors", []):
+        ends += [detector["x"] - _reach(detector), detector["x"] + _reach(detector)]
+    margin = 0.06 * (max(ends) - min(ends))
+    return min(ends) - margin, max(ends) + margin
+
+
+def _reach(detector: dict[str, Any]) -> float:
+    """Half of what a detector takes along x."""
+    if detector["shape"] == "map":
+        return float(detector["nx"] * detector["size"][0] / 2)
+    return float(max(detector["size"]) if detector["shape"] == "ring" else detector["size"][0])
+
+
+def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: float) -> tuple[float, float]:
+    """Those of all bodies, and down to the last boundary, or to the last that lies no deeper than twice the picture's width: layers are
+    often given as thick as the sea."""
+    top, bottom = depths[0]
+    for body in scene.get("bodies", []):
+        top, bottom = min(top, body["lower"][2]), max(bottom, body["upper"][2])
+    reach, whole = top + 2 * max(width, bottom - top), True
+    for low, high in depths[1:]:
+        whole &= high <= reach
+        top, bottom = (min(top, low), max(bottom, high)) if high <= reach else (top, bottom)
+    for thing in [*scene["beams"], *scene.get("detectors", [])]:
+        if thing["z"] is not None:
+            top, bottom = min(top, thing["z"]), max(bottom, thing["z"])
+    bottom += 0.0 if whole and bottom > top else width / 2
+    return top - 0.35 * (bottom - top), bottom + 0.15 * (bottom - top)
+
+
+# ---- drawing ----
+
+def _beam_words(beam: dict[str, Any], number: str) -> str:
+    size, words = beam["size"], {"gaussian": "Gaussian"}.get(beam["shape"], beam["shape"])
+    if beam["shape"] in ("disk", "gaussian"):
+        words += f", R = {size[0]:g} cm"
+    elif beam["shape"] == "ring":
+        words += f", R = {size[0]:g} to {size[1]:g} cm"
+    elif size:
+        words += f", {size[0]:g} x {size[1]:g} cm"
+    if beam["angle"] > 0:
+        words += f", angle {beam['angle']:g}, azimuth {beam['azimuth']:g}"
+    words += {"parallel": "", "na": f", na:{beam['na'] or 0:g}", "table": ", light of a table (rays: half its maximum)"}.get(beam["light"], ", " + beam["light"])
+    return number + words + (f", at y = {beam['y']:g} cm" if beam["y"] else "")
+
+
+def _arrow(axes: Any, tip: Any, foot: Any, **style: Any) -> None:
+    """As far as it lies in the frame."""
+    drawn = axes.annotate("", tuple(tip), tuple(foot), annotation_clip=False, arrowprops={"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, **style})
+    drawn.arrow_patch.set_clip_path(axes.patch)
+    drawn.set_in_layout(False)
+
+
+def _draw_beam(axes: Any, beam: dict[str, Any], frame: tuple[float, float, float, float]) -> None:
+    """Its axis, its sides, and the rays at its sides. One that starts inside has arrows from its middle."""
+    left, right, top, bottom = frame
+    angle, across, half = math.radians(beam["angle"]), math.cos(math.radians(beam["azimuth"])), _half(beam)
+    style: dict[str, Any] = {"color": COLOURS[1], "lw": 1.3}
+    spread = math.radians(beam["spread"])
+    if beam["z"] is None:
+        length, axis = -top, np.array([math.sin(angle) * across, math.cos(angle)])
+        slope = axis[0] / axis[1] if axis[1] > 1e-9 else 0.0
+        wide = half / math.sqrt(max(1 - axis[0] ** 2, 1e-12))
+        for offset in sorted({-wide, 0.0, wide}):
+            _arrow(axes, (beam["x"] + offset, 0), (beam["x"] + offset - slope * length, top), **style)
+        for sign in (-1, 1) if spread > 0 else ():
+            ray = max(-1e3, min(1e3, math.tan(max(-1.55, min(1.55, angle * across + sign * spread)))))
+            axes.plot([beam["x"] + sign * wide - ray * length, beam["x"] + sign * wide], [top, 0], ls=":", **style)
+        return
+    reach = min(0.12 * (right - left), 0.2 * (bottom - top))
+    side = half * np.array([math.cos(angle) * across, -math.sin(angle)])
+    middle, axis = np.array([beam["x"], beam["z"]]), np.array([math.sin(angle) * across, math.cos(angle)])
+    axes.plot(*np.stack([middle - side, middle + side], axis=1), marker="o" if half == 0 else None, ms=4, **{**style, "lw": 2.5})
+    turns = [0.0] if beam["light"] != "isotropic" else list(np.arange(0, 2 * np.pi, np.pi / 4))
+    for turn in [*turns, *([-spread, spread] if 0 < spread < np.pi / 2 * 1.001 and len(turns) == 1 else [])]:
+        towards = np.array([axis[0] * math.cos(turn) - axis[1] * math.sin(turn), axis[0] * math.sin(turn) + axis[1] * math.cos(turn)])
+        edge = middle + side * np.sign(-turn) if len(turns) == 1 else middle
+        _arrow(axes, edge + reach * towards, edge, ls="-" if turn == 0 else ":", **style)
+
+
+def _draw_detector(axes: Any, detector: dict[str, Any]) -> None:
+    """Where it stands, seen along y; the direction that it looks along, against the light, is short and dashed."""
+    x, z, reach = detector["x"], detector["z"], _reach(detector)
+    angle, across = math.radians(detector["angle"]), math.cos(math.radians(detector["azimuth"]))
+    style: dict[str, Any] = {"color": COLOURS[2], "lw": 3.0, "solid_capstyle": "butt"}
+    spans = [(-reach, reach)] if detector["shape"] != "ring" else [(-reach, -min(detector["size"])), (min(detector["size"]), reach)]
+    for low, high in spans:
+        axes.plot([x + low, x + high], [z, z], **style)
+    away = np.array([math.sin(angle) * across, -math.cos(angle) if detector["side"] == "top" else math.cos(angle)])
+    axes.annotate("detector " + detector["name"], (x + reach * 0.9, z), tuple(np.array([8, 8 if detector["side"] == "top" else -14])), textcoords="offset points", color=COLOURS[2], fontsize="small")
+    if angle > 0 or detector["na"] is not None:
+        size = 0.25 * max(reach, 1e-9)
+        axes.plot([x, x + 4 * size * away[0]], [z, z + 4 * size * away[1]], color=COLOURS[2], lw=1.0, ls="--")
+
+
+def _label_media(axes: Any, scene: dict[str, Any], depths: list[float], frame: tuple[float, float, float, float]) -> None:
+    """Beside the right end of each layer, as far as there is room; of very many every second, third, ... one."""
+    _, _, top, bottom = frame
+    backing = scene["backing"]
+    below = f"below, n = {scene['n_below']:g}"
+    if backing:
+        below = f"{backing['kind']}, " + (f"{backing['n']:.3g}+{backing['k']:.3g}i" if backing["kind"] == "metal" else f"R = {backing['R']:.3g}")
+    words = [f"above, n = {scene['n_above']:g}", *(f"{layer.get('name') or f'layer {i}'}, n = {layer['n']:g}" for i, layer in enumerate(scene["layers"], 1)), below]
+    ends = [-math.inf, *depths, math.inf]
+    spans = [(max(ends[m], top), min(ends[m + 1], bottom), words[m]) for m in range(len(words)) if min(ends[m + 1], bottom) > max(ends[m], top)]
+    spans = spans[::-(-len(spans) // LAYERS)]
+    least, last = 0.045 * (bottom - top), -math.inf
+    places = []
+    for low, high, _ in spans:
+        last = max((low + high) / 2, last + least)
+        places.append(last)
+    over = max(0.0, (places[-1] if places else 0) - bottom + least / 2)
+    for i in range(len(places) - 1, -1, -1):
+        places[i] = min(places[i], (places[i + 1] - least) if i + 1 < len(places) else places[i] - over)
+    for (low, high, text), place in zip(spans, places):
+        axes.annotate(text, (1.0, (low + high) / 2), (1.05, place), xycoords=("axes fraction", "data"), textcoords=("axes fraction", "data"), va="center", fontsize="small",
+                      annotation_clip=False, arrowprops={"arrowstyle": "-", "lw": 0.6, "color": "#808080"})
+
+
+def _caption(scene: dict[str, Any]) -> str:
+    named = [f"Boundary {b}: {boundary['shape']}." for b, boundary in enumerate(scene["boundaries"]) if boundary.get("shape")]
+    return " ".join(["Plane y = 0.", *named[:6], *(["And others."] if len(named) > 6 else [])])
+
+
+def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = None) -> None:
+    """scene: of check. folder: where mesh has left the shapes."""
+    stem = os.path.join(folder, os.path.basename(scene["output"]))
+    shapes = [f"{stem}.boundary{b}.obj" for b in range(len(scene["boundaries"]))]
+    there = [shape if os.path.exists(shape) else None for shape in shapes]
+    points = [_read_obj(shape)[0] for shape in there if shape]
+    left, right = _width(scene, points)
+    lines = [Line(_boundary_pieces(boundary, shape, left, right)) for boundary, shape in zip(scene["boundaries"], there)]
+    depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
+    top, bottom = _depth(scene, depths, right - left)
+    bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
+    with drawing(style) as matplotlib:
+        from matplotlib.figure import Figure
+        figure = Figure(figsize=(8.6, 5.2), layout="constrained")
+        axes = figure.subplots()
+        axes.grid(False)
+        if len(lines) > 2000:  # they would be one black area
+            lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
+        for line in lines:
+            line.draw(axes, color="#202020", lw=1.2)
+        labels: list[tuple[float, float, str]] = []
+        for k, pieces in enumerate(bodies):
+            Line(pieces).draw(axes, color=COLOURS[0], lw=1.2)
+            if len(pieces) and len(labels) < BODIES:
+                labels.append((float(pieces[..., 1].mean()), float(pieces[..., 0].max()), f"body {k + 1}, n = {scene['bodies'][k]['n']:g}"))
+        last = -math.inf
+        for depth, x, text in sorted(labels):  # one below the other
+            last = max(depth, last + 0.045 * (bottom - top))
+            axes.annotate(text, (x, last), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
+        frame = (left, right, top, bottom)
+        words = []
+        for k, beam in enumerate(scene["beams"]):
+            _draw_beam(axes, beam, frame)
+            words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
+        for detector in scene.get("detectors", []):
+            _draw_detector(axes, detector)
+        if scene["map"]:
+            reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
+            for x in (-reach, reach):
+                axes.axvline(x, color="#808080", lw=1.0, ls="-.")
+            words.append("map, {nx} x {ny} pixels of {dx:g} x {dy:g} cm".format(**scene["map"]))
+        figure.get_layout_engine().set(rect=(0, 0, 0.97, 1))
+        axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [cm]", ylabel="depth z [cm]")
+        axes.set_title("\n".join(words), loc="left", fontsize="small", fontweight="normal", color=COLOURS[1])
+        figure.suptitle(f"{shown_path(scene['output'])}, seen along y", fontweight="bold")
+        figure.supxlabel(_caption(scene), fontsize="small", x=0.01, ha="left", color="#404040")
+        _label_media(axes, scene, [boundary["outer_z"] for boundary in scene["boundaries"]], frame)
+        save(figure, path)
+
+
+def view(scene: Union[Scene, str, os.PathLike[str]], output: Union[str, os.PathLike[str]], run: int = 1, style: Optional[str] = None, **options: Any) -> None:
+    """Draws the section through a scene along x into a file, .svg, .png, .pdf or .eps: boundaries, layers, bodies, beams, detectors, the map.
+    run: which of the file's. Options are those of mc.mesh."""
+    path, run = picture_path(output), errors.whole("run", run, 1, 2**31)
+    if style is not None:
+        style = errors.existing_file("style", style)
+    runs = check(scene, **options)
+    if not 1 <= run <= len(runs):
+        raise errors.InputError(f"--run {run} (expected 1 to {len(runs)}, the runs of {'the Scene' if isinstance(scene, Scene) else os.fspath(scene)})")
+    told = runs[run - 1]
+    with scratch_folder() as folder:
+        curved = any(boundary["kind"] != "plane" for boundary in told["boundaries"]) or any(body["form"] != "sphere" for body in told.get("bodies", []))
+        if curved:
+            mesh(scene, folder, **options)
+        draw(told, folder, path, style)
+
+
+def main(words: list[str]) -> int:
+    parser = Parser("view", "scene.mci", "Draws the section y = 0 through a scene: boundaries, layers, bodies with their numbers, beams with the rays at their sides, detectors, the ends of "
+                    "the map. Flies no photons.", "clustermcml view samples/mixed.mci -o mixed.svg")
+    parser.add_argument("scene", metavar="scene.mci")
+    parser.add_output("the picture: .svg, .png, .pdf or .eps; default view.svg", "view.svg")
+    parser.add_argument("--run", metavar="K", type=parser.number("a number of a run, from 1", 1, 1e9), default=1.0, help="the file's run, from 1 (default)")
+    parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the scene, as run takes it")
+    parser.add_argument("--ignore-heightfields", action="store_true", help="heightfields count as planes")
+    parser.add_argument("--style", metavar="FILE", help="a style of matplotlib (.mplstyle), over ours")
+    parser.add_argument("--quiet", action="store_true", help="does not name the picture")
+    given = parser.parse_args(words)
+    check_overwrite("view", given.output, [given.scene])
+    settings = {name: value for name, _, value in (word.partition("=") for word in given.set)}
+    options: dict[str, Any] = {**({"set": settings} if settings else {}), **({"ignore_heightfields": True} if given.ignore_heightfields else {})}
+    view(given.scene, given.output, int(given.run), given.style, **options)
+    return 0 if given.quiet else print_text(shown_path(given.output) + "\n")

@@ -1,0 +1,38 @@
+"""drawn_arrays.py FILE.h5: plot draws every array that has axes, and what it draws are the numbers of the file.
+SPDX-License-Identifier: MIT
+"""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "python"))
+import numpy as np  # noqa: E402
+from clustermcml import plot, read  # noqa: E402
+
+figures = []
+plot.save = lambda figure, path: figures.append(figure)
+
+
+def shown(array):
+    """What is left of an array: maps and voxels are cut, bins of what lies beyond left out, r points to the right."""
+    if "z_volume" in array.dims:
+        array = array.sel(y=0, method="nearest")
+    elif array.ndim == 3:
+        array = array.sel(alpha=0.3, method="nearest")
+    array = array.isel({dim: slice(0, -1) for dim in array.dims if dim in ("r", "z")})
+    return array.T.values if array.dims[0] in ("r", "body") else array.values
+
+
+path, drawn = sys.argv[1], 0
+for name, array in read(path).data_vars.items():
+    if not array.dims or name.startswith(("layer_", "body_of")) or name.endswith("area"):
+        continue
+    cut = ["--cut", "alpha=0.3"] if "alpha" in array.dims and array.ndim == 3 else []
+    assert plot.main([path, "--of", name, "--linear", "--quiet", *cut]) == 0, name
+    axes, numbers = figures.pop().axes[0], shown(array)
+    if str(array.dims[0]).endswith("facet") or array.dims == ("theta", "phi"):
+        assert axes.collections, name
+    else:
+        found = np.asarray(axes.images[0].get_array()) if numbers.ndim == 2 else axes.lines[0].get_ydata()
+        assert np.allclose(found, numbers, equal_nan=True), name
+    drawn += 1
+assert drawn > 40, drawn

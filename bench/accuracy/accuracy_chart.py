@@ -90,18 +90,18 @@ def draw(scene, found, times, path):
     figure.text(10 / WIDTH, 1 - 26 / HEIGHT, scene + ": how accurate each way to fly it is for its time", fontsize=12)
     biases = panel(figure, 68, 66, "relative bias (bars: 2 standard errors)", "ns per step", "worst bias of Rd, A, Tt")
     failures = panel(figure, 68, 376, "failures (with tail: none seen, 95 % limit)", "ns per step", "lost per billion crossings")
-    errors = panel(figure, 412, 66, "total error: noise and bias", "processor seconds", "relative error")
+    errors = panel(figure, 402, 66, "total error: noise and bias", "processor seconds", "relative error")
     for axes, draw_panel, first, last in ((biases, draw_biases, -8, 0), (failures, draw_failures, 0, 6), (errors, draw_errors, -5, 1)):
         draw_panel(axes, found)
         axes.set_ylim(10.0 ** first, 10.0 ** last)
         chart.powers(axes.yaxis, first, last, 2)
     for axes in (biases, failures):
         tics = [tic for tic in TICS[times[1] / times[0] > 100] if times[0] <= tic <= times[1]]
-        axes.set_xlim(*times)
         chart.powers(axes.xaxis, 0, 0, 1)
         axes.set_xticks(tics, ["%d" % tic for tic in tics])
-    errors.set_xlim(1e-5, 1e3)
+        axes.set_xlim(*times)
     chart.powers(errors.xaxis, -5, 3, 2)
+    errors.set_xlim(1e-5, 1e3)
     figure.legend(handles=key(plt, found), loc="upper left", bbox_to_anchor=(350 / WIDTH, 1 - 318 / HEIGHT), handlelength=1.8, labelspacing=0.1, borderpad=0)
     picture.save(figure, path)
     plt.close(figure)

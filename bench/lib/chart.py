@@ -13,7 +13,7 @@ ORANGE, GREY = "#E69F00", "#777777"
 
 def marks(axes, x, y, colour, marker, size=4, filled=True, line="none"):
     """Marks of one kind; hollow ones can be told from filled ones without their colour."""
-    return axes.plot(x, y, linestyle=line, marker=marker, markersize=size, color=colour, markerfacecolor=colour if filled else "none", linewidth=1)[0]
+    return axes.plot(x, y, linestyle=line, marker=marker, markersize=size, color=colour, markerfacecolor=colour if filled else "none", linewidth=1, clip_on=False, zorder=3)[0]
 
 
 def powers(axis, first, last, step):

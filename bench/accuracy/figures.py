@@ -38,7 +38,7 @@ REPORT = {
                  "times as much.", ("flat50", "lonoise", "hinoise")),
 }
 OTHERS = {
-    "skin": (None, ["furrows.h5", "--of", "boundary0_exitance_above", "--linear", "--percentile", "99.9", "--title", "Furrowed skin in light from the left"]),
+    "skin": (None, ["furrows.h5", "--of", "boundary0_exitance_above", "--linear", "--percentile", "99.9", "--label", "Furrowed skin in light from the left"]),
     "furrows": ("Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm in radius from the left, 15 degrees "
                 "above it, {many} packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter "
                 "brighter than those that turn away.", ["furrows.h5", *MAP, "--label", "Furrows of skin, slanting light"]),

@@ -7,7 +7,7 @@ set -eu
 packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin python3-h5py python3-matplotlib python3-xarray
 ocl-icd-opencl-dev opencl-headers pocl-opencl-icd"
 if test "${1:-}" = test || test "${1:-}" = names; then
-    packages="$packages libcmocka-dev librandom123-dev clang lld clang-format libomp-dev libclang-rt-dev python3 gnuplot-nox libxml2-utils file iproute2"
+    packages="$packages libcmocka-dev librandom123-dev clang lld clang-format libomp-dev libclang-rt-dev python3 libxml2-utils file iproute2"
     packages="$packages python3-h5netcdf python3-netcdf4 python3-vtk9 mypy octave dpkg-dev lintian man-db"
     # a Slurm of one node, which its test starts; Debian starts none without a configuration
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"

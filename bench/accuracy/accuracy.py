@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Charts what accuracy each way to represent a boundary buys for its time:
     accuracy.py [--quick] [--only SCENE,...] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves accuracy.csv, accuracy.txt and, with gnuplot, accuracy/SCENE.svg. --only flies
+by default of build/clustermcml into bench/out. Leaves accuracy.csv, accuracy.txt and, with matplotlib, accuracy/SCENE.svg. --only flies
 these scenes and no others.
     accuracy.py --draw CSV DIRECTORY
 draws a result again, a page for each scene. bench/accuracy/README.md says how to read them.
@@ -19,6 +19,7 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import accuracy_chart
 import accuracy_scenes
 import accuracy_table
 import cases
@@ -164,15 +165,14 @@ def measure(program, scene, budget, pool):
 def draw(csv, folder):
     """A page for each scene."""
     os.makedirs(folder, exist_ok=True)
-    with tempfile.TemporaryDirectory() as work:
-        for scene in accuracy_table.write_series(tables.read_csv(csv)[1], work):
-            chart.plot("accuracy/accuracy.gp", os.path.join(folder, scene + ".svg"), work=work, scene=scene)
+    for scene, found, times in accuracy_table.pages(tables.read_csv(csv)[1]):
+        accuracy_chart.draw(scene, found, times, os.path.join(folder, scene + ".svg"))
 
 
 def main():
     parser = command.parser(__doc__, "quick")
     parser.add_argument("--only", default="", metavar="SCENE,...")
-    command.instead(parser, "--draw", ("CSV", "DIRECTORY"), draw, "gnuplot")
+    command.instead(parser, "--draw", ("CSV", "DIRECTORY"), draw, "matplotlib")
     arguments = parser.parse_args()
     makers = accuracy_scenes.makers(arguments.quick)
     budget = 0.35 if arguments.quick else 6.0

@@ -210,19 +210,12 @@ LEAST = 1e-8  # the lower edge of the chart of biases
 MARGIN = 1.5  # times, by which its axis of times goes beyond them
 
 
-def write_points(path, points):
-    """Without points one that gnuplot leaves out, so that every series exists."""
-    with open(path, "w") as stream:
-        for point in points or [("NaN",) * 7]:
-            stream.write(" ".join(format(float(value), ".4g") for value in point) + "\n")
-
-
 def points(rows):
     """Time per step, bias, its two errors, the profile's bias, failures, and the bound on paper of each row, by time."""
     return sorted((number(row, "ns_per_step"), max(shown(row), LEAST), 2 * number(row, "bias_se"),
                    max(number(row, "profile_bias"), number(row, "profile_se"), LEAST),
                    max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
-                   row["optical_bound"] or "NaN") for row in rows)
+                   float(row["optical_bound"] or "nan")) for row in rows)
 
 
 def series_of(rows):
@@ -238,23 +231,12 @@ def series_of(rows):
     return found
 
 
-def write_series(rows, directory):
-    """What accuracy.gp draws: for every scene a file per series and `drawn`, the names of those that have points, and `times`,
-    from and to which its axis goes. Returns the scenes."""
-    scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    for scene in scenes:
+def pages(rows):
+    """Of every scene: its name, its series, and from and to which the axis of times goes."""
+    for scene in dict.fromkeys(row["scene"] for row in rows):
         mine = [row for row in rows if row["scene"] == scene]
-        found = series_of(mine)
-        for name, values in found.items():
-            write_points(os.path.join(directory, "%s.%s" % (scene, name)), values)
-        names = [name for name, values in found.items() if values]
-        names += ["paper"] * any(float(row["optical_bound"] or 0) for row in by_group(mine, "mesh-analytic-area"))
-        with open(os.path.join(directory, scene + ".drawn"), "w") as stream:
-            stream.write(" ".join(names) + "\n")
         times = [number(row, "ns_per_step") for row in mine if row["group"] in GROUPS]
-        with open(os.path.join(directory, scene + ".times"), "w") as stream:
-            stream.write("%.4g %.4g\n" % (min(times) / MARGIN, max(times) * MARGIN))
-    return scenes
+        yield scene, series_of(mine), (min(times) / MARGIN, max(times) * MARGIN)
 
 
 def main(arguments):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
-curves (figures/*.csv) dashed beside them, the maps of samples/skinmap.mci, furrows.mci, vein.mci and pattern.mci, the runs
+curves (figures/*.csv) dashed beside them, furrows.mci as a shaded mesh, the maps of furrows.mci, vein.mci and pattern.mci, the runs
 of samples/two_runs.mci and pulse.mci, the fluence of head.mci, what sees gloss.mci, camera.mci and fibres.mci, and the beams of
 fibre.mci, lamp.mci and glow.mci:
     figures.py [--quick] [--photons N] [--program PATH] [--out DIR]
@@ -13,13 +13,13 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cases
-import chart
 import command
+import picture
 
 CURVES = os.path.join(cases.BENCH, "accuracy", "figures")
 SCENES = ("fig5", "fig6", "fig7", *("shapes/" + shape for shape in ("flat50", "lohill", "hihill", "locrater", "hicrater", "lonoise", "hinoise")),
-          "two_runs", "pulse", "furrows", "vein", "pattern", "head", "gloss")
-MAPS = ("skinmap", "camera")  # as many pixels as a profile has bins, squared
+          "two_runs", "pulse", "vein", "pattern", "head", "gloss")
+MAPS = ("furrows", "camera")  # facets and pixels are small
 BEAMS = ("fibre", "lamp", "glow")
 MAP = ["--of", "Rd", "--percentile", "99.9", "--linear"]
 FLAT = ("Solid: this program, {n} packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of "
@@ -38,11 +38,9 @@ REPORT = {
                  "times as much.", ("flat50", "lonoise", "hinoise")),
 }
 OTHERS = {
-    "skinmap": ("Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, {many} packets; ridges are up to 0.01 cm high. "
-                "Pixels of 0.12 mm: the tenth of them that faces the light most is 2.3 times as bright as the tenth that turns away most.",
-                ["skinmap.h5", *MAP, "--label", "Ridges of skin, grazing light"]),
+    "skin": (None, ["furrows.h5", "--of", "boundary0_exitance_above", "--linear", "--percentile", "99.9", "--label", "Furrowed skin in light from the left"]),
     "furrows": ("Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm in radius from the left, 15 degrees "
-                "above it, {n} packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter "
+                "above it, {many} packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter "
                 "brighter than those that turn away.", ["furrows.h5", *MAP, "--label", "Furrows of skin, slanting light"]),
     "vein": ("Diffuse reflectance of skin at 532 nm over a winding vein, 0.012 cm in radius and 0.014 to 0.034 cm below the surface, under a disk "
              "of light of 0.35 cm in radius, {n} packets.", ["vein.h5", *MAP, "--label", "A vein under skin"]),
@@ -64,7 +62,6 @@ OTHERS = {
     "fibres": ("Share of the light of one fibre on furrowed skin that comes into another, both 0.06 cm wide, NA 0.39, by the distance between "
                "their axes, {few} packets.", ["fibres.sweep.csv", "--of", "detector_far", "--over", "detector2.x", "--log", "--label", "Two fibres on skin"]),
 }
-SHRUNK = (*REPORT, "hill", "pulse")
 
 
 def call(*words, **where):
@@ -85,32 +82,30 @@ def fly(program, out, photons):
     for scene in SCENES:
         run(scene, photons)
     for scene in MAPS:
-        run(scene, 10 * photons)
+        run(scene, 10 * photons // 3)
     distances = os.path.join(out, "distances.csv")
     with open(distances, "w") as stream:
         stream.write("detector2.x\n" + "".join("%g\n" % (i * 0.05) for i in range(2, 10)))
-    run("fibres", photons // 3, "--sweep", distances)
+    run("fibres", photons // 9, "--sweep", distances)
 
 
 def main():
     parser = command.parser(__doc__, "quick")
     parser.add_argument("--photons", type=command.count)
     arguments = parser.parse_args()
-    command.need(parser, "gnuplot")
+    picture.need(parser, "h5py", "matplotlib", "xarray")
     photons, out = arguments.photons or (100000 if arguments.quick else 3000000), os.path.abspath(arguments.out)
     os.makedirs(out, exist_ok=True)
     fly(arguments.program, out, photons)
     drawn = {name: (caption, [scene + ".mco" for scene in scenes] + [curve for scene in scenes for curve in curves_of(scene)])
              for name, (caption, scenes) in REPORT.items()}
     for name, (caption, words) in {**drawn, **OTHERS}.items():
-        call(arguments.program, "plot", *words, "--caption", caption.format(n=photons, many=10 * photons, few=photons // 3), "--quiet",
-             "-o", name + ".svg", cwd=out)
-        if name in SHRUNK:
-            chart.shrink(os.path.join(out, name + ".svg"))
+        below = ["--caption", caption.format(n=photons, many=10 * photons // 3, few=photons // 9)] if caption else []
+        call(arguments.program, "plot", *words, *below, "--quiet", "-o", name + ".svg", cwd=out)
         print(os.path.join(out, name + ".svg"), flush=True)
     for scene in BEAMS:
         with open(os.path.join(out, scene + ".txt"), "w") as stream:
-            call(arguments.program, "check", os.path.join(cases.ROOT, "samples", scene + ".mci"), "-o", os.path.join(out, scene + ".svg"), stdout=stream)
+            call(arguments.program, "view", os.path.join(cases.ROOT, "samples", scene + ".mci"), "-o", os.path.join(out, scene + ".svg"), stdout=stream)
 
 
 if __name__ == "__main__":

@@ -2,11 +2,11 @@
 """Charts how long each way to fly a scene takes to an error, against its bias, before and after lattice sampling and the roulette
 window:
     frontier.py [--quick] [--only SCENE,...] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves frontier.csv, frontier.txt and, with gnuplot, frontier.svg. --mcml is a
+by default of build/clustermcml into bench/out. Leaves frontier.csv, frontier.txt and, with matplotlib, frontier.svg. --mcml is a
 binary of original MCML, which is then timed on the same scenes without their shapes. --only flies the scenes that it
 names, and draws nothing.
     frontier.py --draw CSV SVG
-draws a result again (a name that ends in .png: as PNG). bench/accuracy/README.md says how to read them.
+draws a result again. bench/accuracy/README.md says how to read them.
 
 `before` is MCML's own sampling and roulette, `after` the program's defaults. Every round flies both, one after the other, on one
 thread; times are processor time of the flight, ratios are formed within a round.
@@ -24,6 +24,7 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import chart
 import command
+import frontier_chart
 import frontier_scenes
 import frontier_table
 import runs
@@ -278,9 +279,7 @@ def measure(program, mcml, scenes, target, rounds):
 
 
 def draw(csv, target):
-    with tempfile.TemporaryDirectory() as work:
-        frontier_table.write_series(tables.read_csv(csv)[1], work)
-        chart.plot("accuracy/frontier.gp", target, work=work)
+    frontier_chart.draw(tables.read_csv(csv)[1], target)
 
 
 def main():
@@ -288,7 +287,7 @@ def main():
     parser.add_argument("--only", default="", metavar="SCENE,...")
     parser.add_argument("--rounds", type=command.count)
     parser.add_argument("--mcml", type=command.built)
-    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "matplotlib")
     arguments = parser.parse_args()
     names = command.only(arguments.only, frontier_scenes.NAMES, parser)
     begin, busy = time.time(), runs.busy_seconds()

@@ -153,31 +153,14 @@ def readme_lines(header, rows):
         yield "- " + line
 
 
-def line_of(rows, scene, variant, method):
+def place_of(rows, scene, variant, method):
     """Seconds to 0.1 % and 0.01 %, bias, whether it is a limit. Sampling leaves no bias: the method's is that of the longer
-    runs."""
+    runs. None where it was not flown."""
     found = pick(rows, scene=scene, variant=variant, method=method)
     if not found:
-        return "NaN NaN NaN NaN\n"
+        return None
     row, longer = found[0], pick(rows, scene=scene, variant="after", method=method)[0]
-    times = number(row, "s_worst"), number(row, "s_worst_small")
-    return "%g %g %g %d\n" % (*times, max(shown(longer), FLOOR), hidden(longer))
-
-
-def write_series(rows, directory):
-    """A file per scene, variant and method, and what stands on the page."""
-    methods = ("plane", "cone", "grid", "mesh", "auto")
-    names = {"scenes": " ".join(frontier_scenes.CHARTED), "labels": "\n".join(
-        frontier_scenes.LABELS.get(scene, scene) for scene in frontier_scenes.CHARTED),
-        "note": "" if pick(rows, variant="mcml") else "original MCML was not timed (--mcml PATH)"}
-    for name, words in names.items():
-        with open(os.path.join(directory, name), "w") as stream:
-            stream.write(words + "\n")
-    for scene in frontier_scenes.CHARTED:
-        for variant in ("before", "after", "mcml"):
-            for method in methods:
-                with open(os.path.join(directory, "%s.%s.%s" % (scene, variant, method)), "w") as stream:
-                    stream.write(line_of(rows, scene, variant, method))
+    return number(row, "s_worst"), number(row, "s_worst_small"), max(shown(longer), FLOOR), hidden(longer)
 
 
 def main():

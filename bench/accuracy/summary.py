@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The one chart of accuracy against speed, three scenes and at most six ways to fly each:
     summary.py [--quick] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves summary.csv and, with gnuplot, summary.svg. A minute.
+by default of build/clustermcml into bench/out. Leaves summary.csv and, with matplotlib, summary.svg. A minute.
     summary.py --draw CSV SVG
 draws a result again. bench/accuracy/README.md says how to read it.
 
@@ -28,6 +28,7 @@ import cases
 import chart
 import command
 import frontier
+import picture
 import rough
 import tables
 from frontier_scenes import Method, Scene
@@ -192,15 +193,15 @@ def merged(rows):
 
 
 def label_places(places):
-    """(side, decades above the mark) of every name, so that no two names meet: summary.gp draws 156 points per decade of x, 18 of
-    y, and letters of 7.3 x 15 points. Names that would leave the panel stand to the left of their mark."""
-    at = [(156 * math.log10(place["x"] / 0.03), 18 * math.log10(place["y"])) for place in places]
+    """(side, decades above the mark) of every name, so that no two names meet: a panel has 116 points per decade of x, 15 of
+    y, and letters of 6 x 12 points. Names that would leave the panel stand to the left of their mark."""
+    at = [(116 * math.log10(place["x"] / 0.03), 15 * math.log10(place["y"])) for place in places]
     taken, out = [(x - 5, y - (26 if place["limit"] else 6), x + 5, y + 6) for place, (x, y) in zip(places, at)], []
     for place, (x, y) in zip(places, at):
-        width = 7.3 * len(" = ".join(place["names"]))
-        for side, up in itertools.product((-1,) if x + width > 452 else (1, -1), (0, 0.9, -0.9)):
+        width = 6 * len(" = ".join(place["names"]))
+        for side, up in itertools.product((-1,) if x + width > 348 else (1, -1), (0, 0.9, -0.9)):
             left = x + 8 if side > 0 else x - 8 - width
-            box = (left, y + 18 * up - 6, left + width, y + 18 * up + 8)
+            box = (left, y + 15 * up - 6, left + width, y + 15 * up + 8)
             if not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
                 break
         taken.append(box)
@@ -208,33 +209,45 @@ def label_places(places):
     return out
 
 
-def write_series(rows, work):
-    """What summary.gp draws."""
-    def write(name, text):
-        with open(os.path.join(work, name), "w") as stream:
-            stream.write(text)
-    write("scenes", "\n".join(TITLES) + "\n")
-    for scene, title in TITLES.items():
-        mine = [row for row in rows if row["scene"] == scene]
-        check = next(row for row in mine if row["method"] == "independent")
-        places = merged([row for row in mine if row["method"] in CHARTED])
-        write(scene, "".join('%.4g %.4g %d %d "%s" %.4g %d\n' % (
-            place["x"], place["y"], place["limit"], place["names"][0] in (SHOWN["original MCML"], "MMC"), " = ".join(place["names"]),
-            10 ** up, side) for place, (side, up) in zip(places, label_places(places))))
-        write(scene + ".title", title)
-        write(scene + ".known", "%.4g" % (abs(float(check["bias"])) + 2 * float(check["bias_se"])))
-        write(scene + ".2019", "%.4g" % (0 if scene == "scan" else printed_in_2019(scene)))
+def panel(axes, rows, scene):
+    """One scene: every place a mark with its names; an arrow where a bias is at most so much."""
+    check = next(row for row in rows if row["method"] == "independent")
+    axes.axhspan(1e-10, abs(float(check["bias"])) + 2 * float(check["bias_se"]), color="#f0f0f0", linewidth=0)
+    if scene != "scan":
+        old = printed_in_2019(scene)
+        axes.axhline(old, color=chart.RED, linestyle="--", linewidth=1)
+        axes.text(29, 1.4 * old, "the program of 2019, as published", ha="right")
+    places = merged([row for row in rows if row["method"] in CHARTED])
+    for place, (side, up) in zip(places, label_places(places)):
+        theirs = place["names"][0] in (SHOWN["original MCML"], "MMC")
+        chart.marks(axes, [place["x"]], [place["y"]], chart.RED if theirs else chart.BLUE, "s" if theirs else "o", 5)
+        if place["limit"]:
+            axes.annotate("", (place["x"], 0.06 * place["y"]), (place["x"], place["y"]), arrowprops={"arrowstyle": "-|>", "color": "#404040", "shrinkA": 0, "shrinkB": 0})
+        axes.annotate(" = ".join(place["names"]), (place["x"], place["y"] * 10 ** up), (6 * side, 0), textcoords="offset points", va="center", ha="left" if side > 0 else "right")
 
 
 def draw(csv, target):
-    with tempfile.TemporaryDirectory() as work:
-        write_series(tables.read_csv(csv)[1], work)
-        chart.plot("accuracy/summary.gp", target, work=work)
+    """Three panels, one below the other, to be read at half the width of a page: hence few marks and large letters."""
+    rows, plt = tables.read_csv(csv)[1], picture.begin()
+    figure = plt.figure(figsize=(5.83, 8.5))
+    figure.text(0.02, 0.97, "How wrong the reflectance stays, and how long it takes", fontsize=13)
+    figure.text(0.02, 0.925, "up: wrong share of Rd, however many photons fly; arrow: at most so much\n"
+                "right: seconds of a core to 0.1 % noise; grey: no other program sees it")
+    panels = figure.subplots(len(TITLES), sharex=True, sharey=True, gridspec_kw={"left": 0.14, "right": 0.97, "top": 0.885, "bottom": 0.065, "hspace": 0.16})
+    for axes, (scene, title) in zip(panels, TITLES.items()):
+        axes.set(xscale="log", yscale="log", ylabel="wrong share of Rd")
+        axes.set_title(title, loc="left")
+        panel(axes, [row for row in rows if row["scene"] == scene], scene)
+    chart.powers(panels[0].yaxis, -9, 0, 3)
+    chart.powers(panels[0].xaxis, -1, 1, 1)
+    panels[0].set(xlim=(0.03, 30), ylim=(1e-10, 2), xticks=(0.1, 1, 10), xticklabels=("0.1", "1", "10"))
+    panels[-1].set_xlabel("seconds of one core until the noise of Rd is 0.1 %")
+    picture.save(figure, target)
 
 
 def main():
     parser = command.parser(__doc__, "quick")
-    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "matplotlib")
     arguments = parser.parse_args()
     begin = time.time()
     with tempfile.TemporaryDirectory() as work:

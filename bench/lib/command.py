@@ -10,6 +10,7 @@ import subprocess
 import sys
 
 import cases
+import picture
 
 
 class Parser(argparse.ArgumentParser):
@@ -75,16 +76,16 @@ def parser(text, flags="", place=PROGRAM, **counts):
     return made
 
 
-def instead(made, option, words, do, *commands):
+def instead(made, option, words, do, *modules):
     """Adds an option that stands alone, with these words, a result the first of them: `do` is called with them in place of a
-    measurement. It needs the commands."""
+    measurement. It needs the modules of Python."""
     class Instead(argparse.Action):
         def __call__(self, parser, namespace, values, option_string=None):
             if sys.argv[1:] != [option, *values]:
                 made.error("%s needs %s and nothing else" % (option, " and ".join(words)))
-            need(made, *commands)
             if not os.access(values[0], os.R_OK):
                 made.error("%s: cannot be read" % values[0])
+            picture.need(made, *modules)
             do(*values)
             made.exit()
     made.add_argument(option, nargs=len(words), metavar=words, action=Instead)

@@ -127,20 +127,17 @@ def lines(header, table):
             row["case"], row["threads"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
 
 
-def write_series(table, work):
-    """What speed.gp draws: a file per medium, surface and kind on one thread, and one of the ratios to original MCML. Returns
-    their names."""
-    series = {}
+def series(table):
+    """What speed_chart.py draws: (primitives, ns per step, least, most) per medium, surface and kind on one thread; as "mcml" (case, ratio to
+    original MCML, least, most)."""
+    found = {}
     for row in table:
         if row["threads"] == "1":
-            points = series.setdefault("-".join((row["medium"], row["surface"], row["kind"])), [])
-            points.append([row["primitives"], row["ns_per_step"], row["ns_per_step_min"], row["ns_per_step_max"]])
+            points = found.setdefault("-".join((row["medium"], row["surface"], row["kind"])), [])
+            points.append([float(row[name]) for name in ("primitives", "ns_per_step", "ns_per_step_min", "ns_per_step_max")])
         if row["mcml_to_ours"] != "":
-            series.setdefault("mcml", []).append([row["case"], row["mcml_to_ours"], row["mcml_to_ours_min"], row["mcml_to_ours_max"]])
-    for name, points in series.items():
-        with open(os.path.join(work, name), "w") as stream:
-            stream.writelines(" ".join(point) + "\n" for point in points)
-    return list(series)
+            found.setdefault("mcml", []).append([row["case"], *(float(row["mcml_to_ours" + end]) for end in ("", "_min", "_max"))])
+    return found
 
 
 def readme_lines(header, table):

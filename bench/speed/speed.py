@@ -3,9 +3,9 @@
     speed.py [--quick] [--irregular] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
 by default of build/clustermcml into bench/out. --mcml is a binary of original MCML, timed on the flat scenes in the
 same rounds. --irregular flies irregular and overhanging tops only, with the regular grids and planes beside them. Leaves speed.csv,
-speed.txt and, with gnuplot, speed.svg.
+speed.txt and, with matplotlib, speed.svg.
     speed.py --draw CSV SVG
-draws a result again (a name that ends in .png: as PNG). bench/speed/README.md says how to read them.
+draws a result again. bench/speed/README.md says how to read them.
 
 Every round runs every case once, and every second round runs them backwards, so that a machine that slows down or is
 shared hits all of them alike. Ratios are taken within a round; reported are medians, with minimum and maximum.
@@ -23,6 +23,7 @@ import chart
 import command
 import results
 import runs
+import speed_chart
 import tables
 
 THREADS_TARGET = 3  # runs on several threads are so much longer, for their ratio is within a tenth of its bound
@@ -49,15 +50,13 @@ def measure(program, mcml, todo, rounds):
 
 
 def draw(csv, target):
-    with tempfile.TemporaryDirectory() as work:
-        names = results.write_series(tables.read_csv(csv)[1], work)
-        chart.plot("speed/speed.gp", target, shrunk=False, work=work, bars=int("mcml" in names))
+    speed_chart.draw(results.series(tables.read_csv(csv)[1]), target)
 
 
 def main():
     parser = command.parser(__doc__, "quick irregular", rounds=(5, 5))
     parser.add_argument("--mcml", type=command.built)
-    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "gnuplot")
+    command.instead(parser, "--draw", ("CSV", "SVG"), draw, "matplotlib")
     arguments = parser.parse_args()
     target = 0.25 if arguments.quick else 0.7
     begin = time.time()

@@ -27,6 +27,8 @@ static const char start[] =
 bool cml_is_handed_over(int argc, char *const *argv)
 {
     const enum cml_command which = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;
+    for (int i = 2; i < argc; i++)
+        if (strcmp(argv[i], "--version") == 0) return false; /* the program's */
     return which == CML_COMMAND_PLOT || which == CML_COMMAND_COMPARE || which == CML_COMMAND_VIEW;
 }
 

@@ -284,6 +284,24 @@ def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
     twin.grid(False)
 
 
+def _power(value: float, _: Any = None) -> str:
+    """As letters: matplotlib's own way to set powers takes a sixth of the time of a picture.
+
+    >>> _power(1e-12)
+    '10⁻¹²'
+    """
+    return "10" + str(round(math.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) if value > 0 else ""
+
+
+def _set_powers(axis: Any) -> None:
+    """Of a logarithmic axis of a decade or more: powers of ten as labels; from two decades on no ticks between, each of which costs time."""
+    low, high = sorted(axis.get_view_interval())
+    if axis.get_scale() == "log" and high >= 10 * low > 0:
+        axis.set_major_formatter(_power)
+        if high >= 100 * low:
+            axis.set_minor_locator(type(axis.get_minor_locator())(subs=[]))
+
+
 def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
     for axes in panels:
         if given.logx:
@@ -292,6 +310,8 @@ def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
             axes.set_xlim(given.xrange)
         if given.yrange:
             axes.set_ylim(given.yrange)
+        _set_powers(axes.xaxis)
+        _set_powers(axes.yaxis)
 
 
 def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> Any:

@@ -59,7 +59,8 @@ def box_of(element, m, size, anchor):
 
 
 def words_of(element):
-    return "".join(element.itertext()).strip()
+    """Of a text in parts, such as a power of ten, each part without the white space about it."""
+    return "".join(text.strip() for text in element.itertext()) if len(element) and element.get("style") is None else "".join(element.itertext()).strip()
 
 
 def texts_of(element, m=SAME, size=12.0, anchor="start"):

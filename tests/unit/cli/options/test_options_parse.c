@@ -82,8 +82,8 @@ static void letters_take_the_rest_of_their_word_or_the_next(void **state)
     assert_string_equal(accepted("a.mci -o out").directory, "out");
     assert_string_equal(accepted("a.mci -oout").directory, "out");
     assert_string_equal(accepted("a.mci -o -h").directory, "-h");
-    assert_string_equal(accepted("merge a.mco b.mco -o c.mco").output, "c.mco");
-    assert_string_equal(accepted("-o c.mco merge a.mco b.mco").output, "c.mco");
+    assert_string_equal(accepted("merge a.mco b.mco -o c").directory, "c");
+    assert_string_equal(accepted("-o c merge a.mco b.mco").directory, "c");
     assert_true(accepted("-h").help);
     assert_string_equal(accepted("a.mci -ho out").directory, "out");
     refused("a.mci -o", "-o is missing its value (try clustermcml --help)");

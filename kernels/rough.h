@@ -121,7 +121,7 @@ CML_ROUGH_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
     const real x = 1 / t, flat = (real)0.5641895835477563 * t; /* t / sqrt(pi) */
     const int level = !(t < (real)1e9), some = t > (real)0.05; /* exp(-400) */
     const real above = flat - cml_erfcx(x), lambda = (real)0.5 * cml_exp_minus(x * x) * above;
-    return level ? (real)0.5 * flat : (some & (above > 0) ? lambda : (real)0);
+    return level ? (real)0.5 * flat : ((some & (above > 0)) ? lambda : (real)0);
 }
 
 /* ---- the normals that a direction sees ---- */
@@ -289,7 +289,7 @@ CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e
     const real flown = -cml_log(cml_uniform_inside(word)), lambda = cml_rough_lambda(rough, v), from = *e;
     const int leaves = (v.z > 0) & !(from * lambda > flown);
     const real next = from + flown / (v.z < 0 ? 1 + lambda : -lambda);
-    *e = leaves | (v.z == 0) ? from : next;
+    *e = (leaves | (v.z == 0)) ? from : next;
     return leaves;
 }
 

@@ -72,7 +72,8 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
         {"A_l", at.A_l + 1, (size_t)grid->num_layers},
         {"A_body", at.A_l + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
     for (int i = 0; i < CML_NUM_TOTALS; i++)
-        series[i] = (struct series){cml_quantities[i].name, (size_t)i, 1};
+        series[i] = (struct series){cml_quantities[cml_quantity_of_total(i)].name, (size_t)i,
+                                    i != CML_TOTAL_BACKING || grid->backed};
     memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
 }
 

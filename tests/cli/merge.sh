@@ -146,7 +146,6 @@ for wrong in 0/3 4/3 1 1/ /3 1/2/3 1/5000 -1/2 a/b; do
     expect_error 2 "--part $wrong (expected K/N, part K of N, with 1 <= K <= N <= 4096)" thick.mci --part $wrong
 done
 expect_error 2 "--part (expected no --target-error beside it)" thick.mci --part 1/2 --target-error 0.1
-expect_error 2 "--part (expected no --control beside it)" thick.mci --part 1/2 --control flat
 expect_error 2 "--part (expected no --json beside it)" thick.mci --part 1/2 --json
 expect_error 2 "--part: /dev/null is no file (expected a result in a file)" thick.mci --part 1/2 --output /dev/null --quiet
 expect_error 2 "--part (expected a command line of at most 4095 bytes, in one line)" thick.mci --part 1/2 --set "layer1.mua=1

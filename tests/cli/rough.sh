@@ -106,10 +106,10 @@ refused() { # LINE MESSAGE
 }
 refused 'rough' 'rough is missing (expected ggx or beckmann)'
 refused 'rough phong 0.2' 'rough = phong (expected ggx or beckmann)'
-refused 'rough ggx' 'rough is missing (expected 0, or a number of 1e-4..2)'
-refused 'rough ggx 3' 'rough = 3 (expected 0, or a number of 1e-4..2)'
+refused 'rough ggx' 'rough alpha is missing (expected 0, or a number of 1e-4..2)'
+refused 'rough ggx 3' 'rough alpha = 3 (expected 0, or a number of 1e-4..2)'
 refused 'rough ggx 1e-5' 'rough alpha = 1e-05 (expected 0, or a number of 1e-4..2)'
-refused 'rough ggx 0.2 0.3' 'rough = 0.3 (expected the end of the line, or a comment behind #)'
+refused 'rough ggx 0.2 0.3' 'rough alpha = 0.3 (expected the end of the line, or a comment behind #)'
 scene bad 'rough ggx 0.2
 rough ggx 0.3' '# nothing'
 expect_error 2 "$work/bad.mci:10: line = rough ggx 0.3 (expected one rough line for boundary 0, which already has line 9)" check "$work/bad.mci"

@@ -3,7 +3,7 @@
 - A clear slab under slanted light: mirrors. All of Rsp, Rd and Tt is in the bin of the beam's own angle and azimuth, and nothing elsewhere.
 - A cone under vertical light: what it mirrors leaves at twice its slope, evenly by azimuth.
 - A turbid slab: sums over azimuths are Rd_a and Tt_a of the same packets, sums over all the totals; what is split off goes straight up; a
-  bin lies within one of its errors of the mean over other runs in 68 % of cases (random draws).
+  bin lies within one of its errors of the mean over other runs in 66.7 % of cases (Student's t of 16 groups; random draws).
 Statistic: z, level 1e-4 over all."""
 import math
 import os
@@ -74,7 +74,7 @@ def coverage(verdict, runs):
                 others = (sum(values) - values[k]) / (len(values) - 1)
                 within += abs(values[k] - others) < found["se_" + key][i] * math.sqrt(1 + 1 / (len(values) - 1))
                 tried += 1
-    verdict.check("errors", abs(within / tried - 0.683) < 0.03, f"{within} of {tried} within one error")
+    verdict.check("errors", abs(within / tried - 0.667) < 0.03, f"{within} of {tried} within one error")
     print(f"errors of directions: {within / tried:.3f} of {tried} within one")
 
 

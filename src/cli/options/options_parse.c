@@ -204,7 +204,7 @@ static bool append(char *text, size_t size, const char *word)
 static void keep_call(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
-    bool fits = append(options->call, sizeof options->call, argv[0]);
+    bool fits = argc > 0 && append(options->call, sizeof options->call, argv[0]);
     for (int from = 1; fits; from = words.at) {
         const enum word_kind kind = next_word(&words);
         if (kind == WORD_END) return;

@@ -9,6 +9,7 @@ import picture
 
 BLUE, RED, GREEN, PINK, SKY = picture.COLOURS
 ORANGE, GREY = "#E69F00", "#777777"
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def marks(axes, x, y, colour, marker, size=4, filled=True, line="none"):
@@ -17,8 +18,9 @@ def marks(axes, x, y, colour, marker, size=4, filled=True, line="none"):
 
 
 def powers(axis, first, last, step):
-    """Labels at every step-th power of ten."""
-    axis.set_ticks([10.0 ** k for k in range(first, last + 1, step)])
+    """Labels at every step-th power of ten, set as letters, which are as wide as they are drawn."""
+    powers_of = range(first, last + 1, step)
+    axis.set_ticks([10.0 ** k for k in powers_of], labels=["10" + str(k).translate(SUPERSCRIPTS) for k in powers_of])
     axis.set_minor_locator(sys.modules["matplotlib.ticker"].NullLocator())
 
 

@@ -91,7 +91,7 @@ def false_alarms_of_arrays(verdict, photons, pairs):
         cml.run(re.sub(r"(\.h5) A\n", r"\1 B\n", text), "--seed", 31, "--derivatives", keep=keep)
         paths = [[os.path.join(keep, f"a{i}.h5") for i in (2 * k, 2 * k + 1)] for k in range(pairs)]
         tested = count_alarms(verdict, f"arrays {photons}", paths)[0]["quantities"]
-        for name in ("A_xyz", "phi_xyz", "Rd_xya", "detector_camera_map", "irradiance_above", "body_exitance_inside", "A_l", "A_body", "detector_far_path", "dRd_dmua"):
+        for name in ("A_xyz", "phi_xyz", "Rd_xya", "detector_camera_map", "boundary0_irradiance_above", "body_exitance_inside", "A_l", "A_body", "detector_far_path", "dRd_dmua"):
             verdict.check("arrays", tested.get(name, {"tests": 0})["tests"] > 0, f"{name} is not tested")
 
 

@@ -70,7 +70,7 @@ def texts_of(element, m=SAME, size=12.0, anchor="start"):
     anchor = said(element, "text-anchor", anchor)
     if element.tag == SVG + "text":
         for part in element:
-            size = float(LENGTH.match(said(part, "font-size", str(size))).group()) if part.text else size
+            size = max(size, float(LENGTH.match(said(part, "font-size", str(size))).group()))
         return [(words_of(element), box_of(element, m, size, anchor))] if words_of(element) else []
     return [found for child in element if child.tag != SVG + "defs" for found in texts_of(child, m, size, anchor)]
 

@@ -11,6 +11,7 @@ import io
 import math
 import os
 import re
+import stat
 import sys
 import tempfile
 from typing import Any, Callable, NoReturn, Optional, Sequence
@@ -97,10 +98,15 @@ def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) 
 
 
 def readable(path: str) -> str:
-    """The path of a file that can be opened."""
+    """The path of a file that can be opened. A pipe is refused before it is opened: to open one may last for ever."""
     try:
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            raise errors.InputError(f"{shown_path(path)}: is no regular file (expected an {os.path.splitext(path)[1].lower()} file)")
         with open(path, "rb"):
             return path
+    except errors.InputError:
+        raise
     except (OSError, ValueError) as error:
         raise errors.InputError(f"{shown_path(path)}: cannot be opened ({getattr(error, 'strerror', None) or error})") from None
 

@@ -74,20 +74,35 @@ if "$program" --version | grep -q "HDF5 yes"; then
     expect_code 0 plot "$work/v.h5" --of Rd_dir -o "$work/dir.svg"
     expect_code 0 plot "$work/v.h5" "$work/v.h5" --label one --label two --of Tt -o "$work/two.svg"
     has two.svg '>one<' '>two<' '>Tt  [1/cm²]'
-    expect_code 0 plot "$work/v.h5" --of boundary0_irradiance_above -o "$work/facets.png"
+    expect_code 0 plot "$work/v.h5" --of boundary0_irradiance_above -o "$work/facets.svg"
+    has facets.svg '>heights 0 to 0.05 cm<' '>x  [cm]<' '>y  [cm]<'
+    expect_code 0 plot "$work/v.h5" "$work/v.h5" --of body_irradiance_outside -o "$work/bodies.svg"
     refused "--cut y=9 (expected a place of -0.15 to 0.15 cm, in $work/v.h5)" plot "$work/v.h5" --of A_xyz --cut y=9
     refused "--of Rd_xya: over y x alpha (expected --cut at a place of one of them)" plot "$work/v.h5" --of Rd_xya
 fi
 check_texts
 
 # Without Python, and with one that lacks the modules: one line.
-lacks() { # PYTHON LINE
+lacks() { # PYTHON LINE [FILE [PATH]]
     code=0
-    CLUSTERMCML_PYTHON=$1 "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
-    test $code -eq 5 && grep -q "^clustermcml: plot: $2 (\(.*; \)*expected it: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 || complain "$1: $code $(cat "$work/err")"
+    PATH=${4:-$PATH} CLUSTERMCML_PYTHON=$1 "$program" plot "$work/${3:-fig5.mco}" -o "$work/none.svg" 2>"$work/err" || code=$?
+    test $code -eq 5 && grep -q "^clustermcml: $2 *(\(.*; \)*expected it\( for pictures\)*: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 ||
+        complain "$2: $code $(cat "$work/err")"
+    test ! -e "$work/none.svg" || complain "$2, and a picture"
 }
-lacks "$work/none" "$work/none cannot be started"
-printf '#!/bin/sh\nexec "%s" -S "$@"\n' "$python" >"$work/bare"
-chmod +x "$work/bare"
-lacks "$work/bare" ".* has no module [a-z0-9]*"
+lacks "$work/none" "plot: $work/none cannot be started"
+mkdir "$work/empty"
+lacks "" "plot: python3 cannot be started" fig5.mco "$work/empty"
+without() { # MODULE
+    printf 'import sys\nsys.modules["%s"] = None\nsys.argv = sys.argv[1:]\ncode = sys.argv.pop(1)\nexec(code)\n' "$1" >"$work/without.py"
+    printf '#!/bin/sh\nshift\nexec "%s" "%s" -c "$@"\n' "$python" "$work/without.py" >"$work/bare"
+    chmod +x "$work/bare"
+}
+touch "$work/bare.h5"
+without numpy
+lacks "$work/bare" "plot: .* has no module numpy"
+without h5py
+lacks "$work/bare" "plot: .* has no module h5py" bare.h5
+without matplotlib
+lacks "$work/bare" "matplotlib is missing"
 finish

@@ -49,23 +49,25 @@ def read_mesh(path: str, name: str) -> Mesh:
 
 
 def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
+    from matplotlib.ticker import MaxNLocator
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
     polygons = [mesh.points[corners] * (1, 1, -1) for corners in mesh.facets]  # heights up
-    normals = np.array([np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0]) for polygon in polygons])
+    normals = np.array([np.cross(polygon - polygon[0], np.roll(polygon - polygon[0], -1, axis=0)).sum(axis=0) for polygon in polygons])  # whichever corners coincide
     length = np.linalg.norm(normals, axis=1)
     lit = abs(normals @ np.array([-0.5, -0.3, 0.81])) / np.where(length > 0, length, 1)
-    colours = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"])(norm(np.maximum(mesh.values, norm.vmin)))
+    colours = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](norm(np.maximum(mesh.values, norm.vmin)))
     colours[:, :3] *= (0.45 + 0.55 * lit)[:, None]
     axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors="none", linewidths=0, antialiased=False, rasterized=len(polygons) > RASTER))
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     size = np.maximum(high - low, 1e-3 * (high - low).max())
     axes.set(xlim=(low[0], low[0] + size[0]), ylim=(low[1], low[1] + size[1]), zlim=(-high[2], -high[2] + size[2]))
-    axes.set_xlabel("x  [cm]", labelpad=12)
-    axes.set_ylabel("y  [cm]", labelpad=12)
+    axes.set_xlabel("x  [cm]", labelpad=16)
+    axes.set_ylabel("y  [cm]", labelpad=22)
     flat = size[2] / size.max()
-    axes.set_box_aspect(np.maximum(size / size.max(), 0.08), zoom=1.2)
-    axes.locator_params(axis="x", nbins=5)
-    axes.locator_params(axis="y", nbins=5)
+    axes.set_box_aspect(np.maximum(size / size.max(), 0.08), zoom=1.0 - 0.2 * flat)
+    for i, set_ticks in enumerate((axes.set_xticks, axes.set_yticks)):  # none at the ends, whose labels would meet in a corner
+        ticks = MaxNLocator(5).tick_values(low[i], high[i])
+        set_ticks(ticks[abs(ticks - (low[i] + high[i]) / 2) < 0.45 * size[i]])
     axes.set_zticks([])
-    axes.text2D(0.5, 0.02, f"heights {-high[2]:.2g} to {-low[2]:.2g} cm" + (f", drawn {0.08 / flat:.1f} times as high" if flat < 0.08 else ""), transform=axes.transAxes, ha="center", fontsize="small")
+    axes.text2D(0.5, 0.98, f"heights {0.0 - high[2]:.2g} to {0.0 - low[2]:.2g} cm" + (f", drawn {0.08 / flat:.1f} times as high" if flat < 0.08 else ""), transform=axes.transAxes, ha="center", va="top", fontsize="small")
     axes.view_init(elev=32, azim=-60)

@@ -13,8 +13,6 @@ import warnings
 from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
@@ -24,6 +22,9 @@ from .scene import Scene
 from .sweep import write_table
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
     from typing_extensions import Unpack
 
 DIFFERENT = 1  # exit code of crosscheck and furnace where results disagree
@@ -116,6 +117,7 @@ def furnace(scene: Union[Scene, Path], **options: Unpack[FurnaceOptions]) -> lis
 def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions]) -> xr.Dataset:
     """Every event of one photon (from 0), alone, with the random numbers that it has in a run with the same options; its attribute
     `end` says what became of it, `seen_by` names the detectors that saw it."""
+    import xarray as xr
     index = errors.whole("photon", photon, 0, 2**53)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()

@@ -25,10 +25,10 @@ import sys
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
-import xarray as xr
 
 from . import errors
 from .command_line import Parser, check_overwrite, picture_path, print_text, readable, shown_path
+from .fields import Field, Fields
 from .results import read_as
 
 ENOUGH = 20.0  # packets of the mean weight in the smaller run, for a test
@@ -70,7 +70,7 @@ class Test(NamedTuple):
 class Array:
     """One array of both files, and how its bins are tested."""
 
-    def __init__(self, name: str, results: list[xr.Dataset], known: list[bool]) -> None:
+    def __init__(self, name: str, results: list[Fields], known: list[bool]) -> None:
         array = results[0][name]
         self.name, self.dims, self.shape, self.units = name, array.dims, array.shape, array.attrs.get("units", "1")
         self.packets = [float(result.attrs["photons"]) for result in results]
@@ -87,9 +87,9 @@ class Array:
         self.error: list[Any] = [self._errors(result, known[k]) for k, result in enumerate(results)]
         self.bounded = name == "A_z"
         self.measure = _measures(array)
-        self.width = _width(array[array.dims[0]]) if len(self.dims) == 1 and self.dims[0] in UNITS else 1.0
+        self.width = _width(array.axes[array.dims[0]]) if len(self.dims) == 1 and self.dims[0] in UNITS else 1.0
 
-    def _errors(self, result: xr.Dataset, known: bool) -> Any:
+    def _errors(self, result: Fields, known: bool) -> Any:
         found = np.ravel(result[self.name + "_se"].values).astype(float) if known and self.name + "_se" in result else None
         if found is not None and (self.alone or not np.isnan(found).any()):
             return found
@@ -237,27 +237,27 @@ def _all(bins: list[Group]) -> Group:
     return whole
 
 
-def _width(axis: xr.DataArray) -> float:
+def _width(axis: Field) -> float:
     """Of equal bins, from the first one's middle; of pixels and voxels, whose first middle may lie anywhere, from two middles.
 
-    >>> _width(xr.DataArray([0.5, 1.5], dims="r", name="r"))
+    >>> _width(Field([0.5, 1.5], ("r",), name="r"))
     1.0
     """
     values = axis.values
     return float(2 * values[0] if axis.name in ("r", "z", "alpha", "gate", "theta", "phi") or values.size < 2 else values[1] - values[0])
 
 
-def _measures(array: xr.DataArray) -> Any:
+def _measures(array: Field) -> Any:
     """What each number is multiplied by to be weight per packet: sizes of bins, rings and solid angles, the latter projected beside r. Of
     pixels and voxels equal sizes alone, of facets 1: any weights will do that are those of both files."""
     measure = np.ones(array.shape)
     for at, dim in enumerate(array.dims):
-        axis, width = array[dim], _width(array[dim]) if array[dim].size and dim not in ("layer", "body", "medium", "inside", "side") else 1.0
+        axis, width = array.axes[dim], _width(array.axes[dim]) if array.axes[dim].size and dim not in ("layer", "body", "medium", "inside", "side") else 1.0
         if dim == "r":
             factor: Any = 2 * np.pi * (np.arange(axis.size) + 0.5) * width ** 2
         elif dim == "alpha" and array.dims[0] == "r":
             factor = 2 * np.pi * math.sin(width / 2) * np.sin(2 * (np.arange(axis.size) + 0.5) * width)
-        elif dim == "alpha" and array.ndim == 1:
+        elif dim == "alpha" and len(array.dims) == 1:
             factor = 2 * np.pi * np.sin((np.arange(axis.size) + 0.5) * width) * width
         elif dim == "theta":
             factor = 2 * np.sin((np.arange(axis.size) + 0.5) * width) * math.sin(width / 2)
@@ -265,7 +265,7 @@ def _measures(array: xr.DataArray) -> Any:
             factor = np.full(axis.size, width)
         else:
             continue
-        measure *= factor.reshape([-1 if i == at else 1 for i in range(array.ndim)])
+        measure *= factor.reshape([-1 if i == at else 1 for i in range(len(array.dims))])
     return np.ravel(measure)
 
 
@@ -310,7 +310,7 @@ class Comparison:
 
     def _names(self) -> list[str]:
         """Totals first, then original MCML's profiles, then what else both have."""
-        both = [str(name) for name in self.results[0].data_vars if name in self.results[1]]
+        both = [name for name in self.results[0].names() if name in self.results[1]]
         first = [name for name in TOTALS + OF_MCML if name in both]
         return first + [name for name in both if name not in first and not name.endswith("_se") and not GIVEN.fullmatch(name)]
 
@@ -319,7 +319,7 @@ class Comparison:
         a, b = self.results
         for dim, size, field in (("z", "nz", "dz"), ("r", "nr", "dr"), ("alpha", "na", ""), ("gate", "time: number of gates", "time: width of a gate"),
                                  ("theta", "directions: NT", ""), ("phi", "directions: NP", "")):
-            if dim not in a.coords or dim not in b.coords:
+            if dim not in a or dim not in b:
                 continue
             pairs = [(size, a[dim].size, b[dim].size)] + ([(field, _width(a[dim]), _width(b[dim]))] if field else [])
             for name, one, other in reversed(pairs):
@@ -421,11 +421,12 @@ class Comparison:
         notes = []
         if "seed" in a.attrs and all(a.attrs.get(name) == b.attrs.get(name) for name in ("seed", "run")):
             notes.append(f"both runs have seed {a.attrs['seed']}: they share their noise, so that agreement says little")
-        if a.layer.size != b.layer.size:
-            notes.append(f"{a.layer.size} and {b.layer.size} layers")
-        for layer in range(min(a.layer.size, b.layer.size)):
+        layers = [result["layer"].size for result in self.results]
+        if layers[0] != layers[1]:
+            notes.append(f"{layers[0]} and {layers[1]} layers")
+        for layer in range(min(layers)):
             for number in ("n", "mua", "mus", "g", "d"):
-                one, other = (float(result["layer_" + number][layer]) for result in self.results)
+                one, other = (float(result["layer_" + number].values[layer]) for result in self.results)
                 if one != other:
                     notes.append(f"layer {layer + 1}: {number} = {one:g} and {other:g}")
         if self.left_out:
@@ -438,21 +439,21 @@ def _finite(z: float) -> float:
     return min(max(z, -1e300), 1e300)
 
 
-def _has_errors(result: xr.Dataset) -> bool:
+def _has_errors(result: Fields) -> bool:
     """Fewer packets than batches make no error."""
     return result.attrs["photons"] >= BATCHES and all(name + "_se" in result and not np.isnan(float(result[name + "_se"])) for name in TOTALS[:4])
 
 
-def _tallied(result: xr.Dataset) -> bool:
-    return "A_z" in result and bool((result.A_z.values > 0).any()) or not float(result.A) > 0
+def _tallied(result: Fields) -> bool:
+    return "A_z" in result and bool((result["A_z"].values > 0).any()) or not float(result["A"]) > 0
 
 
-def _same_axes(a: xr.DataArray, b: xr.DataArray) -> bool:
+def _same_axes(a: Field, b: Field) -> bool:
     """Places are equal but for their digits."""
     if a.dims != b.dims or a.shape != b.shape:
         return False
     for dim in a.dims:
-        one, other = (array[dim].values.astype(float) if dim in array.coords else np.arange(array.sizes[dim]) for array in (a, b))
+        one, other = (array.axes[dim].values.astype(float) for array in (a, b))
         if one.size and not (abs(one - other) <= 1e-5 * (abs(one[0]) + abs(one[-1]))).all():
             return False
     return True

@@ -15,7 +15,6 @@ import re
 import warnings
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union
 
-import h5py
 import numpy as np
 
 from . import errors
@@ -163,7 +162,8 @@ def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
     names = [*wanted, "r", "alpha"]
     if h5 is None:
         result = read_mco(told["files"][0])
-        return {name: result[name].values for name in names if name in result.variables}
+        return {name: result[name].values for name in names if name in result}
+    import h5py
     with h5py.File(h5, "r", locking=False) as file:
         return {name: file[name][()] for name in names if name in file}
 

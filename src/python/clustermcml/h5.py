@@ -14,9 +14,9 @@ import os
 from typing import Any, Callable
 
 import h5py
-import xarray as xr
 
 from . import errors
+from .fields import Field, Fields
 
 
 WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers; the file has floating-point ones
@@ -104,7 +104,7 @@ class _File:
         return [(h5py.h5o.get_info(h5py.h5r.dereference(reference, self.file.id)).addr, int(dimension))
                 for reference, dimension in scale.attrs["REFERENCE_LIST"] if reference]
 
-    def dataset(self, needed: str) -> xr.Dataset:
+    def fields(self, needed: str) -> Fields:
         file, names = self.file, self.names(self.file)
         _need(needed in names, "another kind of file", f"the array {needed} in it")
         items = {name: item for name, item in ((name, file[name]) for name in names) if isinstance(item, h5py.Dataset)}
@@ -115,27 +115,27 @@ class _File:
             values, address = self.values(item, name), h5py.h5o.get_info(item.id).addr
             dims = [name] if name in scales else [axes.get((address, i), "") for i in range(values.ndim)]
             _need(all(dims), f"{name} has an axis without a name", "dimension scales")
-            data[name] = xr.DataArray(values, dims=dims, attrs=self.attributes(item))
+            data[name] = Field(values, tuple(dims), self.attributes(item))
         attributes = {name: self.attribute(file, name) for name in _sorted(functools.partial(h5py.h5a.iterate, file.id))}
         attributes.update({name: int(attributes[name]) for name in WHOLE if name in attributes})
         if "call" in names:
             attributes.update({"call_" + name: _plain(self.values(file["call"][name], name)) for name in self.names(file["call"])})
-        return xr.Dataset(data, attrs=attributes)
+        return Fields(data, attributes)
 
 
-def _read(path: str, needed: str, what: str) -> xr.Dataset:
+def _read(path: str, needed: str, what: str) -> Fields:
     try:
         with h5py.File(path, "r", locking=False) as file:
-            return _File(file, os.path.getsize(path)).dataset(needed)
+            return _File(file, os.path.getsize(path)).fields(needed)
     except Exception as error:  # the libraries have many of their own for bytes that are not what they should be
         raise errors.unreadable(path, f"an .h5 file of {what}", error) from error
 
 
-def read_h5(path: str) -> xr.Dataset:
-    """The Dataset of an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
+def read_h5(path: str) -> Fields:
+    """What stands in an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
     return _read(path, "Rd", "a result")
 
 
-def read_saved(path: str) -> xr.Dataset:
+def read_saved(path: str) -> Fields:
     """The same of a file of saved photons."""
     return _read(path, "weight", "saved photons")

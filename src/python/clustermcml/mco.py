@@ -11,9 +11,9 @@ import sys
 from typing import Any, Iterator, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from . import errors
+from .fields import Field, Fields
 
 TOTALS = ("Rsp", "Rd", "A", "Tt")
 WHOLE = ("A_l", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a", "A_rz", "Rd_ra", "Tt_ra")  # what every file has behind its totals
@@ -240,14 +240,14 @@ def _known(text: str) -> dict[str, Any]:
     return {**known, **{name: what for name, what in numbers.items() if name not in known}}
 
 
-def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], values: Any) -> xr.DataArray:
+def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], values: Any) -> Field:
     """A quantity or, as NAME_se, its standard error."""
     dims, unit, meaning = known[name.removesuffix("_se")]
     long_name = "standard error" if name.endswith("_se") else meaning
-    return xr.DataArray(np.reshape(values, [axes[dim].size for dim in dims]), dims=dims, attrs={"units": unit, "long_name": long_name})
+    return Field(np.reshape(values, [axes[dim].size for dim in dims]), dims, {"units": unit, "long_name": long_name})
 
 
-def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
+def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[str, Field]:
     """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
     def of(name: str, key: str) -> Any:
         none = key != name or name.endswith(MAY_BE_NONE) or not (name in QUANTITIES or name.startswith("detector_"))
@@ -271,8 +271,8 @@ def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[s
     return variables
 
 
-def read_mco(path: str) -> xr.Dataset:
-    """The Dataset of an `.mco` file, with the names, axes and units of an `.h5` file."""
+def read_mco(path: str) -> Fields:
+    """What stands in an `.mco` file, with the names, axes and units of an `.h5` file."""
     try:
         with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
             text = file.read().replace("\r\n", "\n")  # a lone CR ends no line
@@ -292,7 +292,7 @@ def read_mco(path: str) -> xr.Dataset:
         raise errors.unreadable(path, "a whole .mco file", error) from error
 
 
-def _dataset(text: str, file: _File) -> xr.Dataset:
+def _dataset(text: str, file: _File) -> Fields:
     sections = file.sections
     _, (title,) = next(file.parameters, (0, [""]))
     (photons,) = file.fields(photons=PHOTONS)
@@ -314,10 +314,10 @@ def _dataset(text: str, file: _File) -> xr.Dataset:
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
-        data["layer_" + name] = xr.DataArray(column, dims="layer", attrs={"units": unit, "long_name": meaning})
+        data["layer_" + name] = Field(column, ("layer",), {"units": unit, "long_name": meaning})
         if bodies and name != "d":
             column = [float(body[index]) for body in bodies]
-            data["body_" + name] = xr.DataArray(column, dims="body", attrs={"units": unit, "long_name": meaning})
+            data["body_" + name] = Field(column, ("body",), {"units": unit, "long_name": meaning})
     for name, (unit, meaning) in ((name, AXES[name]) for name in axes):
-        data[name] = xr.DataArray(axes[name], dims=name, attrs={"units": unit, "long_name": meaning})
-    return xr.Dataset(data, attrs={"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})
+        data[name] = Field(axes[name], (name,), {"units": unit, "long_name": meaning})
+    return Fields(data, {"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})

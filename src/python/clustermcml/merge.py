@@ -10,15 +10,16 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from typing import Any, Sequence, Union
+from typing import TYPE_CHECKING, Any, Sequence, Union
 
 import numpy as np
-import xarray as xr
 
 from . import errors
 from .results import read
 
-Result = Union[xr.Dataset, str, "os.PathLike[str]"]
+if TYPE_CHECKING:
+    import xarray as xr
+    Result = Union[xr.Dataset, str, os.PathLike[str]]
 
 OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight"}  # attributes that may differ
 OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that are alike in all results
@@ -129,6 +130,7 @@ def merge(results: Sequence[Result]) -> xr.Dataset:
     seen count by its light. `lost`, `residue` and the attribute `photons` are sums; the attribute `merged` has the seeds. What not all results have is left out, with a
     warning. Other scenes, grids and options, and equal seeds, are refused.
     """
+    import xarray as xr
     if isinstance(results, (str, xr.Dataset)) or not isinstance(results, Sequence) or len(results) < 2:
         raise errors.refuse("results", results, "a list of two Datasets or paths, or more")
     data = [result if isinstance(result, xr.Dataset) else read(errors.existing_file(f"results[{i}]", result)) for i, result in enumerate(results)]

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Optional, Union
+from typing import TYPE_CHECKING, Optional, Union
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 from . import errors
-from .h5 import read_saved
+from .fields import Fields
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass
@@ -49,6 +50,7 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
     interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of `covers` photons, the first or of several beams a sample, none is missing.
     """
     name = errors.existing_file("path", path)
+    from .h5 import read_saved
     data = read_saved(name)
     try:
         return _table(data)
@@ -56,11 +58,13 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
         raise errors.unreadable(name, "an .h5 file of saved photons", error) from error
 
 
-def _table(data: xr.Dataset) -> pd.DataFrame:
+def _table(data: Fields) -> pd.DataFrame:
+    import pandas as pd
     columns = {}
-    for name, values in data.data_vars.items():
-        if values.ndim == 1:
-            columns[str(name)] = values.values
+    for name in data.names():
+        values = data[name]
+        if len(values.dims) == 1:
+            columns[name] = values.values
         else:
             columns.update({f"{name}_{medium}": values.values[:, medium] for medium in range(values.shape[1])})
     table = pd.DataFrame(columns, index=pd.Index(pd.Series(data["index"].values).astype(np.int64), name="index"))

@@ -12,13 +12,14 @@ import csv
 import math
 import os
 import re
+from dataclasses import replace
 from typing import Any, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
-import xarray as xr
 
 from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
+from .fields import Field, Fields
 from .pictures import COLOURS, drawing, save
 from .results import read_as
 
@@ -41,20 +42,19 @@ class Curve(NamedTuple):
 
 # ---- results ----
 
-def _spread_over_mua(result: xr.Dataset, name: str) -> xr.DataArray:
+def _spread_over_mua(result: Fields, name: str) -> Field:
     """Absorption over mua of the layer in which a bin lies; NaN in bins that several media share, or where nothing absorbs."""
     array = result[name]
-    edges = np.concatenate(([0.0], np.cumsum(result.layer_d.values)))
-    half = array.z.values[0]
-    low, high = array.z.values - half, array.z.values + half
-    mua = result.layer_mua.values[np.clip(np.searchsorted(edges, array.z.values, side="right") - 1, 0, result.layer.size - 1)]
+    z, layers = array.axes["z"].values, result["layer_mua"].values
+    edges = np.concatenate(([0.0], np.cumsum(result["layer_d"].values)))
+    low, high = z - z[0], z + z[0]
+    mua = layers[np.clip(np.searchsorted(edges, z, side="right") - 1, 0, layers.size - 1)]
     shapes = [(float(a), float(b)) for a, b in re.findall(r"\(z = (\S+) to (\S+) cm", str(result.attrs.get("boundaries", "")))]
     mixed = low > edges[-1]
     for top, bottom in [(edge, edge) for edge in edges[1:-1]] + shapes:
         mixed |= (low < bottom - 1e-9) & (high > top + 1e-9)
     with np.errstate(divide="ignore", invalid="ignore"):
-        over: xr.DataArray = array * xr.DataArray(np.where(mixed | (mua == 0), np.nan, 1 / mua), dims="z")
-    return over
+        return array.times(np.where(mixed | (mua == 0), np.nan, 1 / mua))
 
 
 class Result:
@@ -63,35 +63,35 @@ class Result:
     def __init__(self, path: str) -> None:
         self.path, self.data = path, read_as(readable(path))
 
-    def of(self, name: str) -> tuple[xr.DataArray, Optional[xr.DataArray]]:
+    def of(self, name: str) -> tuple[Field, Optional[Field]]:
         """The array and its errors."""
         if name in ("fluence", "fluence_rz"):
             of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
-            if of not in self.data or not (self.data.layer_mua.values > 0).any():
+            if of not in self.data or not (self.data["layer_mua"].values > 0).any():
                 raise errors.InputError(f"{self.path}: mua = 0 in all layers (expected a layer that absorbs, for a fluence)")
             known = _spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None
-            return _spread_over_mua(self.data, of).rename(name).assign_attrs(long_name=f"fluence, {of} over mua", units=unit), known
+            return replace(_spread_over_mua(self.data, of), name=name, attrs={"long_name": f"fluence, {of} over mua", "units": unit}), known
         if name + "_xy" in self.data and (name not in self.data or not self.data[name].dims):
             name += "_xy"
-        if name not in self.data.data_vars or not self.data[name].dims:
-            arrays = [str(known) for known in self.data.data_vars if self.data[known].dims and not str(known).endswith("_se")]
+        if name not in self.data.names() or not self.data[name].dims:
+            arrays = [known for known in self.data.names() if self.data[known].dims and not known.endswith("_se")]
             raise errors.InputError(f"{shown_path(self.path)}: no array {name} (expected one of {' '.join(['fluence fluence_rz', *arrays])})")
         return self.data[name], self.data.get(name + "_se")
 
-    def cut(self, name: str, cuts: dict[str, float]) -> tuple[xr.DataArray, Optional[xr.DataArray]]:
+    def cut(self, name: str, cuts: dict[str, float]) -> tuple[Field, Optional[Field]]:
         """What is left of an array at the places of its axes, nearest bins; voxels are cut at y = 0 without one."""
         array, known = self.of(name)
         places = {("z_volume" if axis == "z" and "z_volume" in array.dims else axis): place for axis, place in cuts.items()}
         if "z_volume" in array.dims and not places:
             places = {"y": 0.0}
         for axis, place in places.items():
-            if axis not in array.dims or axis not in array.coords:
+            if axis not in array.dims:
                 raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected an axis of {name}: {' '.join(map(str, array.dims))})")
-            ends = array[axis].values
+            ends = array.axes[axis].values
             half = abs(ends[-1] - ends[0]) / max(ends.size - 1, 1) / 2
             if not ends.min() - half <= place <= ends.max() + half:
-                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g} {array[axis].attrs.get('units', '')}, in {shown_path(self.path)})")
-            array, known = array.sel({axis: place}, method="nearest"), None if known is None else known.sel({axis: place}, method="nearest")
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g} {array.axes[axis].attrs.get('units', '')}, in {shown_path(self.path)})")
+            array, known = array.nearest(axis, place), None if known is None else known.nearest(axis, place)
         return array, known
 
     def heights(self) -> list[tuple[Any, Any]]:
@@ -109,16 +109,16 @@ class Result:
         return [(pair[0::2], pair[1::2]) for pair in pairs if pair.size >= 2]
 
 
-def _label(array: xr.DataArray, name: str = "") -> str:
+def _label(array: Field, name: str = "") -> str:
     units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
     unit = str(array.attrs.get("units", "1"))
     unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))
     return f"{name or NAMES.get(str(array.name)) or array.name}  [{unit}]"
 
 
-def _curve(array: xr.DataArray, known: Optional[xr.DataArray], times_r: bool) -> Curve:
+def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
     """Of one axis. The last bin over r and z holds what lies beyond, and is left out."""
-    axis = array[array.dims[0]] if array.dims[0] in array.coords else xr.DataArray(np.arange(array.size), name=array.dims[0])
+    axis = array.axes[array.dims[0]]
     end = array.size - (axis.name in ("r", "z") and array.size > 1)
     factor = axis.values if times_r else 1.0
     y, error = array.values * factor, None if known is None else known.values * factor
@@ -295,11 +295,19 @@ def _power(value: float, _: Any = None) -> str:
 
 def _set_powers(axis: Any) -> None:
     """Of a logarithmic axis of a decade or more: powers of ten as labels; from two decades on no ticks between, each of which costs time."""
+    if axis.get_scale() != "log":
+        return
+    from matplotlib.ticker import LogFormatter
     low, high = sorted(axis.get_view_interval())
-    if axis.get_scale() == "log" and high >= 10 * low > 0:
-        axis.set_major_formatter(_power)
-        if high >= 100 * low:
-            axis.set_minor_locator(type(axis.get_minor_locator())(subs=[]))
+    axis.set_minor_formatter(LogFormatter())
+    axis.set_major_formatter(_power if high >= 10 * low > 0 else LogFormatter())
+    if high >= 100 * low > 0:
+        axis.set_minor_locator(type(axis.get_minor_locator())(subs=[]))
+
+
+def _add_bar(figure: Any, drawn: Any, panels: Any, label: str, **options: Any) -> None:
+    bar = figure.colorbar(drawn, ax=list(panels), label=label, **options)
+    _set_powers(bar.ax.yaxis)
 
 
 def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
@@ -328,25 +336,26 @@ def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> 
     return matplotlib.colors.LogNorm(low, max(high, low * 1.0001)) if log else matplotlib.colors.Normalize(low, max(high, low + 1e-30))
 
 
-def _edges(axis: xr.DataArray) -> tuple[float, float]:
+def _edges(axis: Field) -> tuple[float, float]:
     values = axis.values
     half = abs(values[-1] - values[0]) / (values.size - 1) / 2 if values.size > 1 else abs(values[0]) or 0.5
     return float(values.min() - half), float(values.max() + half)
 
 
-def _draw_map(figure: Any, axes: Any, array: xr.DataArray, norm: Any, cmap: Any) -> Any:
+def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any:
     """Over two axes; rows that are depths go down. Directions are a disc: the angle from the middle, the azimuth around it."""
     if array.dims == ("theta", "phi"):
-        round_ = -(-180 // array.sizes["phi"])  # straight pieces in place of each arc
-        theta, phi = np.linspace(0, np.pi / 2, array.sizes["theta"] + 1), np.linspace(0, 2 * np.pi, round_ * array.sizes["phi"] + 1)
+        round_ = -(-180 // array.axes["phi"].size)  # straight pieces in place of each arc
+        theta, phi = np.linspace(0, np.pi / 2, array.axes["theta"].size + 1), np.linspace(0, 2 * np.pi, round_ * array.axes["phi"].size + 1)
         axes.set(yticks=[30, 60, 90], ylim=(0, 90))
         axes.set_yticklabels(["30°", "60°", "90°"], color="#404040")
         return axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
     first = str(array.dims[0])
     if first == "r" or first in ("x", "layer", "body") or first.endswith("_x"):
-        array = array.transpose(*array.dims[::-1])
-    array = array.isel({dim: slice(0, -1) for dim in array.dims if dim in ("r", "z") and array.sizes[dim] > 1})
-    y, x = (array[dim] if dim in array.coords else xr.DataArray(np.arange(array.sizes[dim]) + 0.5, name=dim) for dim in array.dims)
+        array = array.turned()
+    for dim in array.dims:
+        array = array.part(dim, slice(0, -1)) if dim in ("r", "z") and array.axes[dim].size > 1 else array
+    y, x = (array.axes[dim] for dim in array.dims)
     down = str(y.name).startswith("z")
     (left, right), (bottom, top) = _edges(x), _edges(y)
     drawn = axes.imshow(array.values, extent=(left, right, bottom, top), origin="lower", interpolation="nearest", aspect="equal" if x.attrs.get("units") == y.attrs.get("units") and 0.2 < (right - left) / (top - bottom) < 5 else "auto", norm=norm, cmap=cmap)
@@ -362,7 +371,7 @@ def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources:
     for source, array in zip(sources, arrays):
         if array.dims != arrays[0].dims:
             raise errors.InputError(f"{shown_path(source.path)}: {given.of} over {' '.join(map(str, array.dims))} (expected {' '.join(map(str, arrays[0].dims))}, as in {shown_path(sources[0].path)})")
-    cmap = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"]).copy()
+    cmap = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]].copy()
     cmap.set_bad(UNLIT)
     norm = _norm(matplotlib, [array.values for array in arrays], given)
     panels = figure.subplots(1, len(arrays), squeeze=False, subplot_kw={"projection": "polar"} if arrays[0].dims == ("theta", "phi") else {})[0]
@@ -371,7 +380,7 @@ def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources:
         axes.set_title(label)
     at = ", ".join(f"{axis.removesuffix('_volume')} = {place:g}" for axis, place in given.cut.items())
     log = isinstance(norm, matplotlib.colors.LogNorm)
-    figure.colorbar(drawn, ax=list(panels), label=_label(arrays[0], given.of) + (f", {at}" if at else "") + ("; grey: no light" if log and any((a.values <= 0).any() for a in arrays) else ""), extend="max" if given.percentile < 100 else "neither")
+    _add_bar(figure, drawn, panels, _label(arrays[0], given.of) + (f", {at}" if at else "") + ("; grey: no light" if log and any((a.values <= 0).any() for a in arrays) else ""), extend="max" if given.percentile < 100 else "neither")
     _set_ranges(panels, given)
 
 
@@ -407,7 +416,7 @@ def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sw
         grid = np.full((ys.size, xs.size), np.nan)
         grid[j, i] = values
         grids.append((xs, ys, grid))
-    cmap = matplotlib.cm.get_cmap(matplotlib.rcParams["image.cmap"]).copy()
+    cmap = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]].copy()
     cmap.set_bad(UNLIT)
     norm = _norm(matplotlib, [grid for _, _, grid in grids], given)
     panels = figure.subplots(1, len(sweeps), squeeze=False)[0]
@@ -418,7 +427,7 @@ def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sw
             ticks(np.arange(0, values.size, step), [f"{value:g}" for value in values[::step]])
         axes.set(xlabel=sweeps[0].unit(over[0]), ylabel=sweeps[0].unit(over[1]), title=label)
         axes.grid(False)
-    figure.colorbar(drawn, ax=list(panels), label=sweeps[0].unit(of) + ("; grey: no row" if any(np.isnan(grid).any() for _, _, grid in grids) else ""))
+    _add_bar(figure, drawn, panels, sweeps[0].unit(of) + ("; grey: no row" if any(np.isnan(grid).any() for _, _, grid in grids) else ""))
 
 
 def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, sources: list[Any]) -> None:
@@ -432,7 +441,7 @@ def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, source
         draw_mesh(matplotlib, axes, mesh, norm)
         axes.set_title(label)
     drawn = matplotlib.cm.ScalarMappable(norm, matplotlib.rcParams["image.cmap"])
-    figure.colorbar(drawn, ax=list(panels), label=_label(sources[0].of(given.of)[0]), shrink=0.7, pad=0.12)
+    _add_bar(figure, drawn, panels, _label(sources[0].of(given.of)[0]), shrink=0.7, pad=0.12)
 
 
 # ---- the command ----
@@ -502,10 +511,10 @@ def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
     array = results[0].cut(given.of, given.cut)[0] if results and given.of else None
     if array is not None and str(array.dims[0]).endswith("facet"):
         kind = "facets"
-    elif array is not None and array.ndim > 2:
+    elif array is not None and len(array.dims) > 2:
         raise errors.InputError(f"--of {given.of}: over {' '.join(map(str, array.dims))} (expected --cut at a place of one of them)")
     else:
-        kind = "map" if array is not None and array.ndim == 2 else "curve"
+        kind = "map" if array is not None and len(array.dims) == 2 else "curve"
     if kind != "curve" and len(results) < len(sources):
         raise errors.InputError(f"{shown_path(next(s for s in sources if not isinstance(s, Result)))} (expected a result with {given.of}, like {shown_path(results[0].path)})")
     if array is not None and "z_volume" in results[0].of(given.of)[0].dims and not given.cut:

@@ -22,16 +22,16 @@ import warnings
 from typing import IO, TYPE_CHECKING, Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
-import xarray as xr
 
 from . import errors
-from .h5 import read_h5
 from .mco import read_mco
 from .options import Path, RunOptions, shown
 from .progress import Progress
 from .scene import Scene
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from typing_extensions import Unpack
 
 PREFIX = "clustermcml: "
@@ -325,11 +325,13 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
     path = h5 or told["files"][0]
     if not os.path.isfile(path):
         raise errors.refuse("scene", path, "a scene whose result is a file")
+    if h5:
+        from .h5 import read_h5
     data = read_h5(path) if h5 else read_mco(path)
     if any(float(data["book_" + fate]) != told.get(total, float(data["book_" + fate])) for total, fate in FATES.items()):
         raise errors.ClustermcmlError(f"{path}: replaced by another call (expected an output_dir of its own for each)", 5)
     data.attrs.update({key: told[key] for key in MEASURED if told.get(key) is not None})
-    return data
+    return data.dataset()
 
 
 def _may_be_finished(scene: str, folder: str) -> bool:

@@ -6,13 +6,14 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import os
-from typing import Union
-
-import xarray as xr
+from typing import TYPE_CHECKING, Union
 
 from . import errors
-from .h5 import read_h5
+from .fields import Fields
 from .mco import read_mco
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def read(path: Union[str, os.PathLike[str]]) -> xr.Dataset:
@@ -22,13 +23,14 @@ def read(path: Union[str, os.PathLike[str]]) -> xr.Dataset:
     attributes `units` and `long_name`; NAME_se is the standard error of NAME. Attributes of the Dataset say how it was flown.
     """
     name = errors.existing_file("path", path)
-    readers = {".mco": read_mco, ".h5": read_h5}
-    reader = readers.get(os.path.splitext(name)[1].lower())
-    if reader is None:
+    if os.path.splitext(name)[1].lower() not in (".mco", ".h5"):
         raise errors.refuse("path", os.fspath(path), "a name that ends in .mco or .h5")
-    return reader(name)
+    return read_as(name).dataset()
 
 
-def read_as(path: str) -> xr.Dataset:
+def read_as(path: str) -> Fields:
     """The same by the name as it was typed, which messages then have: what is no `.h5` file is read as an `.mco` file."""
-    return read_h5(path) if path.lower().endswith(".h5") else read_mco(path)
+    if not path.lower().endswith(".h5"):
+        return read_mco(path)
+    from .h5 import read_h5
+    return read_h5(path)

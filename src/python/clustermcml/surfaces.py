@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
@@ -110,7 +109,7 @@ class Heightmap:
 
 def _turned(heights: Any) -> Any:
     """A DataArray of x and y with y first. Where only one of them is a dimension, or coordinates fall, nobody knows what is meant."""
-    if not isinstance(heights, xr.DataArray) or not {"x", "y"} & set(heights.dims):
+    if not {"x", "y"} & set(getattr(heights, "dims", ())):
         return heights
     falls = [name for name in ("y", "x") if name in heights.coords and name in heights.dims and np.any(np.diff(heights[name].values.astype(float)) <= 0)]
     if set(heights.dims) != {"x", "y"} or falls:

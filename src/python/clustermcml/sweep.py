@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
@@ -23,6 +21,9 @@ from .program import fly, option_words, result_of, scene_file, scratch_folder
 from .scene import Scene
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
     from typing_extensions import Unpack
 
 
@@ -89,6 +90,7 @@ def _rows(parameters: Mapping[str, Any], dim: str, coords: Sequence[str]) -> _Ta
 
 def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Mapping[str, ArrayLike]]) -> _Table:
     """Of what was given; a DataFrame's index counts where it has a name."""
+    import pandas as pd
     columns, index = parameters, None
     if isinstance(parameters, pd.DataFrame):
         index = parameters.index.name
@@ -124,6 +126,7 @@ def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
 
 def _stack(rows: Sequence[xr.Dataset], table: _Table) -> xr.Dataset:
     """The rows' arrays along the new dimensions, in front of their own axes."""
+    import xarray as xr
     shape, dims = list(table.sizes.values()), list(table.sizes)
     stacked = xr.Dataset(attrs={key: value for key, value in rows[0].attrs.items() if all(row.attrs.get(key) == value for row in rows)})
     everywhere, elsewhere = _common(rows)

@@ -1,0 +1,96 @@
+"""Arrays with named axes, as readers make them: as little of xarray.Dataset as pictures and comparisons need, for xarray takes longer to
+import than a picture to draw.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass
+class Field:
+    """An array. axes: a Field for each of its dims."""
+
+    values: Any
+    dims: tuple[str, ...] = ()
+    attrs: dict[str, Any] = field(default_factory=dict)
+    name: str = ""
+    axes: dict[str, Field] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.values = np.asarray(self.values)
+
+    def __float__(self) -> float:
+        return float(self.values)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(self.values.shape)
+
+    @property
+    def size(self) -> int:
+        return int(self.values.size)
+
+    def times(self, factor: Any) -> Field:
+        """The field times numbers along its last axis, or one number."""
+        return replace(self, values=self.values * factor)
+
+    def turned(self) -> Field:
+        return replace(self, values=self.values.T, dims=self.dims[::-1])
+
+    def part(self, dim: str, which: Union[int, slice]) -> Field:
+        """One place of an axis, or a range of it.
+
+        >>> r = Field([0.5, 1.5, 2.5], ("r",), name="r")
+        >>> Field([7, 8, 9], ("r",), axes={"r": r}).part("r", slice(1, None)).axes["r"].values.tolist()
+        [1.5, 2.5]
+        """
+        at, axes = self.dims.index(dim), dict(self.axes)
+        values, axis = self.values[(slice(None),) * at + (which,)], axes.pop(dim)
+        if isinstance(which, slice):
+            return replace(self, values=values, axes={**axes, dim: replace(axis, values=axis.values[which])})
+        return replace(self, values=values, dims=self.dims[:at] + self.dims[at + 1:], axes=axes)
+
+    def nearest(self, dim: str, place: float) -> Field:
+        """The bin whose middle is nearest; of two the later."""
+        distance = abs(self.axes[dim].values - place)
+        return self.part(dim, int(np.flatnonzero(distance == distance.min())[-1]))
+
+
+class Fields:
+    """All arrays of a file by name, axes among them, and what the file says of the run. Refuses arrays that do not fit to their axes."""
+
+    def __init__(self, held: dict[str, Field], attrs: dict[str, Any]) -> None:
+        self.attrs, self.held = attrs, held
+        used = {dim for one in held.values() for dim in one.dims}
+        for name, one in held.items():
+            one.name = name
+            bad = name in used and one.dims != (name,) or len(set(one.dims)) < len(one.dims)
+            if bad or [held[dim].size for dim in one.dims] != list(one.shape):
+                raise ValueError(f"{name} has the sizes {list(one.shape)} (expected those of its axes {' '.join(one.dims)})")
+            one.axes = {dim: held[dim] for dim in one.dims}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.held
+
+    def __getitem__(self, name: str) -> Field:
+        return self.held[name]
+
+    def get(self, name: str) -> Optional[Field]:
+        return self.held.get(name)
+
+    def names(self) -> list[str]:
+        """Names of what is no axis."""
+        return [name for name, one in self.held.items() if one.dims != (name,)]
+
+    def dataset(self) -> xr.Dataset:
+        import xarray as xr
+        return xr.Dataset({name: xr.DataArray(one.values, dims=one.dims, attrs=one.attrs) for name, one in self.held.items()}, attrs=self.attrs)

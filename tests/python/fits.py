@@ -93,7 +93,7 @@ class Fits(unittest.TestCase):
             fit.plot(path)
             with open(path, encoding="utf-8") as file:
                 drawn = file.read()
-        for text in (">model<", ">measured<", "Reflectance by radius", str(fit).splitlines()[0].replace("+-", "±"),
+        for text in (">model<", ">measured<", "reflectance by radius", str(fit).splitlines()[0].replace("+-", "±"),
                      f"Tt: model {fit.prediction['Tt']:.4g}, measured"):
             self.assertIn(text, drawn)
         np.testing.assert_allclose(fit.places["Rd_r"], 0.015 + 0.03 * np.arange(6))

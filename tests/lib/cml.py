@@ -146,3 +146,12 @@ def check_balance(verdict, name, record):
     """P9, P10: nothing lost, the weight balances exactly."""
     verdict.check(name, record["lost"] == 0, f"lost {record['lost']}")
     verdict.check(name, record["residue"] == 0, f"residue {record['residue']}")
+
+
+if __name__ == "__main__":  # for scripts: an .mco file, and behind it as sections what only the .h5 beside it has
+    with open(sys.argv[1], encoding="utf-8") as whole:
+        text = whole.read()
+    print(text)
+    for name, values in read_sections(sys.argv[1]).items():
+        if f"\n{name} " not in text and f"\n{name}\n" not in text:
+            print(f"{name} #", *(f"{value:.9G}".replace("nan", "NAN") for value in values), "", sep="\n")

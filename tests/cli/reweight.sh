@@ -13,7 +13,7 @@ same_rows() { # DIR DIR WHAT
 }
 printf '1.0\n1\ntwo.mco A\n20000\n0.02 0.02\n20 20 5\n2\n1\n1.37 0.5 50 0.8 0.05\n1.4 0.2 30 0.9 0.3\n1\n' >"$work/two.mci"
 printf 'layer1.mua,layer2.mua,layer1.mus,"name"\n0.5,0.2,50,a\n1,2,50,b\n5,0.3,50,c\n1,2,60,d\n0,0.2,50,e\n9,90,50,f\n' >"$work/t.csv"
-mkdir "$work/one" "$work/three" "$work/reference" "$work/own_whole" "$work/stopped" "$work/whole"
+mkdir "$work/one" "$work/three" "$work/reference" "$work/own" "$work/stopped" "$work/whole"
 
 # Rows with another mus, and one in which the first layer is clear of absorption, have flights of their own.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/one" --threads 1
@@ -30,7 +30,7 @@ expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" 
 same_rows "$work/one" "$work/three" "threads"
 
 # The palest row, and rows alone in their flights, are flights of their own but for the rounding of their weights.
-expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --ignore-absorption -o "$work/own_whole" --quiet
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --ignore-absorption -o "$work/own" --quiet
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/reference" --quiet --engine reference
 for row in 1 4 5; do
     for engine in one reference; do
@@ -44,7 +44,7 @@ done
 # A medium that does not scatter gives light up as trapped where it is clear: rows in which it is clear fly apart, and the others absorb that light.
 printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0 0 0 0.1\ni sphere 0.05 0 0.05 0.01 1 0 0 0\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
 printf 'layer2.mua\n0\n1e-3\n3e-3\n' >"$work/trap.csv"
-expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" -o "$work/own_whole" --quiet
+expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" -o "$work/own" --quiet
 expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" --reweight -o "$work/three" --quiet
 awk -F, 'FNR == 1 { for (i = 1; i <= NF; i++) if ($i == "A") column = i; next } NR == FNR { own[$1] = $column; next }
     ($column - own[$1]) ^ 2 > 1e-6 || (own[$1] > 0.7) != ($1 > 1) { print "row", $1, $column, own[$1] } END { if (NR != 8) print NR, "lines" }' \

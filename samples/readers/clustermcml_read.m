@@ -8,6 +8,7 @@ function data = clustermcml_read(path)
   % Fields have the names of `clustermcml help output`; NAME_se is the standard error of NAME. Profiles are columns, grids have
   % the axes in the order of their names: A_rz(i, k) belongs to data.r(i) and data.z(k), Rd_xya(iy, ix, ia) to data.y, x, alpha.
   % Lengths are in cm. Files of original MCML can be read, too; they have no errors.
+  % An .mco has the arrays of original MCML and their errors; all else is in the .h5 of the run.
   % SPDX-License-Identifier: MIT
   if exist(path, 'file') ~= 2
     error('clustermcml_read: path = %s (expected a file that is there)', path);

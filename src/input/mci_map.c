@@ -69,10 +69,10 @@ static cml_status end_line(struct cml_mci_reader *reader, const char *field)
     return word ? cml_mci_fail(reader, field, word, "the end of the line or a # comment") : CML_OK;
 }
 
-cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
+cml_status cml_mci_facets(struct cml_mci_reader *reader, int *facets)
 {
     if (*facets) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one facets line per run");
-    *facets = true;
+    *facets = reader->text.line;
     return end_line(reader, "text after facets");
 }
 

@@ -10,7 +10,7 @@
 CML_NODISCARD cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map);
 
 /* Reads the current line "facets", cursor behind it. */
-CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets);
+CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, int *facets);
 
 /* Reads the current line "time T1 N", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time);

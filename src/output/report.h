@@ -25,6 +25,7 @@ struct cml_report {
     uint64_t covers; /* of cml_report_write: photons, the first or of several beams a sample, of which no
                       * saved packet is missing (cml_saved_covers), so that sums of rows over that number are
                       * estimates */
+    bool classic;    /* the .mco ends with the sections of original MCML */
     int num_files;
     char **files; /* [num_files] paths written, the main result first */
 };
@@ -48,12 +49,19 @@ struct cml_report_file {
 typedef cml_status cml_report_file_function(void *context, const struct cml_report_file *file,
                                             struct cml_error *err);
 
+/* What the options of a run ask for, as far as its files depend on them. */
+struct cml_report_asks {
+    bool absorption; /* by place */
+    bool scores;     /* derivatives or expected values, for which an .mco has no place */
+};
+
 /* Calls `each` for the files that a run leaves beside `path`, the main result first, until one fails.
- * absorption: it is tallied by place; surfaces: those that are planes have no file; NULL: not known, and all
- * boundaries count. A program without HDF5 leaves none of that kind. */
+ * surfaces: those that are planes have no file; NULL: not known, and all boundaries count. A program without
+ * HDF5 leaves none of that kind. */
 CML_NODISCARD cml_status cml_report_each_file(const struct cml_scene *scene,
-                                              const struct cml_surface_set *surfaces, bool absorption,
-                                              const char *path, cml_report_file_function *each, void *context,
+                                              const struct cml_surface_set *surfaces,
+                                              const struct cml_report_asks *asks, const char *path,
+                                              cml_report_file_function *each, void *context,
                                               struct cml_error *err);
 
 /* Writes all of them. Each file is the old or the complete new one at any moment. report->files lists them.
@@ -73,9 +81,6 @@ CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, 
 
 /* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid);
-
-/* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
-bool cml_report_wants_fields(const struct cml_scene *scene);
 
 /* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
  * caller's to free; CML_E_INPUT when memory runs out. */

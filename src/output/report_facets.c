@@ -133,3 +133,14 @@ void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *pre
     name_field(c, prefix, "", CML_QUANTITY_area);
     along_facets(c, b);
 }
+
+void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
+{
+    const struct cml_boundary *boundary = &c->report->scene->boundaries[b];
+    const int most = 10000;
+    if (boundary->form != CML_FORM_RADIAL || boundary->radial.n > most) return;
+    cml_add_field(c, CML_QUANTITY_height, cml_field_array_values);
+    cml_last_field(c)->context = boundary->radial.h;
+    cml_last_field(c)->axis[0] = &c->radius[b].axis;
+    name_field(c, prefix, "", CML_QUANTITY_height);
+}

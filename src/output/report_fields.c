@@ -89,6 +89,19 @@ static void set_facet_axes(struct cml_field_list *c)
     }
 }
 
+/* One for each radial shape. */
+static void set_radius_axes(struct cml_field_list *c)
+{
+    for (int b = 0; b <= c->report->scene->num_layers; b++) {
+        const struct cml_radial *radial = &c->report->scene->boundaries[b].radial;
+        struct cml_named_axis *axis = &c->radius[b];
+        snprintf(axis->name, sizeof axis->name, "boundary%d_radius", b);
+        axis->axis = cml_quantity_axis(CML_AXIS_radius, (size_t)radial->n, 0, 0);
+        axis->axis.values = radial->r;
+        axis->axis.name = axis->name;
+    }
+}
+
 /* Two for each detector that is a map, about its middle. */
 static void set_pixel_axes(struct cml_field_list *c)
 {
@@ -108,26 +121,28 @@ static void set_pixel_axes(struct cml_field_list *c)
     }
 }
 
-/* Room for the map's twelve fields, fourteen of bodies, eighteen for every boundary and two for every
+/* Room for the map's twelve fields, fourteen of bodies, nineteen for every boundary and two for every
  * detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
     const size_t boundaries = (size_t)report->surfaces->count,
                  detectors = (size_t)report->scene->num_detectors,
-                 capacity = CML_NUM_QUANTITIES + 18 * boundaries + 2 * detectors;
+                 capacity = CML_NUM_QUANTITIES + 19 * boundaries + 2 * detectors;
     *c = (struct cml_field_list){.report = report};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);
+    c->radius = calloc(boundaries, sizeof *c->radius);
     c->pixel = calloc(2 * detectors + 1, sizeof *c->pixel);
-    if (!c->fields || !c->sources || !c->facet || !c->pixel) {
+    if (!c->fields || !c->sources || !c->facet || !c->radius || !c->pixel) {
         cml_field_list_free(c);
         return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
                                "a list of fields");
     }
     set_axes(c);
     set_facet_axes(c);
+    set_radius_axes(c);
     set_pixel_axes(c);
     return CML_OK;
 }
@@ -137,6 +152,7 @@ void cml_field_list_free(struct cml_field_list *c)
     free(c->fields);
     free(c->sources);
     free(c->facet);
+    free(c->radius);
     free(c->pixel);
     *c = (struct cml_field_list){0};
 }

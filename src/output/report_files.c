@@ -3,6 +3,7 @@
 #include "output/report_parts.h"
 
 #include "base/array.h"
+#include "base/atomic_file.h"
 #include "base/text.h"
 #include "output/report_faces.h"
 #include "result/h5.h"
@@ -22,18 +23,24 @@ static size_t stem_length(const char *path)
     return length;
 }
 
-/* Maps and facets, which have files of their own too. */
-static bool has_pictures(const struct cml_scene *scene)
+/* Whether the run has results, or shapes, for which an .mco has no place. */
+static bool outgrows_mco(const struct cml_scene *scene, const struct cml_report_asks *asks)
 {
-    for (int k = 0; k < scene->num_detectors; k++)
-        if (scene->detectors[k].shape == CML_DETECTOR_MAP) return true;
-    return scene->map.nx > 0 || scene->facets;
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].form != CML_FORM_PLANE) return true;
+    return asks->scores || scene->map.nx > 0 || scene->facets || scene->time.gates > 0 ||
+           scene->directions.nt > 0 || scene->fluence.line || scene->num_detectors > 0 ||
+           scene->num_bodies > 0 || scene->backing.kind != CML_BACKING_NONE;
 }
 
-/* What has pictures has no place in an .mco file. */
-bool cml_report_wants_fields(const struct cml_scene *scene)
+static bool wants_fields(const struct cml_scene *scene, const struct cml_report_asks *asks)
 {
-    return scene->format == 'B' || has_pictures(scene);
+    return cml_hdf5_available() && (scene->format == 'B' || outgrows_mco(scene, asks));
+}
+
+static struct cml_report_asks asks_of(const struct cml_tally_grid *grid)
+{
+    return (struct cml_report_asks){grid->absorption, grid->scores > 0 || grid->derivatives};
 }
 
 /* All files of a run share the stem, whichever of them the user named. */
@@ -78,14 +85,13 @@ static cml_status visit_saved(const struct visit *v, const struct cml_scene *sce
     return visit(&here, CML_FILE_SAVED, 0, NULL, err);
 }
 
-/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
- * program without HDF5 writes what it can; that was announced before the run. The tables first, for they are
- * what a user without pictures waits for. */
-static cml_status visit_tables(const struct visit *v, const struct cml_scene *scene, struct cml_error *err)
+/* With format B the .h5 takes the place of the .mco; with format A it stands beside an .mco that has no place
+ * for everything. The .mco comes first, for it is what a user without pictures waits for. */
+static cml_status visit_tables(const struct visit *v, const struct cml_scene *scene,
+                               const struct cml_report_asks *asks, struct cml_error *err)
 {
     if (scene->format == 'A') CML_TRY(visit(v, CML_FILE_TABLE, 0, NULL, err));
-    if (!cml_hdf5_available()) return CML_OK;
-    if (cml_report_wants_fields(scene)) CML_TRY(visit(v, CML_FILE_FIELDS, 0, ".h5", err));
+    if (wants_fields(scene, asks)) CML_TRY(visit(v, CML_FILE_FIELDS, 0, ".h5", err));
     return scene->saved.limit ? visit_saved(v, scene, err) : CML_OK;
 }
 
@@ -103,14 +109,16 @@ static cml_status visit_facets(const struct visit *v, const struct cml_scene *sc
 }
 
 cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                bool absorption, const char *path, cml_report_file_function *each,
-                                void *context, struct cml_error *err)
+                                const struct cml_report_asks *asks, const char *path,
+                                cml_report_file_function *each, void *context, struct cml_error *err)
 {
     const struct visit v = {path, each, context};
     char suffix[64];
-    CML_TRY(visit_tables(&v, scene, err));
+    if (cml_file_is_device(path))
+        return visit(&v, CML_FILE_TABLE, 0, NULL, err); /* nothing stands beside it */
+    CML_TRY(visit_tables(&v, scene, asks, err));
     if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
-    if (scene->map.volume && (absorption || scene->fluence.line))
+    if (scene->map.volume && (asks->absorption || scene->fluence.line))
         CML_TRY(visit(&v, CML_FILE_VOLUME, 0, ".volume.vti", err));
     for (int k = 0; k < scene->num_detectors; k++) {
         if (scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
@@ -142,6 +150,7 @@ static void fill_list(struct cml_field_list *list)
         name_boundary(b, prefix);
         cml_add_facet_fields(list, b, prefix, 1);
         cml_add_outer_plane_fields(list, b, prefix);
+        cml_add_shape_field(list, b, prefix);
     }
 }
 
@@ -220,12 +229,22 @@ static cml_status write_faces(const struct cml_report *report, const struct cml_
     return cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
 }
 
+/* Without the name of the program nothing of ours is written. */
+static cml_status write_mco(const struct cml_report *report, const char *path, struct cml_error *err)
+{
+    const struct cml_report_asks asks = asks_of(&report->sums->grid);
+    struct cml_outcome outcome = report->outcome;
+    outcome.beside = outgrows_mco(report->scene, &asks);
+    if (report->classic) outcome.program = NULL;
+    return cml_mco_write(path, &outcome, err);
+}
+
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {
     switch (file->content) {
     case CML_FILE_TABLE:
-        return cml_mco_write(path, &report->outcome, err);
+        return write_mco(report, path, err);
     case CML_FILE_FIELDS:
         return write_h5(report, path, err);
     case CML_FILE_SAVED:
@@ -256,9 +275,9 @@ static cml_status write_next(void *context, const struct cml_report_file *file, 
 
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
+    const struct cml_report_asks asks = asks_of(&report->sums->grid);
     CML_TRY(cml_report_outcome(report, err));
-    return cml_report_each_file(report->scene, report->surfaces, report->sums->grid.absorption, path,
-                                write_next, report, err);
+    return cml_report_each_file(report->scene, report->surfaces, &asks, path, write_next, report, err);
 }
 
 /* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have
@@ -292,7 +311,8 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_gr
     const double line_of_detector = 250;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +
                              line_of_detector * grid->detectors);
-    const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
+    const struct cml_report_asks asks = asks_of(grid);
+    const bool image = wants_fields(scene, &asks);
     const double rows = 1.01 * cml_saved_file_bytes(&grid->saved) + 8.0 * (double)grid->saved.limit;
     return (cells + asked) * sizeof(double) + text + 8.0 * 1048576 +
            fmax(image ? image_bytes(grid, cells + asked / 2) : 0, rows);

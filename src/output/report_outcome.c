@@ -53,20 +53,44 @@ static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome 
     return CML_OK;
 }
 
-/* The shape that was simulated, so that a plot can show it. Long fields are left out: they would outgrow the
- * results, and the .mci has them. */
-static cml_status fill_heights(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
+static cml_status fill_detectors(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
-    const int most = 10000;
-    for (int b = 0; b <= scene->num_layers; b++) {
-        const struct cml_radial *radial = &scene->boundaries[b].radial;
-        if (scene->boundaries[b].form != CML_FORM_RADIAL || radial->n > most) continue;
-        double *pair;
-        CML_TRY(cml_outcome_add_heights(o, b, radial->n, &pair, err));
-        for (int i = 0; i < radial->n; i++) {
-            pair[2 * i] = radial->r[i];
-            pair[2 * i + 1] = radial->h[i];
-        }
+    const int count = scene->num_detectors;
+    size_t size = 0;
+    if (count == 0) return CML_OK;
+    o->detector = calloc((size_t)count, sizeof *o->detector);
+    if (!o->detector) return cml_fail_memory(err, (double)count * sizeof *o->detector, "detectors");
+    FILE *out = open_memstream(&o->detector_names, &size);
+    cml_status status = CML_OK;
+    for (int k = 0; k < count; k++) {
+        if (out) fprintf(out, "%s%s", k > 0 ? " " : "", scene->detectors[k].name);
+        if (status == CML_OK) status = cml_text_copy(scene->detectors[k].name, &o->detector[k], err);
+        if (status == CML_OK) o->num_detectors++;
+    }
+    const cml_status ended = cml_text_end(out, &o->detector_names, &size, "names of detectors", err);
+    return status == CML_OK ? ended : status;
+}
+
+/* Between which depths boundaries lie, and between which depths and distances from the z axis the boxes
+ * around bodies: bins there are shared by media. */
+static cml_status fill_extents(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+{
+    const struct cml_surface_set *surfaces = report->surfaces;
+    double **const of = o->value;
+    for (int i = CML_QUANTITY_boundary_z_min; i <= CML_QUANTITY_body_r_max; i++)
+        if (cml_outcome_size(o, (enum cml_quantity)i) > 0)
+            CML_TRY(cml_outcome_add(o, (enum cml_quantity)i, false, err));
+    for (int b = 0; b < surfaces->count; b++) {
+        const struct cml_surface_def *def = &surfaces->item[b];
+        const bool plane = def->kind == CML_SURFACE_PLANE;
+        of[CML_QUANTITY_boundary_z_min][b] = def->depth + (plane ? 0 : def->lowest);
+        of[CML_QUANTITY_boundary_z_max][b] = def->depth + (plane ? 0 : def->highest);
+    }
+    for (int k = 0; k < surfaces->bodies.count; k++) {
+        const struct cml_body_surface *body = &surfaces->bodies.item[k];
+        of[CML_QUANTITY_body_z_min][k] = body->depth + body->lower[2];
+        of[CML_QUANTITY_body_z_max][k] = body->depth + body->upper[2];
+        cml_report_reach(body, &of[CML_QUANTITY_body_r_min][k], &of[CML_QUANTITY_body_r_max][k]);
     }
     return CML_OK;
 }
@@ -114,10 +138,10 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     CML_TRY(cml_text_copy(cml_version(), &o->program, err));
     if (settings) CML_TRY(cml_text_copy(settings, &o->settings, err));
     CML_TRY(cml_report_words(report, CML_READ_IN_MCO, err));
-    CML_TRY(cml_outcome_name_detectors(o, err));
+    CML_TRY(fill_detectors(report->scene, o, err));
     CML_TRY(fill_input(report, o, err));
     CML_TRY(fill_bodies(report->scene, o, err));
-    CML_TRY(fill_heights(report->scene, o, err));
+    CML_TRY(fill_extents(report, o, err));
     CML_TRY(count_covers(report, err));
     CML_TRY(cml_report_body_fluxes(report, o, err));
     CML_TRY(cml_outcome_take(o, report->sums, err));

@@ -31,6 +31,9 @@ CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report,
 CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,
                                                 struct cml_error *err);
 
+/* Distances from the z axis between which the box around a body lies, cm. */
+void cml_report_reach(const struct cml_body_surface *body, double *least, double *most);
+
 /* "pencil", "parallel" ... */
 const char *cml_beam_word(enum cml_beam_shape kind);
 const char *cml_light_word(enum cml_light_kind kind);
@@ -71,8 +74,8 @@ struct cml_field_list {
     struct cml_field *fields;
     struct cml_field_source *sources; /* of the field of the same number */
     struct cml_axis axis[CML_NUM_AXES];
-    struct cml_named_axis *facet; /* [L + 1] of every boundary */
-    struct cml_named_axis *pixel; /* [num_detectors][2] of maps: x and y */
+    struct cml_named_axis *facet, *radius; /* [L + 1] of every boundary */
+    struct cml_named_axis *pixel;          /* [num_detectors][2] of maps: x and y */
 };
 
 CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,
@@ -120,6 +123,10 @@ void cml_add_body_face_fields(struct cml_field_list *list, const struct cml_body
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */
 void cml_add_facet_fields(struct cml_field_list *list, int b, const char *prefix, size_t per_facet);
+
+/* What the scene says of a radial shape: its heights by radius. Long ones are left out: they would outgrow
+ * the results, and the .mci has them. */
+void cml_add_shape_field(struct cml_field_list *list, int b, const char *prefix);
 
 /* Irradiance and exitance of the last facet, the outer plane, as shares of the launched weight; and the areas
  * of facets that are no pixels. */

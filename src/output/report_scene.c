@@ -80,17 +80,25 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
-/* The depths and the distances from the z axis between which the box around a body lies. */
-static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
+void cml_report_reach(const struct cml_body_surface *body, double *least, double *most)
 {
     double closest[2], farthest[2];
-    if (reader == CML_READ_BY_PEOPLE) return;
     for (int i = 0; i < 2; i++) {
         closest[i] = fmax(0, fmax(body->lower[i], 0.0 - body->upper[i]));
         farthest[i] = fmax(0.0 - body->lower[i], body->upper[i]);
     }
+    *least = hypot(closest[0], closest[1]);
+    *most = hypot(farthest[0], farthest[1]);
+}
+
+/* The depths and the distances from the z axis between which the box around a body lies. */
+static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
+{
+    double least, most;
+    if (reader == CML_READ_BY_PEOPLE) return;
+    cml_report_reach(body, &least, &most);
     fprintf(stream, " (z = %.9g to %.9g cm, r = %.9g to %.9g cm)", body->depth + body->lower[2],
-            body->depth + body->upper[2], hypot(closest[0], closest[1]), hypot(farthest[0], farthest[1]));
+            body->depth + body->upper[2], least, most);
 }
 
 static void print_roughness(FILE *stream, const struct cml_rough_def *rough)

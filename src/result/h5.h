@@ -23,7 +23,7 @@ CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome
                                       const struct cml_h5_more *more, struct cml_error *err);
 
 /* The attributes of a file of a run: what decided its bits, the scene in words. Returns their number. */
-#define CML_H5_MOST_ATTRIBUTES (CML_NUM_OPTIONS_OF_BITS + 14)
+#define CML_H5_MOST_ATTRIBUTES (CML_NUM_OPTIONS_OF_BITS + 15)
 int cml_h5_attributes(const struct cml_outcome *outcome, const struct cml_h5_more *more,
                       struct cml_attribute *attributes);
 

@@ -97,6 +97,7 @@ static cml_status read_grid(const struct reader *r)
     CML_TRY(read_axis(r, "alpha", MUST_BE_THERE, &o->na, &width));
     CML_TRY(read_axis(r, "z", 1, &o->nz, &o->dz));
     CML_TRY(read_axis(r, "layer", MUST_BE_THERE, &o->num_layers, &width));
+    CML_TRY(read_axis(r, "body", 0, &o->num_bodies, &width));
     CML_TRY(read_axis(r, "gate", 0, &o->num_gates, &width));
     o->time_end = o->num_gates * width;
     CML_TRY(read_axis(r, "theta", 0, &o->nt, &width));
@@ -174,11 +175,9 @@ static cml_status read_scene(const struct reader *r)
     CML_TRY(cml_hdf5_text(&r->file, NULL, "beam", &o->beam, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "phases", &o->phases, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "detectors", &o->detectors, r->err));
-    CML_TRY(cml_outcome_name_detectors(o, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "input", &o->scene, r->err));
     drop_lines(o->scene, 2);
-    cml_outcome_count_bodies(o);
     return CML_OK;
 }
 

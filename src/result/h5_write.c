@@ -27,7 +27,7 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     for (int i = 1; i < CML_NUM_AXES; i++) {
         const enum cml_axis_kind kind = (enum cml_axis_kind)i;
         const size_t n = (size_t)cml_outcome_bins(o, kind);
-        const double first = kind == CML_AXIS_medium ? 0 : 1;
+        const double first = kind == CML_AXIS_medium || kind == CML_AXIS_boundary ? 0 : 1;
         f->axis[i] =
             cml_quantity_axis(kind, n, width[i] > 0 ? width[i] / 2 : first, width[i] > 0 ? width[i] : 1);
     }
@@ -105,6 +105,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     if (o->beam && o->beam[0]) *a++ = (struct cml_attribute){"beam", o->beam, 0};
     if (o->phases && o->phases[0]) *a++ = (struct cml_attribute){"phases", o->phases, 0};
     if (o->detectors && o->detectors[0]) *a++ = (struct cml_attribute){"detectors", o->detectors, 0};
+    if (o->detector_names) *a++ = (struct cml_attribute){"detector_names", o->detector_names, 0};
     if (o->settings && o->settings[0]) *a++ = (struct cml_attribute){"settings", o->settings, 0};
     if (o->identity[0]) *a++ = (struct cml_attribute){"identity", o->identity, 0};
     return (int)(a - attributes);

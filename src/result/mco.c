@@ -118,37 +118,32 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_text_print(out, "# ", o->phases);
     cml_text_print(out, "# ", o->detectors);
     cml_text_print(out, "# ", o->shapes);
-    if (o->nt > 0)
-        fprintf(out, "\ndirections # bins of the angle and of the azimuth\n%d\n%d\n", o->nt, o->np);
-    if (o->num_gates > 0)
-        fprintf(out, "\ntime # T1 [ps] and the number of gates up to it\n%.17g\n%d\n", o->time_end,
-                o->num_gates);
+    if (o->beside) fputs(CML_MCO_BESIDE "\n", out);
     const double sampling = o->provenance.value[CML_DECIDES_sampling];
     if (isnan(sampling)) return; /* the file that was read says nothing of it */
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             sampling > 0);
 }
 
-/* Sections "se_KEY # [unit]", then one standard error per line. */
+/* A section "se_KEY # [unit]", then one standard error per line. */
+static void write_errors_of(FILE *out, const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const double *errors = o->error[quantity];
+    const size_t size = cml_outcome_size(o, quantity);
+    if (!errors) return;
+    fprintf(out, "\nse_%s # [%s]\n", cml_quantities[quantity].name, cml_quantities[quantity].units);
+    for (size_t i = 0; i < size; i++) {
+        write_number(out, errors[i]);
+        fputc('\n', out);
+    }
+}
+
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
-    char key[CML_OUTCOME_KEY];
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
     for (int i = 0; i < CML_TOTALS; i++)
         if (o->error[i]) fprintf(out, "%.6G\n", o->error[i][0]);
-    for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++) {
-        const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (!o->error[i]) continue;
-        const size_t size = cml_outcome_part_size(o, quantity);
-        for (int part = 0; part < cml_outcome_parts(o, quantity); part++) {
-            cml_outcome_key(o, quantity, part, key);
-            fprintf(out, "\nse_%s # [%s]\n", key, cml_quantities[i].units);
-            for (size_t k = 0; k < size; k++) {
-                write_number(out, o->error[i][(size_t)part * size + k]);
-                fputc('\n', out);
-            }
-        }
-    }
+    for (int i = 0; i < CML_MCO_SECTIONS; i++) write_errors_of(out, o, cml_mco_sections[i].quantity);
 }
 
 /* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
@@ -171,39 +166,6 @@ static void write_balance(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
 
-static void write_part(FILE *out, const struct cml_outcome *o, enum cml_quantity quantity, int part)
-{
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const size_t size = cml_outcome_part_size(o, quantity);
-    char key[CML_OUTCOME_KEY];
-    cml_outcome_key(o, quantity, part, key);
-    if (info->comment)
-        fprintf(out, "\n%s # %s\n", key, info->comment);
-    else
-        fprintf(out, "\n%s # %s [%s]\n", key, info->long_name, cml_quantity_unit(quantity));
-    for (size_t k = 0; k < size; k++) fprintf(out, "%.9G\n", o->value[quantity][(size_t)part * size + k]);
-}
-
-static void write_ours(FILE *out, const struct cml_outcome *o)
-{
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (!(cml_quantities[i].where & CML_IN_MCO) || !o->value[i]) continue;
-        for (int part = 0; part < cml_outcome_parts(o, quantity); part++) write_part(out, o, quantity, part);
-    }
-}
-
-/* The shapes that were simulated, so that a plot can show them: r_0 h_0 r_1 h_1 ..., one number per line. */
-static void write_heights(FILE *out, const struct cml_outcome *o)
-{
-    for (int i = 0; i < o->num_heights; i++) {
-        const struct cml_heights *heights = &o->heights[i];
-        fprintf(out, "\nheightfield%d # r [cm] and h [cm] of boundary %d: r h pairs\n", heights->boundary,
-                heights->boundary);
-        for (int k = 0; k < 2 * heights->n; k++) fprintf(out, "%.9g\n", heights->pair[k]);
-    }
-}
-
 /* Errors of single prints stay with the stream, and the commit looks at it. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
@@ -217,8 +179,6 @@ cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct c
         write_comments(file.stream, o);
         write_errors(file.stream, o);
         write_balance(file.stream, o);
-        write_ours(file.stream, o);
-        write_heights(file.stream, o);
         fputs("\n" CML_MCO_END "\n", file.stream);
     }
     return cml_file_commit(&file, err);

@@ -1,8 +1,9 @@
 /* Original MCML's result file: the writer and the reader.
- * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes; what is ours follows: lines that
- * begin with '#' (the program, what decided the bits, the scene in words), then sections whose keywords no
- * section of MCML begins with. Layout: MCML manual (Wang and Jacques 1992), section 9.3, and observed on
- * version 1.2.2; scaling.h says how its numbers come about. SPDX-License-Identifier: MIT */
+ * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes. Lines that begin with '#' follow (the
+ * program, what decided the bits, the scene in words), then sections whose keywords no section of MCML begins
+ * with: the standard errors of MCML's numbers, `lattice`, `books`, `residue` and `lost`. All other results of
+ * a run stand in its .h5 file (h5.h). Layout: MCML manual (Wang and Jacques 1992), section 9.3, and observed
+ * on version 1.2.2; scaling.h says how its numbers come about. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "result/outcome.h"

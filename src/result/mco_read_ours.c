@@ -80,10 +80,8 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(gather(r->text, "# beam ", "# beam ", 2, &o->beam, err));
     CML_TRY(gather(r->text, "# phase ", "# backing: ", 2, &o->phases, err));
     CML_TRY(gather(r->text, "# detector ", "# detector ", 2, &o->detectors, err));
-    CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
-    cml_outcome_count_bodies(o);
     return CML_OK;
 }
 
@@ -235,29 +233,6 @@ static cml_status read_lost(struct section *s, struct cml_error *err)
     return CML_OK;
 }
 
-/* A number of a shape that a scene can have, cm. */
-static bool leading_length(const char *line, double *value)
-{
-    return line && leading_number(line, false, value) && fabs(*value) <= 1e30;
-}
-
-/* Pairs of r and h, up to the first number that no scene can have. Boundaries stand in their order. */
-static cml_status read_heights(struct section *s, struct cml_error *err)
-{
-    struct cml_outcome *o = s->r->o;
-    double number, *pair;
-    int boundary, count = 0;
-    if (!cml_parse_int(s->key + strlen("heightfield"), &boundary) || boundary > o->num_layers ||
-        boundary <= (o->num_heights > 0 ? o->heights[o->num_heights - 1].boundary : -1))
-        return CML_OK;
-    for (const char *line = s->line; count < 20000 && leading_length(line, &number); line = line_after(line))
-        count++;
-    CML_TRY(cml_outcome_add_heights(o, boundary, count / 2, &pair, err));
-    for (int i = 0; i < count / 2 * 2; i++, s->line = line_after(s->line))
-        (void)leading_length(s->line, &pair[i]);
-    return CML_OK;
-}
-
 static cml_status read_section(struct section *s, struct cml_error *err)
 {
     static const struct {
@@ -276,12 +251,10 @@ static cml_status read_section(struct section *s, struct cml_error *err)
     if (strcmp(s->key, "directions") == 0) read_directions(s);
     if (strcmp(s->key, "time") == 0) read_gates(s);
     if (strcmp(s->key, "lost") == 0) return read_lost(s, err);
-    if (begins(s->key, "heightfield")) return read_heights(s, err);
     const bool errors = begins(s->key, "se_");
     enum cml_quantity quantity;
     int part;
-    if (!cml_outcome_find(s->r->o, s->key + (errors ? 3 : 0), &quantity, &part) ||
-        (int)quantity < CML_TOTALS || !(errors || cml_quantities[quantity].where & CML_IN_MCO))
+    if (!cml_outcome_find(s->r->o, s->key + (errors ? 3 : 0), &quantity, &part) || (int)quantity < CML_TOTALS)
         return CML_OK;
     return read_array(s, quantity, part, errors, err);
 }

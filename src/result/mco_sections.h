@@ -29,6 +29,9 @@ static inline int cml_mco_columns(const struct cml_outcome *o, const struct cml_
 #define CML_MCO_END "# end"
 #define CML_MCO_HAS_END " Last line: " CML_MCO_END
 
+/* Stands in a file that has no place for all of its run; readers look for the .h5 then. */
+#define CML_MCO_BESIDE "# more of this run stands in the .h5 file beside this one, if the program has HDF5"
+
 /* Reads what stands behind the grids: comments and sections of ours. `has_end`: the file says so. CML_E_INPUT
  * only where memory runs out. */
 CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, bool has_end,

@@ -15,6 +15,7 @@
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
+                                    [CML_AXIS_boundary] = o->num_layers + 1,
                                     [CML_AXIS_body] = o->num_bodies,
                                     [CML_AXIS_r] = o->nr,
                                     [CML_AXIS_z] = o->nz,
@@ -136,25 +137,6 @@ bool cml_outcome_may_be_none(const char *key)
     return false;
 }
 
-/* Words that are none of ours name no detector. */
-cml_status cml_outcome_name_detectors(struct cml_outcome *o, struct cml_error *err)
-{
-    char name[CML_OUTCOME_KEY];
-    size_t lines = 0;
-    for (const char *at = o->detectors; at && *at; at++) lines += *at == '\n';
-    o->detector = calloc(lines + 1, sizeof *o->detector);
-    if (!o->detector) return cml_fail_memory(err, (double)lines * sizeof *o->detector, "detectors");
-    for (const char *at = o->detectors; at && *at && lines > 0; lines--) {
-        if (sscanf(at, "detector %24[A-Za-z0-9_]: ", name) == 1 &&
-            cml_outcome_find_detector(o, name, strlen(name)) < 0) {
-            CML_TRY(cml_text_copy(name, &o->detector[o->num_detectors], err));
-            o->num_detectors++;
-        }
-        at += strcspn(at, "\n") + 1;
-    }
-    return CML_OK;
-}
-
 /* ---- memory ---- */
 
 cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
@@ -204,10 +186,9 @@ cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
-    for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output, o->program, o->settings, o->beam,     o->phases, o->detectors,
-                           o->shapes, o->scene,   o->heights,  o->detector, o->damage};
+    void *const owned[] = {o->output,    o->program, o->settings, o->beam,     o->phases,
+                           o->detectors, o->shapes,  o->scene,    o->detector, o->damage};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -215,24 +196,6 @@ void cml_outcome_clear(struct cml_outcome *o)
 double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 {
     return &o->value[CML_QUANTITY_layer_n + number][layer];
-}
-
-cml_status cml_outcome_add_heights(struct cml_outcome *o, int boundary, int n, double **pair,
-                                   struct cml_error *err)
-{
-    *pair = NULL;
-    CML_TRY(cml_array_grow(&o->heights, (size_t)o->num_heights, sizeof *o->heights, "a shape", err));
-    *pair = calloc(2 * (size_t)n + 1, sizeof **pair);
-    if (!*pair) return cml_fail_memory(err, 16.0 * n, "a shape");
-    o->heights[o->num_heights++] = (struct cml_heights){boundary, n, *pair};
-    return CML_OK;
-}
-
-const struct cml_heights *cml_outcome_heights(const struct cml_outcome *o, int boundary)
-{
-    for (int i = 0; i < o->num_heights; i++)
-        if (o->heights[i].boundary == boundary) return &o->heights[i];
-    return NULL;
 }
 
 /* ---- from sums ---- */
@@ -378,12 +341,6 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
             CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     o->lost = sums->summary.lost;
     return CML_OK;
-}
-
-void cml_outcome_count_bodies(struct cml_outcome *o)
-{
-    for (const char *at = o->shapes; at && *at; at += strcspn(at, "\n"), at += *at == '\n')
-        o->num_bodies += strncmp(at, "body ", 5) == 0;
 }
 
 /* Squares of larger numbers would overflow. place: of the first, among those that have the name together. */

@@ -7,12 +7,6 @@
 #include "result/quantity.h"
 #include "tally/result.h"
 
-/* A radial shape as an .mco repeats it: n pairs of r and h, cm. */
-struct cml_heights {
-    int boundary, n;
-    double *pair; /* [2 n], owned */
-};
-
 /* Everything in it is owned. Arrays are row-major. Zeroed: nothing. */
 struct cml_outcome {
     char *output;     /* file name as in the .mci */
@@ -24,7 +18,8 @@ struct cml_outcome {
     int num_gates;   /* 0: nothing is known by time */
     int nt, np;      /* of directions; 0: nothing is known by them */
     int num_detectors;
-    char **detector; /* [num_detectors] their names */
+    char **detector;      /* [num_detectors] their names */
+    char *detector_names; /* all of these, parted by blanks; NULL: none */
     int num_layers, num_bodies;
     bool backed; /* of what is filled from sums: A_backing is among the totals */
     double n_above, n_below;
@@ -39,8 +34,7 @@ struct cml_outcome {
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
     char *settings, *beam, *phases, *detectors, *shapes, *scene;
-    int num_heights;
-    struct cml_heights *heights;
+    bool beside;  /* the run has results, or shapes, that only its .h5 file holds */
     char *damage; /* what is wrong with a section of ours, the first of them, for who insists on them; NULL:
                      nothing */
 };
@@ -72,9 +66,6 @@ bool cml_outcome_find(const struct cml_outcome *outcome, const char *key, enum c
  * NaN. */
 bool cml_outcome_may_be_none(const char *key);
 
-/* Names and number of detectors, of their words: a line "detector NAME: ..." each. */
-CML_NODISCARD cml_status cml_outcome_name_detectors(struct cml_outcome *outcome, struct cml_error *err);
-
 /* Width of a bin of a profile, cm, rad or ps; 0 of a total. */
 double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);
 
@@ -99,13 +90,6 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
 
-/* Room for n pairs of r and h, for the caller to fill in. */
-CML_NODISCARD cml_status cml_outcome_add_heights(struct cml_outcome *outcome, int boundary, int n,
-                                                 double **pair, struct cml_error *err);
-
-/* The shape of a boundary; NULL: none, or it is not known. */
-const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome, int boundary);
-
 /* Numbers that are there of any result of these sizes: as a double, since those of a file may overflow any
  * integer. */
 double cml_outcome_numbers(const struct cml_outcome *outcome);
@@ -116,6 +100,3 @@ double cml_outcome_numbers(const struct cml_outcome *outcome);
 /* CML_E_INPUT: a number that no run writes: larger, below 0 where nothing is, or none where one is known. */
 CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file,
                                            struct cml_error *err);
-
-/* Makes `num_bodies` of `shapes`, for readers. */
-void cml_outcome_count_bodies(struct cml_outcome *outcome);

@@ -32,13 +32,14 @@ enum cml_estimator {
     CML_FROM_FIELD,    /* computed or read piece by piece, never held whole */
 };
 
-/* Where a quantity is written beside its array of original MCML's .mco: a section of an .mco that is ours, a
- * data set of an .h5, a key of JSON. */
-enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
+/* Where a quantity is written beside the .mco, which has MCML's arrays (mco.h): a data set of an .h5, a key
+ * of JSON. */
+enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
 
 /* name, what it is, units, whether bins are counted from the middle of a first one */
 #define CML_AXES(X)                                                                                          \
     X(layer, "layer, from 1", "1")                                                                           \
+    X(boundary, "boundary, from 0 above the first layer", "1")                                               \
     X(body, "body, from 1, in the order of the file", "1")                                                   \
     X(r, "distance from the z axis, middle of the bin", "cm")                                                \
     X(z, "depth, middle of the bin", "cm")                                                                   \
@@ -54,120 +55,125 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(z_volume, "depth, middle of the voxel", "cm")                                                          \
     X(body_facet, "facet of any body, from 0", "1")                                                          \
     X(facet, "triangle, or ring, from 0", "1")                                                               \
+    X(radius, "distance from the axis of the shape", "cm")                                                   \
     X(face, "face", "1")                                                                                     \
     X(side, "arrives outside, inside, leaves outside, inside", "1")
 
 /* clang-format off */
 /* Derivatives by mua or mus. */
-#define CML_DERIVATIVES(Q, x, by)                                                                                    \
-    Q(dRd_d##x, "cm", by, CML_QUANTITY_Rd, OVER1(inside), MCO | H5 | JSON, "derivative of Rd by " #x, NULL)          \
-    Q(dA_d##x, "cm", by, CML_QUANTITY_A, OVER1(inside), MCO | H5 | JSON, "derivative of A by " #x, NULL)             \
-    Q(dTt_d##x, "cm", by, CML_QUANTITY_Tt, OVER1(inside), MCO | H5 | JSON, "derivative of Tt by " #x, NULL)          \
-    Q(dA_backing_d##x, "cm", by, CML_QUANTITY_A_backing, OVER1(inside), MCO | H5 | JSON,                             \
-      "derivative of A_backing by " #x, NULL)                                                                        \
-    Q(dA_l_d##x, "cm", by, CML_QUANTITY_A_l, OVER2(layer, inside), MCO | H5, "derivative of A_l by " #x, NULL)       \
-    Q(dA_body_d##x, "cm", by, CML_QUANTITY_A_body, OVER2(body, inside), MCO | H5, "derivative of A_body by " #x,     \
-      NULL)                                                                                                          \
-    Q(dRd_r_d##x, "1/cm", by, CML_QUANTITY_Rd_r, OVER2(r, inside), MCO | H5, "derivative of Rd_r by " #x, NULL)      \
-    Q(dRd_a_d##x, "cm/sr", by, CML_QUANTITY_Rd_a, OVER2(alpha, inside), MCO | H5, "derivative of Rd_a by " #x, NULL) \
-    Q(dTt_r_d##x, "1/cm", by, CML_QUANTITY_Tt_r, OVER2(r, inside), MCO | H5, "derivative of Tt_r by " #x, NULL)      \
-    Q(dTt_a_d##x, "cm/sr", by, CML_QUANTITY_Tt_a, OVER2(alpha, inside), MCO | H5, "derivative of Tt_a by " #x, NULL) \
-    Q(detector_d##x, "cm", by, CML_QUANTITY_detector, OVER2(detector, inside), MCO | H5,                             \
-      "derivative of detected by " #x, NULL)
+#define CML_DERIVATIVES(Q, x, by) \
+    Q(dRd_d##x, "cm", by, CML_QUANTITY_Rd, OVER1(inside), H5 | JSON, "derivative of Rd by " #x) \
+    Q(dA_d##x, "cm", by, CML_QUANTITY_A, OVER1(inside), H5 | JSON, "derivative of A by " #x) \
+    Q(dTt_d##x, "cm", by, CML_QUANTITY_Tt, OVER1(inside), H5 | JSON, "derivative of Tt by " #x) \
+    Q(dA_backing_d##x, "cm", by, CML_QUANTITY_A_backing, OVER1(inside), H5 | JSON, \
+      "derivative of A_backing by " #x) \
+    Q(dA_l_d##x, "cm", by, CML_QUANTITY_A_l, OVER2(layer, inside), H5, "derivative of A_l by " #x) \
+    Q(dA_body_d##x, "cm", by, CML_QUANTITY_A_body, OVER2(body, inside), H5, "derivative of A_body by " #x) \
+    Q(dRd_r_d##x, "1/cm", by, CML_QUANTITY_Rd_r, OVER2(r, inside), H5, "derivative of Rd_r by " #x) \
+    Q(dRd_a_d##x, "cm/sr", by, CML_QUANTITY_Rd_a, OVER2(alpha, inside), H5, "derivative of Rd_a by " #x) \
+    Q(dTt_r_d##x, "1/cm", by, CML_QUANTITY_Tt_r, OVER2(r, inside), H5, "derivative of Tt_r by " #x) \
+    Q(dTt_a_d##x, "cm/sr", by, CML_QUANTITY_Tt_a, OVER2(alpha, inside), H5, "derivative of Tt_a by " #x) \
+    Q(detector_d##x, "cm", by, CML_QUANTITY_detector, OVER2(detector, inside), H5, \
+      "derivative of detected by " #x)
 
-/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is, and the comment of its
- * section in an .mco where that says more (NULL: what it is, and its units) */
-#define CML_QUANTITIES(Q)                                                                                            \
-    Q(Rsp, "1", TOTAL, CML_TOTAL_SPECULAR, NUMBER, H5 | JSON, "specular reflectance", NULL)                          \
-    Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance", NULL)                           \
-    Q(A, "1", TOTAL, CML_TOTAL_ABSORBED, NUMBER, H5 | JSON, "absorbed fraction", NULL)                               \
-    Q(Tt, "1", TOTAL, CML_TOTAL_TRANSMITTED, NUMBER, H5 | JSON, "transmittance", NULL)                               \
-    Q(book_launched, "1", BALANCE, CML_BALANCE_LAUNCHED, NUMBER, H5, "launched", NULL)                               \
-    Q(book_gained, "1", BALANCE, CML_BALANCE_GAINED, NUMBER, H5, "gained in roulette", NULL)                         \
-    Q(book_specular, "1", BALANCE, CML_BALANCE_SPECULAR, NUMBER, H5, "specular (Rsp)", NULL)                         \
-    Q(book_reflected, "1", BALANCE, CML_BALANCE_REFLECTED, NUMBER, H5, "reflected (Rd)", NULL)                       \
-    Q(book_transmitted, "1", BALANCE, CML_BALANCE_TRANSMITTED, NUMBER, H5, "transmitted (Tt)", NULL)                 \
-    Q(book_absorbed, "1", BALANCE, CML_BALANCE_ABSORBED, NUMBER, H5, "absorbed (A)", NULL)                           \
-    Q(book_roulette, "1", BALANCE, CML_BALANCE_ROULETTE, NUMBER, H5, "lost in roulette", NULL)                       \
-    Q(book_trapped, "1", BALANCE, CML_BALANCE_TRAPPED, NUMBER, H5, "trapped", NULL)                                  \
-    Q(book_lost, "1", BALANCE, CML_BALANCE_LOST, NUMBER, H5, "lost", NULL)                                           \
-    Q(book_overflow_r, "1", BALANCE, CML_BALANCE_OVERFLOW_R, NUMBER, H5,                                             \
-      "scored in the last r bin from beyond it", NULL)                                                               \
-    Q(book_overflow_z, "1", BALANCE, CML_BALANCE_OVERFLOW_Z, NUMBER, H5, "absorbed below the last z bin", NULL)      \
-    Q(book_above, "1", BALANCE, CML_BALANCE_ABOVE, NUMBER, H5, "absorbed above z = 0", NULL)                         \
-    Q(residue, "1", RESIDUE, 0, NUMBER, H5, "launched + gained - all fates, in 2^-31 packets", NULL)                 \
-    Q(lost, "1", LOST, 0, NUMBER, H5, "packets lost to numerical failure", NULL)                                     \
-    Q(layer_n, "1", INPUT, 0, OVER1(layer), H5, "refractive index", NULL)                                            \
-    Q(layer_mua, "1/cm", INPUT, 0, OVER1(layer), H5, "absorption coefficient", NULL)                                 \
-    Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient", NULL)                                 \
-    Q(layer_g, "1", INPUT, 0, OVER1(layer), H5, "anisotropy of scattering", NULL)                                    \
-    Q(layer_d, "cm", INPUT, 0, OVER1(layer), H5, "thickness", NULL)                                                  \
-    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5 | JSON, "absorption by layer", NULL)                               \
-    Q(A_z, "1/cm", BATCHES, IN(A_z), OVER1(z), H5,                                                                   \
-      "absorption by depth; what lies outside is in the outermost bins", NULL)                                       \
-    Q(Rd_r, "1/cm2", BATCHES, IN(Rd_r), OVER1(r), H5,                                                                \
-      "diffuse reflectance by radius; the last bin holds what lies beyond", NULL)                                    \
-    Q(Rd_a, "sr-1", BATCHES, IN(Rd_a), OVER1(alpha), H5, "diffuse reflectance by angle", NULL)                       \
-    Q(Tt_r, "1/cm2", BATCHES, IN(Tt_r), OVER1(r), H5,                                                                \
-      "transmittance by radius; the last bin holds what lies beyond", NULL)                                          \
-    Q(Tt_a, "sr-1", BATCHES, IN(Tt_a), OVER1(alpha), H5, "transmittance by angle", NULL)                             \
-    Q(A_rz, "1/cm3", GROUPS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth", NULL)                       \
-    Q(Rd_ra, "1/(cm2 sr)", GROUPS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle", NULL)   \
-    Q(Tt_ra, "1/(cm2 sr)", GROUPS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle", NULL)         \
-    Q(Rd_t, "1/ps", BATCHES, IN(Rd_t), OVER1(gate), MCO | H5, "diffuse reflectance by time", NULL) \
-    Q(Rd_t_later, "1", BATCHES, IN(Rd_t_later), NUMBER, MCO | H5 | JSON, "diffuse reflectance later than all gates", NULL) \
-    Q(Tt_t, "1/ps", BATCHES, IN(Tt_t), OVER1(gate), MCO | H5, "transmittance by time", NULL) \
-    Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, MCO | H5 | JSON, "transmittance later than all gates", NULL) \
-    Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), MCO | H5, "absorption by time", NULL) \
-    Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, MCO | H5 | JSON, "absorption later than all gates", NULL) \
-    Q(phi_z, "1", BATCHES, IN(phi_z), OVER1(z), MCO | H5, "fluence by depth, over all radii", NULL) \
-    Q(phi_rz, "1/cm2", BATCHES, IN(phi_rz), OVER2(r, z), MCO | H5, "fluence by radius and depth", NULL) \
-    Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), MCO | H5, "diffuse reflectance by direction", NULL) \
-    Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), MCO | H5, "transmittance by direction", NULL) \
-    Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), MCO | H5, "specular reflectance by direction", NULL) \
-    Q(detector, "1", BATCHES, IN(detector), OVER1(detector), MCO | H5 | JSON, "detected", NULL) \
-    Q(detector_t, "1/ps", BATCHES, IN(detector_t), OVER2(detector, gate), MCO | H5, "detected by time", NULL) \
-    Q(detector_t_later, "1", BATCHES, IN(detector_t_later), OVER1(detector), MCO | H5 | JSON, "detected later than all gates", NULL) \
-    Q(detector_path, "cm", MEANS, IN(detector_path), OVER2(detector, medium), MCO | H5, "mean path of detected light by medium", NULL) \
-    Q(detector_interactions, "1", MEANS, IN(detector_interactions), OVER2(detector, medium), MCO | H5, "mean interactions of detected light by medium", NULL) \
-    Q(detector_deepest, "cm", MEANS, IN(detector_deepest), OVER1(detector), MCO | H5 | JSON, "mean largest depth of detected light", NULL) \
-    Q(detector_map, "1/cm2", FIELD, 0, OVER1(detector), 0, "detected by pixel", NULL) \
-    Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
-    Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
-    Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient", NULL)                                   \
-    Q(body_g, "1", INPUT, 0, OVER1(body), H5, "anisotropy of scattering", NULL)                                      \
-    Q(A_body, "1", BODIES, IN(A_l), OVER1(body), MCO | H5, "absorption by body",                                     \
-      "absorption in each body, in the order of the .mci [-]")                                                       \
-    Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, MCO | H5 | JSON, "kept by the backing", NULL)                 \
-    Q(Tt_expected, "1", EXPECTED, 0, NUMBER, MCO | H5 | JSON, "transmittance, by what flat layers let through", NULL) \
-    Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), MCO | H5 | JSON, \
-      "absorption by layer, by what flat layers absorb; above them as counted", NULL) \
-    CML_DERIVATIVES(Q, mua, MUA)                                                                                     \
-    CML_DERIVATIVES(Q, mus, MUS)                                                                                     \
-    Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO | H5 | JSON,                                                            \
-      "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
-    Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \
-    Q(Tt_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "transmittance", NULL)                                               \
-    Q(Rd_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "diffuse reflectance by angle", NULL)                   \
-    Q(Tt_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "transmittance by angle", NULL)                         \
-    Q(A_xyz, "1/cm3", FIELD, 0, OVER3(z_volume, y, x), 0, "absorption", NULL)                                        \
-    Q(phi_xyz, "1/cm2", FIELD, 0, OVER3(z_volume, y, x), 0, "fluence", NULL)                                         \
-    Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map", NULL)                             \
-    Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map", NULL)                                   \
-    Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume", NULL)                             \
-    Q(body_of_facet, "1", INPUT, 0, OVER1(body_facet), 0, "body, from 1", NULL)                                      \
-    Q(body_area, "cm2", INPUT, 0, OVER1(body_facet), 0, "area of the facet", NULL)                                   \
-    Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body", NULL)    \
-    Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body", NULL)      \
-    Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body", NULL)      \
-    Q(body_exitance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance into the body", NULL)         \
-    Q(irradiance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium above", NULL)                \
-    Q(irradiance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium below", NULL)                \
-    Q(exitance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium above", NULL)            \
-    Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below", NULL)            \
-    Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last", NULL)             \
-    Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last", NULL)                   \
-    Q(area, "cm2", INPUT, 0, OVER1(facet), 0, "area of the facet", NULL)
+/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is */
+#define CML_QUANTITIES(Q) \
+    Q(Rsp, "1", TOTAL, CML_TOTAL_SPECULAR, NUMBER, H5 | JSON, "specular reflectance") \
+    Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance") \
+    Q(A, "1", TOTAL, CML_TOTAL_ABSORBED, NUMBER, H5 | JSON, "absorbed fraction") \
+    Q(Tt, "1", TOTAL, CML_TOTAL_TRANSMITTED, NUMBER, H5 | JSON, "transmittance") \
+    Q(book_launched, "1", BALANCE, CML_BALANCE_LAUNCHED, NUMBER, H5, "launched") \
+    Q(book_gained, "1", BALANCE, CML_BALANCE_GAINED, NUMBER, H5, "gained in roulette") \
+    Q(book_specular, "1", BALANCE, CML_BALANCE_SPECULAR, NUMBER, H5, "specular (Rsp)") \
+    Q(book_reflected, "1", BALANCE, CML_BALANCE_REFLECTED, NUMBER, H5, "reflected (Rd)") \
+    Q(book_transmitted, "1", BALANCE, CML_BALANCE_TRANSMITTED, NUMBER, H5, "transmitted (Tt)") \
+    Q(book_absorbed, "1", BALANCE, CML_BALANCE_ABSORBED, NUMBER, H5, "absorbed (A)") \
+    Q(book_roulette, "1", BALANCE, CML_BALANCE_ROULETTE, NUMBER, H5, "lost in roulette") \
+    Q(book_trapped, "1", BALANCE, CML_BALANCE_TRAPPED, NUMBER, H5, "trapped") \
+    Q(book_lost, "1", BALANCE, CML_BALANCE_LOST, NUMBER, H5, "lost") \
+    Q(book_overflow_r, "1", BALANCE, CML_BALANCE_OVERFLOW_R, NUMBER, H5, \
+      "scored in the last r bin from beyond it") \
+    Q(book_overflow_z, "1", BALANCE, CML_BALANCE_OVERFLOW_Z, NUMBER, H5, "absorbed below the last z bin") \
+    Q(book_above, "1", BALANCE, CML_BALANCE_ABOVE, NUMBER, H5, "absorbed above z = 0") \
+    Q(residue, "1", RESIDUE, 0, NUMBER, H5, "launched + gained - all fates, in 2^-31 packets") \
+    Q(lost, "1", LOST, 0, NUMBER, H5, "packets lost to numerical failure") \
+    Q(layer_n, "1", INPUT, 0, OVER1(layer), H5, "refractive index") \
+    Q(layer_mua, "1/cm", INPUT, 0, OVER1(layer), H5, "absorption coefficient") \
+    Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient") \
+    Q(layer_g, "1", INPUT, 0, OVER1(layer), H5, "anisotropy of scattering") \
+    Q(layer_d, "cm", INPUT, 0, OVER1(layer), H5, "thickness") \
+    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5 | JSON, "absorption by layer") \
+    Q(A_z, "1/cm", BATCHES, IN(A_z), OVER1(z), H5, \
+      "absorption by depth; what lies outside is in the outermost bins") \
+    Q(Rd_r, "1/cm2", BATCHES, IN(Rd_r), OVER1(r), H5, \
+      "diffuse reflectance by radius; the last bin holds what lies beyond") \
+    Q(Rd_a, "sr-1", BATCHES, IN(Rd_a), OVER1(alpha), H5, "diffuse reflectance by angle") \
+    Q(Tt_r, "1/cm2", BATCHES, IN(Tt_r), OVER1(r), H5, \
+      "transmittance by radius; the last bin holds what lies beyond") \
+    Q(Tt_a, "sr-1", BATCHES, IN(Tt_a), OVER1(alpha), H5, "transmittance by angle") \
+    Q(A_rz, "1/cm3", GROUPS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth") \
+    Q(Rd_ra, "1/(cm2 sr)", GROUPS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle") \
+    Q(Tt_ra, "1/(cm2 sr)", GROUPS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle") \
+    Q(Rd_t, "1/ps", BATCHES, IN(Rd_t), OVER1(gate), H5, "diffuse reflectance by time") \
+    Q(Rd_t_later, "1", BATCHES, IN(Rd_t_later), NUMBER, H5 | JSON, "diffuse reflectance later than all gates") \
+    Q(Tt_t, "1/ps", BATCHES, IN(Tt_t), OVER1(gate), H5, "transmittance by time") \
+    Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, H5 | JSON, "transmittance later than all gates") \
+    Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), H5, "absorption by time") \
+    Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, H5 | JSON, "absorption later than all gates") \
+    Q(phi_z, "1", BATCHES, IN(phi_z), OVER1(z), H5, "fluence by depth, over all radii") \
+    Q(phi_rz, "1/cm2", BATCHES, IN(phi_rz), OVER2(r, z), H5, "fluence by radius and depth") \
+    Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), H5, "diffuse reflectance by direction") \
+    Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), H5, "transmittance by direction") \
+    Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), H5, "specular reflectance by direction") \
+    Q(detector, "1", BATCHES, IN(detector), OVER1(detector), H5 | JSON, "detected") \
+    Q(detector_t, "1/ps", BATCHES, IN(detector_t), OVER2(detector, gate), H5, "detected by time") \
+    Q(detector_t_later, "1", BATCHES, IN(detector_t_later), OVER1(detector), H5 | JSON, "detected later than all gates") \
+    Q(detector_path, "cm", MEANS, IN(detector_path), OVER2(detector, medium), H5, "mean path of detected light by medium") \
+    Q(detector_interactions, "1", MEANS, IN(detector_interactions), OVER2(detector, medium), H5, "mean interactions of detected light by medium") \
+    Q(detector_deepest, "cm", MEANS, IN(detector_deepest), OVER1(detector), H5 | JSON, "mean largest depth of detected light") \
+    Q(detector_map, "1/cm2", FIELD, 0, OVER1(detector), 0, "detected by pixel") \
+    Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index") \
+    Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient") \
+    Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient") \
+    Q(body_g, "1", INPUT, 0, OVER1(body), H5, "anisotropy of scattering") \
+    Q(boundary_z_min, "cm", INPUT, 0, OVER1(boundary), H5, "depth of the highest point") \
+    Q(boundary_z_max, "cm", INPUT, 0, OVER1(boundary), H5, "depth of the lowest point") \
+    Q(body_z_min, "cm", INPUT, 0, OVER1(body), H5, "depth of the highest point of the box around the body") \
+    Q(body_z_max, "cm", INPUT, 0, OVER1(body), H5, "depth of the lowest point of the box around the body") \
+    Q(body_r_min, "cm", INPUT, 0, OVER1(body), H5, "least distance of the box around the body from the z axis") \
+    Q(body_r_max, "cm", INPUT, 0, OVER1(body), H5, "largest distance of the box around the body from the z axis") \
+    Q(height, "cm", FIELD, 0, OVER1(radius), 0, "height of the shape, up from the depth of its boundary; linear in between") \
+    Q(A_body, "1", BODIES, IN(A_l), OVER1(body), H5, "absorption by body") \
+    Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, H5 | JSON, "kept by the backing") \
+    Q(Tt_expected, "1", EXPECTED, 0, NUMBER, H5 | JSON, "transmittance, by what flat layers let through") \
+    Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), H5 | JSON, \
+      "absorption by layer, by what flat layers absorb; above them as counted") \
+    CML_DERIVATIVES(Q, mua, MUA) \
+    CML_DERIVATIVES(Q, mus, MUS) \
+    Q(flux_body, "1", FACETS, 0, OVER2(body, side), H5 | JSON, \
+      "weight at each body's surface: arrives outside, inside, leaves outside, inside") \
+    Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance") \
+    Q(Tt_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "transmittance") \
+    Q(Rd_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "diffuse reflectance by angle") \
+    Q(Tt_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "transmittance by angle") \
+    Q(A_xyz, "1/cm3", FIELD, 0, OVER3(z_volume, y, x), 0, "absorption") \
+    Q(phi_xyz, "1/cm2", FIELD, 0, OVER3(z_volume, y, x), 0, "fluence") \
+    Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map") \
+    Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map") \
+    Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume") \
+    Q(body_of_facet, "1", INPUT, 0, OVER1(body_facet), 0, "body, from 1") \
+    Q(body_area, "cm2", INPUT, 0, OVER1(body_facet), 0, "area of the facet") \
+    Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body") \
+    Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body") \
+    Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body") \
+    Q(body_exitance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance into the body") \
+    Q(irradiance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium above") \
+    Q(irradiance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium below") \
+    Q(exitance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium above") \
+    Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below") \
+    Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last") \
+    Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last") \
+    Q(area, "cm2", INPUT, 0, OVER1(facet), 0, "area of the facet")
 /* clang-format on */
 
 #define CML_ENUMERATOR(name, ...) CML_AXIS_##name,
@@ -186,8 +192,7 @@ struct cml_quantity_info {
     enum cml_estimator estimator;
     size_t sums;                                /* which, as the estimator says */
     enum cml_axis_kind axis[CML_QUANTITY_AXES]; /* slowest first, CML_AXIS_NONE behind the last */
-    unsigned where;                             /* CML_IN_MCO and the like */
-    const char *comment;                        /* of its section in an .mco; NULL: long name and units */
+    unsigned where;                             /* CML_IN_H5 and the like */
 };
 extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 

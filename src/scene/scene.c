@@ -33,7 +33,7 @@ const struct cml_rough_def *cml_scene_rough(const struct cml_scene *scene, int *
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};
-    scene->facets = false;
+    scene->facets = 0;
     scene->time = (struct cml_time_def){0};
     scene->directions = (struct cml_directions_def){0};
     scene->fluence = (struct cml_fluence_def){0};

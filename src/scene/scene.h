@@ -226,7 +226,7 @@ struct cml_scene {
     struct cml_detector_def *detectors; /* [num_detectors] */
     struct cml_fluence_def fluence;
     struct cml_saved_def saved;
-    bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
+    int facets;     /* line of the .mci by which irradiance and exitance of all facets are wanted; 0: none */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */
 };

@@ -22,7 +22,7 @@ test "$(head -1 "$work/rows/b.sweep.csv")" = \
     complain "the header: $(head -1 "$work/rows/b.sweep.csv")"
 for row in 1 2; do
     for at in 13:A_backing 14:se_A_backing; do
-        wanted=$(awk -v key="${at#*:}" '$1 == key { getline; print $1; exit }' "$work/rows/b-000$row.mco")
+        wanted=$(whole "$work/rows/b-000$row.mco" | awk -v key="${at#*:}" '$1 == key { getline; print $1; exit }')
         found=$(awk -F, -v row=$row -v at="${at%:*}" '$1 == row { printf "%.9G", $at }' "$work/rows/b.sweep.csv")
         awk -v a="$wanted" -v b="$found" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < 1e-10 * a * a) }' ||
             complain "row $row: ${at#*:} is $found in the table, $wanted in the file"

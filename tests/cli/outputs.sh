@@ -2,6 +2,20 @@
 # Outputs that would destroy something are refused before a packet flies, and two processes do not write the same
 # file. SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
+
+# --classic ends the .mco with the sections of MCML, and changes nothing else of them; --resume knows the file.
+mkdir "$work/classic" "$work/ours"
+expect_code 0 samples/two_runs.mci --photons 500 --quiet -o "$work/ours"
+expect_code 0 samples/two_runs.mci --photons 500 --quiet --classic -o "$work/classic"
+for run in flat hill; do
+    sed '/^# clustermcml/,$d; s/   Last line: # end//; /^# User time/s/:.*Identity/Identity/' "$work/ours/two_runs_$run.mco" >"$work/1"
+    sed '/^# User time/s/:.*Identity/Identity/' "$work/classic/two_runs_$run.mco" >"$work/2"
+    diff "$work/1" "$work/2" >"$work/differ"
+    test "$(grep -c '^[<>] .' "$work/differ")" -eq 0 && ! grep -q lattice "$work/2" || complain "--classic: $(cat "$work/differ")"
+done
+expect_code 0 samples/two_runs.mci --photons 500 --classic --resume -o "$work/classic"
+test "$(grep -c 'finished before' "$work/out")" -eq 2 || complain "--classic --resume: $(cat "$work/out")"
+rm -r "$work"/*
 cd "$work" || exit 1
 
 scene() { # OUTPUT [LINES]: a run of 1000 packets; lines stand where map, beam and m stand
@@ -177,4 +191,5 @@ for round in $(seq "${ROUNDS:-10}"); do
     test "$found" = "$one" || test "$found" = "$other" || complain "round $round: neither's result"
 done
 ls ./*.tmp ./*.lock 2>/dev/null && complain "something is left"
+
 finish

@@ -71,6 +71,7 @@ printf '1.0\n1\nlong.mco A\n1\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\nb 
     >"$work/long.mci"
 expect_code 0 "$work/long.mci" --quiet -o "$work"
 mv "$work/long.mco" "$work/expected.mco"
+rm -f "$work/long.h5"
 begin "  boundary 1" "$work/long.mci"
 kill -TERM $run
 code=0

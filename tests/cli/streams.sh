@@ -5,6 +5,7 @@
 scene=samples/shapes/hihill.mci
 expect_code 0 $scene --photons 1000 --quiet -o "$work"
 cp "$work/hihill.mco" "$work/a.mco"
+cp "$work/hihill.h5" "$work/a.h5"
 expect_code 0 plot "$work/a.mco" -o "$work/whole.svg"
 
 # closed: everything is written as ever, but what belongs to standard output, which is told as any failed write
@@ -12,7 +13,7 @@ closed() { # CODE FILE COMMAND...: FILE must be as it was
     wanted=$1
     file=$2
     shift 2
-    rm -f "$work/$file"
+    rm -f "$work/$file" "$work/hihill.h5"
     code=0
     (eval "$*") || code=$?
     test $code -eq "$wanted" || complain "$*: exit $code, not $wanted"

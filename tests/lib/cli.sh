@@ -47,3 +47,8 @@ check_texts() {
 finish() {
     test "$failures" -eq 0 || exit 1
 }
+
+# An .mco file, and behind it as sections, errors as se_NAME, what only the .h5 beside it has.
+whole() { # FILE
+    "${CLUSTERMCML_PYTHON:-/usr/bin/python3}" -B tests/lib/cml.py "$1"
+}

@@ -75,11 +75,21 @@ def exact(text, *options):
                                          text=True, check=True).stdout)
 
 
+def read_h5(path):
+    """Arrays of an .h5 file as flat lists: {name: [values]}. Python without h5py asks one that has it."""
+    code = ("import h5py, json, sys\nwith h5py.File(sys.argv[1], locking=False) as file: print(json.dumps("
+            "{name: array[()].ravel().tolist() for name, array in file.items() if isinstance(array, h5py.Dataset)}))")
+    python = os.environ.get("CLUSTERMCML_PYTHON", "/usr/bin/python3")
+    return json.loads(subprocess.run([python, "-c", code, path], capture_output=True, text=True, check=True).stdout)
+
+
 def read_sections(path):
-    """The one-number-per-line sections of an .mco file: {key: [values]}."""
-    sections, key = {}, None
+    """The one-number-per-line sections of an .mco file, and of the .h5 beside it what the .mco has no place for: {key: [values]}. The
+    standard errors of X are se_X."""
+    sections, key, more = {}, None, False
     with open(path, encoding="utf-8") as file:
         for line in file:
+            more |= line.startswith("# more of this run stands in the .h5")
             word = line.split("#")[0].split()
             if not word:
                 key = None if not line.strip() else key
@@ -88,6 +98,9 @@ def read_sections(path):
                 sections[key] = []
             elif key:
                 sections[key].append(float(word[0]))
+    beside = read_h5(os.path.splitext(path)[0] + ".h5") if more else {}
+    for name, values in beside.items():
+        sections.setdefault("se_" + name[:-3] if name.endswith("_se") else name, values)
     return sections
 
 
@@ -133,3 +146,12 @@ def check_balance(verdict, name, record):
     """P9, P10: nothing lost, the weight balances exactly."""
     verdict.check(name, record["lost"] == 0, f"lost {record['lost']}")
     verdict.check(name, record["residue"] == 0, f"residue {record['residue']}")
+
+
+if __name__ == "__main__":  # for scripts: an .mco file, and behind it as sections what only the .h5 beside it has
+    with open(sys.argv[1], encoding="utf-8") as whole:
+        text = whole.read()
+    print(text)
+    for name, values in read_sections(sys.argv[1]).items():
+        if f"\n{name} " not in text and f"\n{name}\n" not in text:
+            print(f"{name} #", *(f"{value:.9G}".replace("nan", "NAN") for value in values), "", sep="\n")

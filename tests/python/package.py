@@ -146,7 +146,7 @@ class Files(unittest.TestCase):
                 np.testing.assert_allclose(mco[f"detector_{name}{end}"], h5[f"detector_{name}{end}"], rtol=1e-8)
                 np.testing.assert_allclose(mco[f"detector_{name}{end}_se"], h5[f"detector_{name}{end}_se"], rtol=1e-4)
         self.assertTrue(mco.detectors.startswith("detector cam: map of 4 x 3 pixels of 0.1 x 0.2 cm at (0 0 0) cm, top, na 1"))
-        self.assertEqual(mco.detectors, h5.detectors.rstrip("\n"))
+        self.assertEqual((mco.detectors, mco.detector_names), (h5.detectors, "cam 2 3"))
         other = os.path.join(self.folder.name, "other.h5")
         command(os.path.join(self.folder.name, "backed.mci"), "--quiet", "--seed", "2", "--output", "other.h5", "-o", self.folder.name)
         other, both = mc.read(other), mc.merge([os.path.join(self.folder.name, "backed.h5"), other])
@@ -182,7 +182,8 @@ class Files(unittest.TestCase):
                 file.write(text.replace("\na.mco \tA", "\n%s \tA" % name))
             data = mc.read(path)
             self.assertEqual((data.title, data.photons), (name, 2000))
-            xr.testing.assert_equal(data, mc.read(self.mco))
+            xr.testing.assert_equal(data, mc.read(self.mco)[list(data.data_vars)])
+            self.assertEqual(data.lacks, path[:-4] + ".h5")  # which is read if it is of the same run
 
     def test_damaged(self):
         path = os.path.join(self.folder.name, "cut.mco")

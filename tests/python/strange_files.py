@@ -60,6 +60,8 @@ class Crafted(unittest.TestCase):
         for end in ("mco", "h5"):
             with open(os.path.join(cls.folder.name, "scene." + end), "rb") as file:
                 cls.sound[end] = file.read()
+        cls.whole = cls.sound["mco"]
+        cls.sound["mco"] = re.sub(rb"# more of this run stands .*\n", b"", cls.whole)  # without the .h5 beside it
         cls.other = os.path.join(cls.folder.name, "other.h5")
         with h5py.File(cls.other, "w") as file:
             file["Rd_r"] = np.full(7, SECRET)
@@ -154,17 +156,17 @@ class Crafted(unittest.TestCase):
             with self.subTest(said):
                 self.refused(self.write("mco", text.replace(old, new, -1 if old == "\n" else 1).encode()), r"strange\.mco.*" + said)
 
-    def test_mco_without_what_its_bins_are_for(self):
-        """Of gates and directions, with errors; A_t is none of --ignore-absorption."""
-        slab = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=300, format="A", time=mc.Time(100, 3), directions=mc.Directions(2, 2), detectors=[mc.Detector("disk", radius=1, name="all")])
-        with tempfile.TemporaryDirectory() as folder:
-            self.assertNotIn("A_t", mc.run(slab, output_dir=folder, ignore_absorption=True))
-            mc.run(slab, output_dir=folder)
-            with open(os.path.join(folder, "scene.mco"), "rb") as file:
-                text = file.read()
-        for name in ("Rd_t", "se_Tt_t", "A_t", "Rsp_dir", "se_Rd_dir", "detector_all_t", "time", "directions"):
-            self.assertIn(f"\n{name} ".encode(), text)
-            self.refused(self.write("mco", text.replace(f"\n{name} ".encode(), b"\nother ")), r"strange\.mco: " + {"time": "not a whole", "directions": "not a whole"}.get(name, rf"{name}.0. = 'nothing' .expected a number, one of "))
+    def test_mco_beside_another_h5(self):
+        """Only an .h5 of the same run is read; a damaged one is refused."""
+        beside = self.write("h5", self.sound["h5"])
+        self.assertIn("A_body", mc.read(self.write("mco", self.whole)))
+        with self.assertWarnsRegex(UserWarning, "of another run"):
+            self.assertEqual(mc.read(self.write("mco", re.sub(rb"Identity: \w+", b"Identity: 0123456789abcdef", self.whole))).lacks, beside)
+        self.write("h5", self.sound["h5"][:3000])
+        self.refused(self.write("mco", self.whole), "strange.h5: not an .h5 file of a result")
+        os.unlink(beside)
+        with self.assertWarnsRegex(UserWarning, "strange.h5 is missing"):
+            self.assertEqual(mc.read(self.write("mco", self.whole)).lacks, beside)
 
     def test_mco_as_the_program_takes_them(self):
         """With the ends of lines of others and a byte order mark; of two sections of a name the first counts; text behind a number is a comment."""
@@ -173,14 +175,6 @@ class Crafted(unittest.TestCase):
                       text.replace(b"\n300 ", b"\n3e2 photons ")):
             self.assertNotEqual(other, text)
             xr.testing.assert_identical(mc.read(self.write("mco", other)), sound)
-
-    def test_a_number_of_a_later_program(self):
-        """Its own comment says what it is."""
-        last, more = b"\n# end\n", b"\nmirrored # light that a mirror sends back [1/ps]\n  1.25E-03\n\nse_mirrored # [1/ps]\n0.001\n"
-        sound, data = (mc.read(self.write("mco", self.sound["mco"].replace(last, rest + last))) for rest in (b"", more))
-        self.assertEqual((data.mirrored.item(), data.mirrored_se.item(), data.mirrored.units, data.mirrored.dims), (1.25e-3, 1e-3, "1/ps", ()))
-        self.assertEqual(data.mirrored.long_name, "light that a mirror sends back")
-        xr.testing.assert_equal(data.drop_vars(["mirrored", "mirrored_se"]), sound)
 
     def test_no_files(self):
         os.mkdir(os.path.join(self.folder.name, "folder.h5"))

@@ -159,6 +159,8 @@ const struct cml_option cml_option_table[] = {
     {"output", 'o', "FILE", RUN, NULL,
      "the result's name in place of the file's, .mco or .h5, written out, as -o is --output-dir",
      TEXT(output)},
+    {"classic", 0, NULL, RUN | MERGE, NULL,
+     "the .mco ends with the sections of original MCML, for readers that take no other", FLAG(classic)},
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | CROSSCHECK | FURNACE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
     {"alpha", 0, "A", FURNACE, NULL, "p below it is a difference, default 0.01",

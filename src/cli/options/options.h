@@ -23,6 +23,7 @@ struct cml_options {
     bool resume;
     bool replace;                  /* --resume may replace results with more photons */
     bool no_clobber;               /* a result that is there is not replaced */
+    bool classic;                  /* the .mco ends with the sections of original MCML */
     bool keep;                     /* checkpoints of finished runs stay, with all tallies */
     uint64_t more;                 /* photons to be added to finished runs; 0: none */
     uint64_t part, parts;          /* `part`, from 1, of `parts` is flown of each run; 0: all */

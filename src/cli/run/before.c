@@ -5,7 +5,6 @@
 #include "base/text.h"
 #include "cli/load/scenes.h"
 #include "output/files/vtk.h"
-#include "output/report.h"
 #include "result/h5.h"
 #include "run/identity.h"
 #include "tally/deal.h"
@@ -104,6 +103,12 @@ static cml_status look(void *context, const struct cml_report_file *file, struct
     return cml_text_copy(file->path, &before->gone, err);
 }
 
+struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup)
+{
+    return (struct cml_report_asks){setup->options.absorption,
+                                    setup->options.derivatives || setup->options.tail};
+}
+
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              bool extends, struct cml_before *before, struct cml_error *err)
 {
@@ -113,8 +118,8 @@ static cml_status find_files(const struct cml_options *options, const struct cml
     CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
     if (cml_file_is_device(path)) return CML_OK;
-    return cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, look,
-                                &looking, err);
+    const struct cml_report_asks asks = cml_report_asks_of(setup);
+    return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, look, &looking, err);
 }
 
 /* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result. */

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/options/options.h"
+#include "output/report.h"
 #include "run/run.h"
 
 struct cml_before {
@@ -21,6 +22,9 @@ void cml_before_clear(struct cml_before *before);
  * replaced, beams without photons. */
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before);
+
+/* What the options of a run ask of its files. */
+struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup);
 
 /* Whether there is a checkpoint, or the one before it. */
 bool cml_has_checkpoint(const char *path);

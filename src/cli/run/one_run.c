@@ -7,7 +7,6 @@
 #include "cli/run/aim.h"
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
-#include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/cluster.h"
 #include "run/identity.h"
@@ -106,10 +105,6 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
-    if (cml_report_wants_fields(scene) && !cml_hdf5_available())
-        printf("  no .h5 file: this program was built without HDF5\n");
-    if (scene->saved.limit && !cml_hdf5_available())
-        printf("  no file of saved photons: this program was built without HDF5\n");
     if (setup->part.count > 0)
         printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
     const struct cml_options all = all_photons(options, setup);
@@ -141,8 +136,8 @@ static cml_status say_finished(const struct cml_run_call *call, const struct cml
     CML_FREED char *path = NULL;
     CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
     printf("  finished before: nothing was written, its results stand\n");
-    return cml_report_each_file(setup->scene, setup->surfaces, setup->options.absorption, path, print_path,
-                                NULL, err);
+    const struct cml_report_asks asks = cml_report_asks_of(setup);
+    return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, print_path, NULL, err);
 }
 
 static bool may_aim(const struct cml_run_setup *setup)
@@ -170,6 +165,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         .timing = &run->timing,
         .provenance = setup->provenance,
         .row = call->row,
+        .classic = options->classic,
         .tail = setup->options.tail,
         .flat_below = may_aim(setup) ? cml_aim_proposal(setup->scene, setup->surfaces, &run->result) : NAN,
         .command = options->command};

@@ -84,11 +84,12 @@ static cml_status add_file(void *context, const struct cml_report_file *file, st
 }
 
 /* Results of one run, whether every one of them is written in the end or not. */
-static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *scene, const char *path,
-                          int run, struct cml_error *err)
+static cml_status add_run(struct cml_outputs *outputs, const struct cml_options *options,
+                          const struct cml_scene *scene, const char *path, int run, struct cml_error *err)
 {
+    const struct cml_report_asks asks = {true, options->engine_options.derivatives || options->aim};
     struct adding adding = {outputs, run, CML_OUTPUT_MAIN};
-    return cml_report_each_file(scene, NULL, true, path, add_file, &adding, err);
+    return cml_report_each_file(scene, NULL, &asks, path, add_file, &adding, err);
 }
 
 static cml_status add_checkpoint(const struct cml_options *options, struct cml_outputs *outputs,
@@ -129,12 +130,33 @@ static cml_status check_writable(const char *path, const char *suffix, struct cm
     return CML_OK;
 }
 
-static cml_status check_format(const struct cml_scene *scene, struct cml_error *err)
+/* Without HDF5: refuses what only an .h5 file could hold. */
+static cml_status check_format(const struct cml_options *options, const struct cml_scene *scene,
+                               struct cml_error *err)
 {
-    if (scene->format == 'B' && !cml_hdf5_available())
+    const struct {
+        const char *field;
+        int line;
+    } asked[] = {{"map", scene->map.nx > 0 ? scene->map.line : 0},
+                 {"facets", scene->facets},
+                 {"time", scene->time.line},
+                 {"directions", scene->directions.line},
+                 {"fluence", scene->fluence.line},
+                 {"detector", scene->num_detectors > 0 ? scene->detectors[0].line : 0},
+                 {"photons", scene->saved.line},
+                 {"backing", scene->backing.line},
+                 {"i", scene->num_bodies > 0 ? scene->bodies[0].line : 0}};
+    static const char none[] = "no such line: this program was built without HDF5",
+                      no_option[] = "run: --%s (expected none: this program was built without HDF5)";
+    if (cml_hdf5_available()) return CML_OK;
+    if (scene->format == 'B')
         return cml_fail_field(err, scene->file, scene->line, "format", "B",
                               "A: this program was built without HDF5");
-    return CML_OK;
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++)
+        if (asked[i].line > 0)
+            return cml_fail_field(err, scene->file, asked[i].line, "line", asked[i].field, none);
+    if (options->engine_options.derivatives) return cml_fail(err, CML_E_INPUT, no_option, "derivatives");
+    return options->aim ? cml_fail(err, CML_E_INPUT, no_option, "aim") : CML_OK;
 }
 
 /* The main file, and of the run's files, from number `first` on, the one with the longest name. Only these:
@@ -376,10 +398,10 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
     CML_FREED char *path = NULL;
     const size_t before = outputs->count;
     CML_TRY(check_name(scene, err));
-    CML_TRY(check_format(scene, err));
+    CML_TRY(check_format(options, scene, err));
     CML_TRY(cml_output_path(options, scene->output, &path, err));
     const bool device = cml_file_is_device(path);
-    CML_TRY(device ? CML_OK : add_run(outputs, scene, path, run, err));
+    CML_TRY(device ? CML_OK : add_run(outputs, options, scene, path, run, err));
     CML_TRY(check_places(outputs, before, err));
     CML_TRY(check_files(scene, path, outputs, before, err));
     return device ? CML_OK : add_checkpoint(options, outputs, path, run, err);

@@ -1,4 +1,5 @@
-"""Reads `.mco` files, this program's and those of original MCML.
+"""Reads `.mco` files, this program's and those of original MCML. A file of this program has MCML's arrays with their errors, and the
+weight balance; all else that its run has found is read from the `.h5` file beside it.
 
 SPDX-License-Identifier: MIT
 """
@@ -6,8 +7,10 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import math
+import os
 import re
 import sys
+import warnings
 from typing import Any, Iterator, NamedTuple
 
 import numpy as np
@@ -19,6 +22,7 @@ TOTALS = ("Rsp", "Rd", "A", "Tt")
 WHOLE = ("A_l", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a", "A_rz", "Rd_ra", "Tt_ra")  # what every file has behind its totals
 NUMERAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 END = "   Last line: # end"  # says, behind the time, that the file ends so; those of original MCML and of older versions do not
+BESIDE = "\n# more of this run stands in the .h5 file beside this one"
 BOOKS = {
     "launched": "launched", "gained": "gained in roulette", "specular": "specular (Rsp)", "reflected": "reflected (Rd)",
     "transmitted": "transmitted (Tt)", "absorbed": "absorbed (A)", "roulette": "lost in roulette", "trapped": "trapped", "lost": "lost",
@@ -33,44 +37,14 @@ QUANTITIES = {
     "A": ((), "1", "absorbed fraction"),
     "Tt": ((), "1", "transmittance"),
     "A_l": (("layer",), "1", "absorption by layer"),
-    "A_backing": ((), "1", "kept by the backing"),
-    "Tt_expected": ((), "1", "transmittance, by what flat layers let through"),
-    "A_l_expected": (("layer",), "1", "absorption by layer, by what flat layers absorb; above them as counted"),
-    "A_body": (("body",), "1", "absorption by body"),
-    "flux_body": (("body", "side"), "1", "weight at each body's surface: arrives outside, inside, leaves outside, inside"),
     "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
     "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
     "Rd_a": (("alpha",), "sr-1", "diffuse reflectance by angle"),
     "Tt_r": (("r",), "1/cm2", "transmittance by radius; the last bin holds what lies beyond"),
     "Tt_a": (("alpha",), "sr-1", "transmittance by angle"),
     "A_rz": (("r", "z"), "1/cm3", "absorption by radius and depth"),
-    "phi_z": (("z",), "1", "fluence by depth, over all radii"),
-    "phi_rz": (("r", "z"), "1/cm2", "fluence by radius and depth"),
     "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
     "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
-}
-for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("A", "absorption")):
-    QUANTITIES[_name + "_t"] = (("gate",), "1/ps", _meaning + " by time")
-    QUANTITIES[_name + "_t_later"] = ((), "1", _meaning + " later than all gates")
-for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("Rsp", "specular reflectance")):
-    QUANTITIES[_name + "_dir"] = (("theta", "phi"), "1/sr", _meaning + " by direction")
-for _by in ("mua", "mus"):
-    for _name in ("Rd", "A", "Tt", "A_backing", "A_l", "A_body", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
-        QUANTITIES[f"d{_name}_d{_by}"] = ((*QUANTITIES[_name][0], "inside"), {"1/cm2": "1/cm", "sr-1": "cm/sr"}.get(QUANTITIES[_name][1], "cm"),
-                                          f"derivative of {_name} by {_by}")
-# a section of one number: its name, what it is, its unit
-NUMBER = re.compile(r"^([A-Za-z]\w*) # (.+) \[([^]]+)\]\n *\S+\n(?=\n|\Z)", re.MULTILINE)
-MAY_BE_NONE = ("_path", "_interactions", "_deepest")  # nan, where a detector saw nothing
-# of every detector, behind detector_NAME
-OF_DETECTORS = {
-    "": ((), "1", "detected"),
-    "_t": (("gate",), "1/ps", "detected by time"),
-    "_t_later": ((), "1", "detected later than all gates"),
-    "_path": (("medium",), "cm", "mean path of detected light by medium"),
-    "_interactions": (("medium",), "1", "mean interactions of detected light by medium"),
-    "_deepest": ((), "cm", "mean largest depth of detected light"),
-    "_dmua": (("inside",), "cm", "derivative of detected by mua"),
-    "_dmus": (("inside",), "cm", "derivative of detected by mus"),
 }
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
@@ -87,13 +61,6 @@ AXES = {
     "z": ("cm", "depth, middle of the bin"),
     "alpha": ("rad", "angle from the outward vertical, middle of the bin"),
     "layer": ("1", "layer, from 1"),
-    "body": ("1", "body, from 1, in the order of the file"),
-    "medium": ("1", "medium: 0 above, layers from 1, below, then bodies"),
-    "inside": ("1", "medium inside: layers from 1, then bodies"),
-    "side": ("1", "arrives outside, inside, leaves outside, inside"),
-    "gate": ("ps", "time, middle of the gate"),
-    "theta": ("rad", "angle of flight from the outward vertical, middle of the bin"),
-    "phi": ("rad", "azimuth of flight, from x towards y, middle of the bin"),
 }
 
 
@@ -179,14 +146,6 @@ class _File:
             raise self.wrong(key, count, f"the end of {count} number{'s' * (count > 1)}")
         return values
 
-    def bins(self, key: str, expected: str, *ranges: tuple[float, float]) -> list[float]:
-        """The numbers of a section of sizes. Those whose least is 1 are whole."""
-        found: list[float] = self.numbers(key, len(ranges)).tolist()
-        for i, (value, (least, most)) in enumerate(zip(found, ranges)):
-            if not least <= value <= most or least == 1 and value % 1:
-                raise self.wrong(key, i, expected)
-        return found
-
 
 def _middles(bins: int, width: float) -> Any:
     return (np.arange(bins) + 0.5) * width
@@ -208,7 +167,7 @@ def _grid(file: _File) -> tuple[dict[str, Any], list[list[float]], float, float]
 
 
 def _provenance(text: str) -> dict[str, Any]:
-    """What the lines of comment behind the arrays say; empty for a file of original MCML. Merged results have several seeds."""
+    """What the first lines of comment behind the arrays say; empty for a file of original MCML. Merged results have several seeds."""
     version = re.search(r"^# clustermcml (.*)", text, re.MULTILINE)
     if not version:
         return {}
@@ -219,56 +178,52 @@ def _provenance(text: str) -> dict[str, Any]:
     merged = re.findall(r"^# (merged .*\n)", text, re.MULTILINE)
     if merged:
         known["merged"] = "".join(merged)
-    known["boundaries"] = "\n".join(re.findall(r"^# (boundary \d+: .*)$", text, re.MULTILINE))
-    phases = re.findall(r"^# (phase of .*|backing: .*)$", text, re.MULTILINE)
-    if phases:
-        known["phases"] = "\n".join(phases)
-    detectors = re.findall(r"^# (detector \w+: .*)$", text, re.MULTILINE)
-    if detectors:
-        known["detectors"] = "\n".join(detectors)
     sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)
     if sampling:
         known["sampling"] = sampling[1]
     return known
 
 
-def _known(text: str) -> dict[str, Any]:
-    """All quantities that the file may have, those of its detectors too, and numbers that only the file's own comments know."""
-    names = re.findall(r"^# detector (\w+): ", text, re.MULTILINE)
-    known = {**QUANTITIES, **{f"detector_{name}{ending}": what for name in names for ending, what in OF_DETECTORS.items()}}
-    numbers = {name: ((), {"-": "1"}.get(unit, unit), meaning) for name, meaning, unit in NUMBER.findall(text)}
-    return {**known, **{name: what for name, what in numbers.items() if name not in known}}
-
-
-def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], values: Any) -> Field:
+def _variable(name: str, axes: dict[str, Any], values: Any) -> Field:
     """A quantity or, as NAME_se, its standard error."""
-    dims, unit, meaning = known[name.removesuffix("_se")]
+    dims, unit, meaning = QUANTITIES[name.removesuffix("_se")]
     long_name = "standard error" if name.endswith("_se") else meaning
     return Field(np.reshape(values, [axes[dim].size for dim in dims]), dims, {"units": unit, "long_name": long_name})
 
 
-def _numbers(file: _File, known: dict[str, Any], axes: dict[str, Any]) -> dict[str, Field]:
+def _numbers(file: _File, axes: dict[str, Any]) -> dict[str, Field]:
     """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
     def of(name: str, key: str) -> Any:
-        none = key != name or name.endswith(MAY_BE_NONE) or not (name in QUANTITIES or name.startswith("detector_"))
-        return file.numbers(key, math.prod(axes[dim].size for dim in known[name][0]), none)
+        return file.numbers(key, math.prod(axes[dim].size for dim in QUANTITIES[name][0]), key != name)
     sections = file.sections
     several = {"RAT": TOTALS, "se_RAT": [name + "_se" for name in TOTALS], "books": ["book_" + name for name in BOOKS], "lost": ["lost"]}
-    whole = {*WHOLE, *(name for name, (dims, *_) in known.items() if dims[:1] in (("gate",), ("theta",)) and dims[0] in axes)}  # these with errors
-    if "A_t" not in sections and "se_A_z" not in sections:  # --ignore-absorption
-        whole.discard("A_t")
     numbers = dict(zip(TOTALS, file.numbers("RAT", len(TOTALS))))
-    numbers.update({name: of(name, name) for name in known if name in whole or name in sections and name not in several and name not in TOTALS})
-    errors_of = [key[3:] for key in sections if key.startswith("se_") and key[3:] in known]
-    numbers.update({name + "_se": of(name, "se_" + name) for name in {*errors_of, *whole.difference(WHOLE)}})
+    numbers.update({name: of(name, name) for name in WHOLE})
+    numbers.update({name + "_se": of(name, "se_" + name) for name in WHOLE if "se_" + name in sections})
+    if "residue" in sections:
+        numbers["residue"] = of("residue", "residue")
     for key, names in several.items():
         if key in sections:
             numbers.update(zip(names, file.numbers(key, len(names), key == "se_RAT", key == "lost")))
-    variables = {name: _variable(name, known, axes, values) for name, values in numbers.items()}
+    variables = {name: _variable(name, axes, values) for name, values in numbers.items()}
     for name, variable in variables.items():
         if name + "_se" in variables:
             variable.attrs["ancillary_variables"] = name + "_se"
     return variables
+
+
+def _with_fields(path: str, text: str, own: Fields) -> Fields:
+    """The result with what only the .h5 file beside it has, if that is of the same run; else the attribute `lacks` names that file."""
+    if BESIDE not in text:
+        return own
+    from .h5 import read_h5
+    name = re.sub(r"\.mco$", "", path, flags=re.IGNORECASE) + ".h5"
+    identity = re.search(r" Identity: (\w+)", text[:1000])
+    more = read_h5(name) if identity and os.path.isfile(name) else None
+    if more is None or identity is None or more.attrs.get("identity") != identity[1]:
+        warnings.warn(f"{path}: {name} is missing or of another run: only what original MCML's file holds was read", stacklevel=4)
+        return Fields(own.held, {**own.attrs, "lacks": name})
+    return Fields({**own.held, **{key: one for key, one in more.held.items() if key not in own}}, {**more.attrs, **own.attrs})
 
 
 def read_mco(path: str) -> Fields:
@@ -285,39 +240,22 @@ def read_mco(path: str) -> Fields:
             raise errors.InputError(f"{path}: last line is missing (expected # end; the file is cut off)")
         if END in text[:1000] and behind.strip(" \t\n"):
             raise errors.InputError(f"{path}: text behind # end (expected one result)")
-        return _dataset(text, _File(path, text))
+        own = _dataset(text, _File(path, text))
     except errors.InputError:
         raise
     except Exception as error:  # whatever Python and its libraries say of words that are not what they should be
         raise errors.unreadable(path, "a whole .mco file", error) from error
+    return _with_fields(path, text, own)
 
 
 def _dataset(text: str, file: _File) -> Fields:
-    sections = file.sections
     _, (title,) = next(file.parameters, (0, [""]))
     (photons,) = file.fields(photons=PHOTONS)
     axes, media, above, below = _grid(file)
-    if "A_body" in sections:
-        axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
-        axes["side"] = np.arange(1.0, 5)
-    if "dRd_dmua" in sections:
-        axes["inside"] = np.arange(1.0, len(sections["dRd_dmua"]) + 1)
-    if "time" in sections:
-        end, gates = file.bins("time", "T1 up to 1e12, and 1 to 100000 gates", (math.ulp(0.0), 1e12), (1, 1e5))
-        axes["gate"] = _middles(int(gates), end / gates)
-    if "directions" in sections:
-        nt, np_ = map(int, file.bins("directions", "a whole number from 1 to 3600", (1, 3600), (1, 3600)))
-        axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
-    if re.search(r"^# detector ", text, re.MULTILINE):
-        axes["medium"] = np.arange(len(media) + 2.0 + len(re.findall(r"^# body \d+: ", text, re.MULTILINE)))
-    data = _numbers(file, _known(text), axes)  # a Dataset last: each variable that is added to one copies it
-    bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
+    data = _numbers(file, axes)  # a Dataset last: each variable that is added to one copies it
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
         data["layer_" + name] = Field(column, ("layer",), {"units": unit, "long_name": meaning})
-        if bodies and name != "d":
-            column = [float(body[index]) for body in bodies]
-            data["body_" + name] = Field(column, ("body",), {"units": unit, "long_name": meaning})
     for name, (unit, meaning) in ((name, AXES[name]) for name in axes):
         data[name] = Field(axes[name], (name,), {"units": unit, "long_name": meaning})
     return Fields(data, {"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})

@@ -49,7 +49,8 @@ def _spread_over_mua(result: Fields, name: str) -> Field:
     edges = np.concatenate(([0.0], np.cumsum(result["layer_d"].values)))
     low, high = z - z[0], z + z[0]
     mua = layers[np.clip(np.searchsorted(edges, z, side="right") - 1, 0, layers.size - 1)]
-    shapes = [(float(a), float(b)) for a, b in re.findall(r"\(z = (\S+) to (\S+) cm", str(result.attrs.get("boundaries", "")))]
+    shapes = [(float(a), float(b)) for of in ("boundary", "body") if f"{of}_z_min" in result
+              for a, b in zip(result[f"{of}_z_min"].values, result[f"{of}_z_max"].values) if a < b]
     mixed = low > edges[-1]
     for top, bottom in [(edge, edge) for edge in edges[1:-1]] + shapes:
         mixed |= (low < bottom - 1e-9) & (high > top + 1e-9)
@@ -67,6 +68,8 @@ class Result:
         """The array and its errors."""
         if name in ("fluence", "fluence_rz"):
             of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
+            if "lacks" in self.data.attrs:
+                raise errors.InputError(f"{self.data.attrs['lacks']}: missing or of another run (expected the extents of shapes, for a fluence)")
             if of not in self.data or not (self.data["layer_mua"].values > 0).any():
                 raise errors.InputError(f"{self.path}: mua = 0 in all layers (expected a layer that absorbs, for a fluence)")
             known = _spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None
@@ -95,18 +98,9 @@ class Result:
         return array, known
 
     def heights(self) -> list[tuple[Any, Any]]:
-        """Radial heightfields: r and h, cm. An .mco has sections of them, an .h5 the lines of its scene."""
-        if self.path.lower().endswith(".h5"):
-            found = []
-            for count, words in re.findall(r"^(?:#@ )?b\s+(\d+)\s+([^#\n]*)", str(self.data.attrs.get("input", "")), re.MULTILINE):
-                with contextlib.suppress(ValueError):
-                    numbers = np.array([float(word) for word in words.split()[:2 * int(count)]])
-                    found.append((np.concatenate(([0.0], np.cumsum(numbers[1::2])))[:int(count)], numbers[::2]))
-            return found
-        with open(self.path, encoding="utf-8", errors="replace") as file:
-            sections = re.findall(r"^heightfield\d+ #.*\n((?:[-+0-9.eE]+\n)+)", file.read(), re.MULTILINE)
-        pairs = [np.array(section.split(), dtype=float) for section in sections]
-        return [(pair[0::2], pair[1::2]) for pair in pairs if pair.size >= 2]
+        """Radial heightfields: r and h, cm."""
+        found = [self.data[name] for name in self.data.names() if re.fullmatch(r"boundary\d+_height", name)]
+        return [(array.axes[array.dims[0]].values, array.values) for array in found]
 
 
 def _label(array: Field, name: str = "") -> str:

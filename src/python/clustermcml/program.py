@@ -64,7 +64,7 @@ def main() -> NoReturn:
 
 
 NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned", "verbose": "results are returned",
-                "output": "results are returned", "sweep": "clustermcml.sweep flies sweeps", "help": "clustermcml help run prints it",
+                "output": "results are returned", "classic": "results are returned", "sweep": "clustermcml.sweep flies sweeps", "help": "clustermcml help run prints it",
                 "part": "a part of a run has no result; clustermcml run flies it, merge joins all", "version": "results have it as an attribute"}
 
 

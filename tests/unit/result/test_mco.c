@@ -30,11 +30,7 @@ static const char ours[] =
     "from "
     "beyond it\n0 # absorbed below the last z bin\n0 # absorbed above z = 0\n"
     "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n-3\n"
-    "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n2\n17\n99\n"
-    "\nA_body # absorption in each body, in the order of the .mci [-]\n0.125\n"
-    "\nflux_body # weight at each body's surface: arrives outside, inside, leaves outside, inside [-]\n"
-    "0.5\n0.25\n0.375\n0.25\n"
-    "\nheightfield1 # r [cm] and h [cm] of boundary 1: r h pairs\n0\n0.01\n0.05\n-0.02\n";
+    "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n2\n17\n99\n";
 
 static void fill(double *values, const double *source, size_t count)
 {
@@ -354,9 +350,6 @@ static void what_is_ours_is_read(void **state)
     assert_true(o.value[CML_QUANTITY_book_overflow_r][0] == 0.03125 &&
                 o.value[CML_QUANTITY_residue][0] == -3);
     assert_true(o.lost.count == 2 && o.lost.index[1] == 99 && o.value[CML_QUANTITY_lost][0] == 2);
-    assert_true(o.num_bodies == 1 && o.value[CML_QUANTITY_flux_body][2] == 0.375);
-    const struct cml_heights *heights = cml_outcome_heights(&o, 1);
-    assert_true(heights && heights->n == 2 && heights->pair[3] == -0.02 && !cml_outcome_heights(&o, 0));
     assert_null(o.damage);
     cml_outcome_clear(&o);
 }
@@ -398,15 +391,6 @@ static void sections_that_are_not_whole(void **state)
         assert_true(!o.error[CML_QUANTITY_Rd_r] && !o.value[CML_QUANTITY_book_launched]);
         cml_outcome_clear(&o);
     }
-}
-
-/* Only a damaged file has heights that no scene can have. */
-static void heights_end_with_the_first_that_is_none(void **state)
-{
-    struct cml_outcome o;
-    read_with(state, "\nheightfield0 # x\n0\n0\n0.1\n0.4\n0.2\n1e308\n\nheightfield2 # x\n0\n1e308\n", &o);
-    assert_true(cml_outcome_heights(&o, 0)->n == 2 && cml_outcome_heights(&o, 2)->n == 0);
-    cml_outcome_clear(&o);
 }
 
 /* Of one packet there is none. */
@@ -488,7 +472,6 @@ int main(void)
         cmocka_unit_test(sections_that_are_none),
         cmocka_unit_test(sections_that_are_not_whole),
         cmocka_unit_test(an_error_may_be_no_number),
-        cmocka_unit_test(heights_end_with_the_first_that_is_none),
         cmocka_unit_test(what_cannot_be_written_is_named),
         cmocka_unit_test(a_read_only_directory_is_reported),
         cmocka_unit_test(arrays_are_zero_or_refused),

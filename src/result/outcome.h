@@ -1,4 +1,4 @@
-/* What a run has found: the structure that readers fill and writers write.
+/* What a run has found: the structure that writers write.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -41,8 +41,6 @@ struct cml_outcome {
     char *settings, *beam, *phases, *detectors, *shapes, *scene;
     int num_heights;
     struct cml_heights *heights;
-    char *damage; /* what is wrong with a section of ours, the first of them, for who insists on them; NULL:
-                     nothing */
 };
 
 /* Bins along an axis of a quantity. */
@@ -60,17 +58,6 @@ size_t cml_outcome_part_size(const struct cml_outcome *outcome, enum cml_quantit
 #define CML_OUTCOME_KEY 64
 void cml_outcome_key(const struct cml_outcome *outcome, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY]);
-
-/* The detector of this name; -1: there is none. */
-int cml_outcome_find_detector(const struct cml_outcome *outcome, const char *name, size_t length);
-
-/* What a key is of; false: of nothing. */
-bool cml_outcome_find(const struct cml_outcome *outcome, const char *key, enum cml_quantity *quantity,
-                      int *part);
-
-/* Whether a name is that of a mean of some detector, by its ending, or of a derivative: numbers of it may be
- * NaN. */
-bool cml_outcome_may_be_none(const char *key);
 
 /* Names and number of detectors, of their words: a line "detector NAME: ..." each. */
 CML_NODISCARD cml_status cml_outcome_name_detectors(struct cml_outcome *outcome, struct cml_error *err);
@@ -102,20 +89,3 @@ CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const str
 /* Room for n pairs of r and h, for the caller to fill in. */
 CML_NODISCARD cml_status cml_outcome_add_heights(struct cml_outcome *outcome, int boundary, int n,
                                                  double **pair, struct cml_error *err);
-
-/* The shape of a boundary; NULL: none, or it is not known. */
-const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome, int boundary);
-
-/* Numbers that are there of any result of these sizes: as a double, since those of a file may overflow any
- * integer. */
-double cml_outcome_numbers(const struct cml_outcome *outcome);
-
-/* The largest number of a result: squares of larger ones would overflow. */
-#define CML_OUTCOME_MOST 1e100
-
-/* CML_E_INPUT: a number that no run writes: larger, below 0 where nothing is, or none where one is known. */
-CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file,
-                                           struct cml_error *err);
-
-/* Makes `num_bodies` of `shapes`, for readers. */
-void cml_outcome_count_bodies(struct cml_outcome *outcome);

@@ -44,7 +44,7 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
 {
     bash tests/fuzz/run.sh runs=8000 fly
     bash tests/fuzz/run.sh runs=100000 mci obj heightmap options checkpoint sweep
-    bash tests/fuzz/run.sh runs=2500 mco h5
+    bash tests/fuzz/run.sh runs=2500 mco
 } &
 fuzzers=$!
 now "sanitized samples and fuzzers"

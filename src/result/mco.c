@@ -11,6 +11,8 @@
 
 /* ---- what is MCML's ---- */
 
+enum { PER_LINE = 5 }; /* numbers on a full line of a grid */
+
 /* The comment lines before a grid, as MCML 1.2.2 prints them. */
 #define GRID_COMMENT(q, what, last)                                                                          \
     "# " q what "\n# " q "[0][0], [0][1],..[0][" last "-1]\n# " q "[1][0], [1][1],..[1][" last               \
@@ -47,7 +49,7 @@ static void write_head(FILE *out, const struct cml_outcome *o)
     fprintf(out, "# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.", seconds,
             seconds / 3600);
     if (o->program) fputs("  " CML_MCO_HAS_END, out);
-    if (o->identity[0]) fprintf(out, "   Identity: %s", o->identity);
+    if (o->identity[0]) fprintf(out, "  " CML_MCO_IDENTITY "%s", o->identity);
     fputs("\n\n", out);
 }
 
@@ -89,20 +91,26 @@ static void write_number(FILE *out, double value)
         fprintf(out, "%12.4E", value);
 }
 
+/* Columns of a grid; 0 for a profile. */
+static int columns_of(const struct cml_outcome *o, const struct cml_mco_section *section)
+{
+    return cml_outcome_bins(o, cml_quantities[section->quantity].axis[1]);
+}
+
 /* The line ends of a grid are counted over the whole block: a count that fills its last line leaves an empty
  * line behind the block, any other does not. */
 static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     const double *values = o->value[section->quantity];
     const size_t cells = cml_outcome_size(o, section->quantity);
-    const bool grid = cml_mco_columns(o, section) > 0;
+    const bool grid = columns_of(o, section) > 0;
     fprintf(out, "%s%s%s\n", section->before, cml_quantities[section->quantity].name, section->after);
     for (size_t i = 0; i < cells; i++) {
         if (section->quantity == CML_QUANTITY_A_l)
             fprintf(out, "%12.4G", values[i]);
         else
             write_number(out, values[i]);
-        fputs(!grid ? "\n" : (i + 1) % CML_MCO_PER_LINE == 0 ? " \n" : " ", out);
+        fputs(!grid ? "\n" : (i + 1) % PER_LINE == 0 ? " \n" : " ", out);
     }
     fputc('\n', out);
 }

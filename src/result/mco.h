@@ -1,4 +1,4 @@
-/* Original MCML's result file: the writer and the reader.
+/* Original MCML's result file: the writer.
  * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes. Lines that begin with '#' follow (the
  * program, what decided the bits, the scene in words), then sections whose keywords no section of MCML begins
  * with: the standard errors of MCML's numbers, `lattice`, `books`, `residue` and `lost`. All other results of
@@ -13,10 +13,3 @@
  * the machine. */
 CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_outcome *outcome,
                                        struct cml_error *err);
-
-/* Reads a file written by us, by original MCML 1.x, by MSVC builds of it (3-digit exponents), by gpumcml,
- * CUDAMCML or the 2019 clustermcml (`InParam` with a verbatim copy of the .mci, b lines included).
- * CML_E_INPUT names file, line and what was expected. On failure *outcome is cleared. Sections of ours that
- * are not whole are left out, and the first of them is told in `damage`. Writing what was read from our own
- * file gives the same bytes. */
-CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_outcome *outcome, struct cml_error *err);

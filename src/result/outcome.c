@@ -93,50 +93,6 @@ void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, in
         snprintf(key, CML_OUTCOME_KEY, "%s", cml_quantities[quantity].name);
 }
 
-int cml_outcome_find_detector(const struct cml_outcome *o, const char *name, size_t length)
-{
-    for (int k = 0; k < o->num_detectors; k++)
-        if (strlen(o->detector[k]) == length && memcmp(o->detector[k], name, length) == 0) return k;
-    return -1;
-}
-
-/* Endings are tried on every name, which has none of them itself. */
-bool cml_outcome_find(const struct cml_outcome *o, const char *key, enum cml_quantity *quantity, int *part)
-{
-    const char before[] = "detector_";
-    const size_t skip = sizeof before - 1, size = strlen(key);
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        *quantity = (enum cml_quantity)i;
-        *part = 0;
-        if (!cml_quantity_is_of_detector(*quantity)) {
-            if (strcmp(key, cml_quantities[i].name) == 0) return true;
-            continue;
-        }
-        const size_t end = strlen(ending_of(*quantity));
-        if (size < skip + end || strncmp(key, before, skip) != 0 ||
-            strcmp(key + size - end, ending_of(*quantity)) != 0)
-            continue;
-        *part = cml_outcome_find_detector(o, key + skip, size - skip - end);
-        if (*part >= 0) return true;
-    }
-    return false;
-}
-
-bool cml_outcome_may_be_none(const char *key)
-{
-    const size_t size = strlen(key);
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        const enum cml_quantity quantity = (enum cml_quantity)i;
-        const bool ends = cml_quantity_is_of_detector(quantity);
-        const char *name = ends ? ending_of(quantity) : cml_quantities[i].name;
-        const size_t end = strlen(name);
-        if (cml_quantity_may_be_none(quantity) && (ends ? size > end : size == end) &&
-            strcmp(key + size - end, name) == 0)
-            return true;
-    }
-    return false;
-}
-
 /* ---- memory ---- */
 
 cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
@@ -165,7 +121,8 @@ static void free_arrays(struct cml_outcome *o)
     }
 }
 
-double cml_outcome_numbers(const struct cml_outcome *o)
+/* As a double: the product of large sizes may overflow any integer. */
+static double numbers_of(const struct cml_outcome *o)
 {
     const double nz = o->nz, nr = o->nr, na = o->na;
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers;
@@ -173,7 +130,7 @@ double cml_outcome_numbers(const struct cml_outcome *o)
 
 cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 {
-    const double bytes = (double)sizeof(double) * cml_outcome_numbers(o);
+    const double bytes = (double)sizeof(double) * numbers_of(o);
     cml_status status = bytes < (double)PTRDIFF_MAX ? CML_OK : cml_fail_memory(err, bytes, "the results");
     for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++)
         if (is_of_mcml((enum cml_quantity)i)) status = cml_outcome_add(o, (enum cml_quantity)i, false, err);
@@ -187,8 +144,8 @@ void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output,    o->program, o->settings, o->beam,     o->phases,
-                           o->detectors, o->shapes,  o->scene,    o->detector, o->damage};
+    void *const owned[] = {o->output,    o->program, o->settings, o->beam,    o->phases,
+                           o->detectors, o->shapes,  o->scene,    o->detector};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -340,50 +297,5 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         if (cml_quantities[i].estimator <= CML_FROM_EXPECTED)
             CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     o->lost = sums->summary.lost;
-    return CML_OK;
-}
-
-/* Squares of larger numbers would overflow. place: of the first, among those that have the name together. */
-static cml_status check_numbers(const struct cml_outcome *o, const char *file, const char *name,
-                                const double *numbers, size_t count, size_t place, double least,
-                                struct cml_error *err)
-{
-    const bool errors = strncmp(name, "se_", 3) == 0,
-               unknown = (errors && o->photons == 1) || cml_outcome_may_be_none(errors ? name + 3 : name);
-    const double most = CML_OUTCOME_MOST;
-    for (size_t i = 0; i < count; i++)
-        if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))
-            return cml_fail(err, CML_E_INPUT, "%.200s: %s[%zu] = %g (expected a number from %g to %g)", file,
-                            name, place + i, numbers[i], least, most);
-    return CML_OK;
-}
-
-/* Under the name of the section of an .mco in which it stands. */
-static cml_status check_quantity(const struct cml_outcome *o, const char *file, enum cml_quantity quantity,
-                                 bool errors, struct cml_error *err)
-{
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const double *numbers = (errors ? o->error : o->value)[quantity];
-    const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
-    const bool negative =
-        info->estimator == CML_FROM_RESIDUE ||
-        (!errors && (cml_quantity_is_derivative(quantity) || quantity == CML_QUANTITY_detector_deepest));
-    char name[64];
-    if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
-    snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);
-    return check_numbers(o, file, name, numbers, cml_outcome_size(o, quantity),
-                         total  ? quantity
-                         : book ? (size_t)(quantity - CML_QUANTITY_book_launched)
-                                : 0,
-                         negative ? -CML_OUTCOME_MOST : 0, err);
-}
-
-cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file, struct cml_error *err)
-{
-    CML_TRY(check_numbers(outcome, file, "user time", &outcome->user_time, 1, 0, 0, err));
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        CML_TRY(check_quantity(outcome, file, (enum cml_quantity)i, false, err));
-        CML_TRY(check_quantity(outcome, file, (enum cml_quantity)i, true, err));
-    }
     return CML_OK;
 }

@@ -1,4 +1,4 @@
-/* What a run has found: the structure that readers fill and writers write.
+/* What a run has found: the structure that writers write.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -34,9 +34,7 @@ struct cml_outcome {
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
     char *settings, *beam, *phases, *detectors, *shapes, *scene;
-    bool beside;  /* the run has results, or shapes, that only its .h5 file holds */
-    char *damage; /* what is wrong with a section of ours, the first of them, for who insists on them; NULL:
-                     nothing */
+    bool beside; /* the run has results, or shapes, that only its .h5 file holds */
 };
 
 /* Bins along an axis of a quantity. */
@@ -54,17 +52,6 @@ size_t cml_outcome_part_size(const struct cml_outcome *outcome, enum cml_quantit
 #define CML_OUTCOME_KEY 64
 void cml_outcome_key(const struct cml_outcome *outcome, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY]);
-
-/* The detector of this name; -1: there is none. */
-int cml_outcome_find_detector(const struct cml_outcome *outcome, const char *name, size_t length);
-
-/* What a key is of; false: of nothing. */
-bool cml_outcome_find(const struct cml_outcome *outcome, const char *key, enum cml_quantity *quantity,
-                      int *part);
-
-/* Whether a name is that of a mean of some detector, by its ending, or of a derivative: numbers of it may be
- * NaN. */
-bool cml_outcome_may_be_none(const char *key);
 
 /* Width of a bin of a profile, cm, rad or ps; 0 of a total. */
 double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);
@@ -89,14 +76,3 @@ double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int numb
  * The sizes are those of the sums' grid. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
                                           struct cml_error *err);
-
-/* Numbers that are there of any result of these sizes: as a double, since those of a file may overflow any
- * integer. */
-double cml_outcome_numbers(const struct cml_outcome *outcome);
-
-/* The largest number of a result: squares of larger ones would overflow. */
-#define CML_OUTCOME_MOST 1e100
-
-/* CML_E_INPUT: a number that no run writes: larger, below 0 where nothing is, or none where one is known. */
-CML_NODISCARD cml_status cml_outcome_check(const struct cml_outcome *outcome, const char *file,
-                                           struct cml_error *err);

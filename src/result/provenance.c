@@ -2,18 +2,10 @@
 #include "result/provenance.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define ROW(name, value, where, before, zero, other) {#name, where, before, zero, other},
 const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS] = {CML_OPTIONS_OF_BITS(ROW)};
-
-struct cml_provenance cml_provenance_unknown(void)
-{
-    struct cml_provenance provenance = {.engine = ""};
-    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) provenance.value[i] = NAN;
-    return provenance;
-}
 
 static const char *form_of(const struct cml_option_info *info, double value)
 {
@@ -59,24 +51,4 @@ void cml_provenance_print(FILE *out, const struct cml_provenance *provenance)
         print_form(out, form_of(info, value), value);
     }
     fputc('\n', out);
-}
-
-/* The number behind what stands before it; words by themselves, as those that several runs share stand alone.
- */
-void cml_provenance_read(const char *line, struct cml_provenance *provenance)
-{
-    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
-        const struct cml_option_info *info = &cml_options_of_bits[i];
-        if (!info->before) continue;
-        for (int other = 0; other < 2; other++) {
-            const char *form = other ? info->other : info->zero;
-            char start[96];
-            const int words = (int)strcspn(form, "%");
-            const bool number = form[words] != '\0';
-            snprintf(start, sizeof start, "%s%.*s", number ? info->before + strspn(info->before, "\n") : "",
-                     words, form);
-            const char *at = start[0] ? strstr(line, start) : NULL;
-            if (at) provenance->value[i] = number ? strtod(at + strlen(start), NULL) : other;
-        }
-    }
 }

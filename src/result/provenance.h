@@ -54,9 +54,6 @@ struct cml_provenance {
     double value[CML_NUM_OPTIONS_OF_BITS]; /* NAN: not known */
 };
 
-/* Nothing is known. */
-struct cml_provenance cml_provenance_unknown(void);
-
 /* The form of the value in the head of an .mco, where it is a word. */
 const char *cml_option_word(enum cml_option_of_bits option, double value);
 
@@ -66,6 +63,3 @@ void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
 
 /* The lines of the head of an .mco. */
 void cml_provenance_print(FILE *out, const struct cml_provenance *provenance);
-
-/* Takes from a line of such a head, without line feed, what it says. */
-void cml_provenance_read(const char *line, struct cml_provenance *provenance);

@@ -70,12 +70,6 @@ void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of)
     of->errors = errors->name;
 }
 
-bool cml_quantity_is_errors(const char *name)
-{
-    const size_t length = strlen(name);
-    return length > 3 && strcmp(name + length - 3, "_se") == 0;
-}
-
 enum cml_quantity cml_quantity_of_total(int total)
 {
     return total < CML_TOTALS ? (enum cml_quantity)total : CML_QUANTITY_A_backing;

@@ -199,12 +199,6 @@ extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 /* An axis under its name: n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
-/* Whether a quantity is one number. */
-static inline bool cml_quantity_is_total(enum cml_quantity quantity)
-{
-    return quantity <= CML_QUANTITY_Tt || quantity == CML_QUANTITY_A_backing;
-}
-
 static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 {
     return quantity == CML_QUANTITY_phi_z || quantity == CML_QUANTITY_phi_rz;
@@ -214,19 +208,6 @@ static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
-}
-
-static inline bool cml_quantity_is_derivative(enum cml_quantity quantity)
-{
-    const enum cml_estimator estimator = cml_quantities[quantity].estimator;
-    return estimator == CML_FROM_MUA || estimator == CML_FROM_MUS;
-}
-
-/* Mean over what was detected: there is none where that is nothing; or a derivative, which may not be known.
- */
-static inline bool cml_quantity_may_be_none(enum cml_quantity quantity)
-{
-    return cml_quantities[quantity].estimator == CML_FROM_MEANS || cml_quantity_is_derivative(quantity);
 }
 
 /* The quantity that is a total of enum cml_total; the last of them is what a backing keeps. */
@@ -247,6 +228,3 @@ void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity);
 /* Makes `errors` the field of the standard errors of `of`, NAME_se, along the same axes. `of` must stay where
  * it is. */
 void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of);
-
-/* Whether a field of this name holds standard errors. */
-bool cml_quantity_is_errors(const char *name);

@@ -7,7 +7,7 @@ program=$(realpath "$1")
 mkdir -p "$2"
 out=$(realpath "$2")
 cd "$(dirname "$0")/../.."
-for target in mci fly obj heightmap mco options checkpoint h5 sweep; do mkdir -p "$out/$target"; done
+for target in mci fly obj heightmap mco options checkpoint sweep; do mkdir -p "$out/$target"; done
 
 # A scene and the files that it names become one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
 join() {
@@ -97,14 +97,8 @@ printf 'run\nscene.mci\n--photons\n1e7\n--seed=2\n-o\nresults\n' >"$out/options/
 printf 'trace\nscene.mci\n7\n--run\n2\n--engine\nreference\n--boundaries=mesh\n--normals\nfacet\n--rings\narea\n' >"$out/options/trace"
 printf -- '--checkpoint\noff\n--patience\n1e3\n--target-error\n.01\n--tolerance\n1e-3\n--threads\n2\n--device\n0,1\n' >"$out/options/machine"
 
-# Tables of sweeps, and changes of an .h5: one of each kind.
+# Tables of sweeps: one of each kind.
 printf 'layer1.mua, photons\n1, 100\n2e0, 200 # two\n' >"$out/sweep/two"
 printf 'seed,layer2.g,beam.angle,body1.n\r\n9007199254740992,-1,45,1.1\r\n' >"$out/sweep/seed"
 printf 'boundary0.scale,boundary0.height,above.n\n0.5,0.1,1.2\n-1,0,nan\n' >"$out/sweep/shape"
 printf '"nm, ""a"" #",layer1.mua\n"450, x",1 # one\n500,"2"\n' >"$out/sweep/labels"
-printf '\0\0\4\0\1\5' >"$out/h5/photons"
-printf '\0\200\14\11\1\5\1' >"$out/h5/units"
-printf '\1\24\0\2\0\0\1\3\1' >"$out/h5/array"
-printf '\1\1\0\2\13\13\1\0' >"$out/h5/product"
-printf '\2\21\20\2\2\1\3\1' >"$out/h5/link"
-printf '\3\21\6\4\21\0\4abcd' >"$out/h5/chunk"

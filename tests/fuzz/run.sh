@@ -11,7 +11,7 @@ build=$root/build-asan
 usage="usage: tests/fuzz/run.sh SECONDS|TIME{s,m,h}|runs=N [TARGET ...]"
 limit=${1:?$usage}
 shift
-all="mci fly obj heightmap mco options checkpoint h5 sweep"
+all="mci fly obj heightmap mco options checkpoint sweep"
 targets=${*:-$all}
 case $limit in
     runs=*) limit=-$limit ;;

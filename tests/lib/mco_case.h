@@ -3,7 +3,6 @@
 #pragma once
 
 #include "lib/case_files.h"
-#include "result/mco.h"
 
 #define CASE_HEAD                                                                                            \
     "A1 \t# Version number of the file format.\n\n####\n# Data categories include: \n# InParm, RAT, \n"      \
@@ -91,36 +90,6 @@ static const char case_full[] =
               "  6.0000E-02   7.0000E-02   8.0000E-02   9.0000E-02   9.9000E-02 \n\n" CASE_TT_RA
               "  1.0000E-03   2.0000E-03   3.0000E-03   4.0000E-03   5.0000E-03 \n"
               "  6.0000E-03   7.0000E-03   8.0000E-03   9.0000E-03   9.9000E-03 \n\n";
-
-/* Reads the bytes as x.mco. The caller clears *mco when the status is CML_OK. */
-static inline cml_status case_read(void **state, const char *text, size_t size, struct cml_outcome *mco,
-                                   struct cml_error *err)
-{
-    char path[256];
-    case_path(state, "x.mco", path);
-    case_write_bytes(state, "x.mco", text, size);
-    *err = (struct cml_error){0};
-    const cml_status status = cml_mco_read(path, mco, err);
-    case_remove(state, "x.mco");
-    case_normalise(state, err->text);
-    return status;
-}
-
-/* What is read from `text` is written as `expected`. */
-static inline void case_assert_rewritten(void **state, const char *text, const char *expected)
-{
-    char path[256];
-    struct cml_outcome mco;
-    struct cml_error err;
-    const cml_status status = case_read(state, text, strlen(text), &mco, &err);
-    assert_string_equal(err.text, "");
-    assert_int_equal(status, CML_OK);
-    case_path(state, "y.mco", path);
-    assert_int_equal(cml_mco_write(path, &mco, &err), CML_OK);
-    cml_outcome_clear(&mco);
-    case_assert_holds(state, "y.mco", expected);
-    case_remove(state, "y.mco");
-}
 
 /* A copy of `text` with every occurrence of `from` replaced; it must occur. The caller frees it. */
 static inline char *case_replace(const char *text, const char *from, const char *to)

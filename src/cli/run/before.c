@@ -5,7 +5,9 @@
 #include "base/text.h"
 #include "cli/load/scenes.h"
 #include "output/files/vtk.h"
+#include "output/report.h"
 #include "result/h5.h"
+#include "result/head.h"
 #include "run/identity.h"
 #include "tally/deal.h"
 
@@ -32,13 +34,8 @@ cml_status cml_keep(const char *path, struct cml_error *err)
 
 static uint64_t photons_of(const char *path)
 {
-    struct cml_outcome found;
-    struct cml_error ignored;
-    if (access(path, F_OK) != 0 || cml_file_is_device(path)) return 0;
-    if (cml_result_read(path, &found, &ignored) != CML_OK) return 0;
-    const uint64_t photons = (uint64_t)found.photons;
-    cml_outcome_clear(&found);
-    return photons;
+    struct cml_head head;
+    return !cml_file_is_device(path) && cml_head_read(path, &head) ? head.photons : 0;
 }
 
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
@@ -65,9 +62,7 @@ static const char of_another[] = "is of another run";
 /* What is wrong with a file that should say to be of this run; NULL: nothing. */
 static const char *fault_of_result(const struct looking *looking, const struct cml_report_file *file)
 {
-    const bool saved = file->content == CML_FILE_SAVED;
-    struct cml_outcome found;
-    struct cml_error ignored;
+    struct cml_head head;
     char sum[CML_IDENTITY_SUM], or_sum[CML_IDENTITY_SUM];
     cml_identity_sum(looking->identity, sum);
     cml_identity_sum(looking->or_identity, or_sum);
@@ -75,11 +70,9 @@ static const char *fault_of_result(const struct looking *looking, const struct c
         !cml_vtk_has_comment(file->path, or_sum))
         return of_another;
     if (file->content > CML_FILE_SAVED) return cml_vtk_is_whole(file->path) ? NULL : "is no whole result";
-    if ((saved ? cml_h5_read_head : cml_result_read)(file->path, &found, &ignored) != CML_OK)
+    if (!cml_head_read(file->path, &head) || (file->content != CML_FILE_SAVED && head.photons == 0))
         return "is no whole result";
-    const bool own = strcmp(found.identity, sum) == 0 || strcmp(found.identity, or_sum) == 0;
-    cml_outcome_clear(&found);
-    return own ? NULL : of_another;
+    return strcmp(head.identity, sum) == 0 || strcmp(head.identity, or_sum) == 0 ? NULL : of_another;
 }
 
 /* A directory, or a file that a full disk has left empty, is nothing that a run has written. */
@@ -257,16 +250,12 @@ static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
     free(number);
 }
 
-/* What cannot be read is no result of ours. */
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
-    struct cml_outcome before;
-    struct cml_error ignored;
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
-    const bool ours = cml_result_read(path, &before, &ignored) == CML_OK;
-    snprintf(text, CML_REPLACED, ours ? "replaces %.400s of %g photons" : "replaces %.400s", path,
-             ours ? (double)before.photons : 0);
-    if (ours) cml_outcome_clear(&before);
+    const double photons = (double)photons_of(path);
+    snprintf(text, CML_REPLACED, photons > 0 ? "replaces %.400s of %g photons" : "replaces %.400s", path,
+             photons);
     return true;
 }
 

@@ -39,21 +39,6 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
     return *name ? CML_OK : resolve_folder(path, name, err);
 }
 
-cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs, int num_inputs,
-                               struct cml_error *err)
-{
-    CML_FREED char *mine = NULL;
-    CML_TRY(resolve(output, &mine, err));
-    for (int i = 0; i < num_inputs; i++) {
-        CML_FREED char *theirs = NULL;
-        CML_TRY(resolve(inputs[i], &theirs, err));
-        if (strcmp(mine, theirs) == 0)
-            return cml_fail(err, CML_E_INPUT, "%s: -o %s would overwrite its input %s", command, output,
-                            inputs[i]);
-    }
-    return CML_OK;
-}
-
 /* ---- what a run writes ---- */
 
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,

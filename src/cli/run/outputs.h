@@ -36,7 +36,3 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            struct cml_outputs *outputs, struct cml_error *err);
 
 void cml_outputs_release(struct cml_outputs *outputs);
-
-/* CML_E_INPUT when `output`, that of a command, is one of the files it reads. */
-CML_NODISCARD cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs,
-                                             int num_inputs, struct cml_error *err);

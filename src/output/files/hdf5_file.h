@@ -1,8 +1,8 @@
 /* Writer of HDF5 files: fields on named axes, as h5py, xarray, MATLAB and Octave read them unaided.
  * Axes are datasets and dimension scales of their own; units, long names and the names of error fields
  * (`ancillary_variables`) are attributes as in the CF conventions; data are shuffled and deflated in chunks,
- * but for plain ones. No times are stored: the same fields give the same bytes. hdf5_read.h reads them.
- * SPDX-License-Identifier: MIT */
+ * but for plain ones. No times are stored: the same fields give the same bytes. hdf5_head.h reads the
+ * head. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "output/files/field.h"

@@ -1,6 +1,7 @@
 /* Writing result files: the bytes, what other programs' readers find in them, and files that are not lost.
  * SPDX-License-Identifier: MIT */
 #include "lib/mco_case.h"
+#include "result/mco.h"
 
 #include <math.h>
 
@@ -131,16 +132,6 @@ static char *joined(const char *head, const char *tail)
     return strcat(text, tail);
 }
 
-/* A file of ours, which says where it ends; the caller frees it. */
-static char *whole_of_ours(void)
-{
-    char *head = case_replace(case_open, "this run.", "this run.   Last line: # end"),
-         *body = joined(head, ours), *text = joined(body, "\n# end\n");
-    free(head);
-    free(body);
-    return text;
-}
-
 /* 17.6 s is 0.00489 h, which would print as 0.00, but the file's 18 s is 0.005 h. */
 static void the_hours_are_those_of_the_printed_seconds(void **state)
 {
@@ -150,93 +141,7 @@ static void the_hours_are_those_of_the_printed_seconds(void **state)
     mco.user_time = 17.6;
     assert_written(state, &mco, expected);
     cml_outcome_clear(&mco);
-    case_assert_rewritten(state, expected, expected);
     free(expected);
-}
-
-static void what_is_read_is_written_again(void **state)
-{
-    case_assert_rewritten(state, case_open, case_open);
-    case_assert_rewritten(state, case_full, case_full);
-    char *text = whole_of_ours();
-    case_assert_rewritten(state, text, text);
-    free(text);
-}
-
-/* Wherever it is cut, behind the last section, too. */
-static void a_cut_file_of_ours_is_told(void **state)
-{
-    struct cml_outcome o;
-    struct cml_error err;
-    char *text = whole_of_ours();
-    const size_t size = strlen(text);
-    for (size_t length = size - 1; length >= strlen(case_open); length--) {
-        if (case_read(state, text, length, &o, &err) != CML_OK) continue;
-        case_normalise(state, o.damage);
-        assert_string_equal(o.damage, "x.mco: last line is missing (expected # end; the file is cut off)");
-        cml_outcome_clear(&o);
-    }
-    free(text);
-}
-
-/* Blanks may stand behind the last line, no second file. */
-static void two_files_in_one_are_told(void **state)
-{
-    struct cml_outcome o;
-    struct cml_error err;
-    char *text = whole_of_ours(), twice[1 << 16];
-    snprintf(twice, sizeof twice, "%s \t\r\n\n", text);
-    assert_int_equal(case_read(state, twice, strlen(twice), &o, &err), CML_OK);
-    assert_null(o.damage);
-    cml_outcome_clear(&o);
-    snprintf(twice, sizeof twice, "%s%s", text, text);
-    assert_int_equal(case_read(state, twice, strlen(twice), &o, &err), CML_OK);
-    case_normalise(state, o.damage);
-    assert_string_equal(o.damage, "x.mco: text behind # end (expected one result)");
-    cml_outcome_clear(&o);
-    free(text);
-}
-
-static void make_all_exponents(struct cml_outcome *mco)
-{
-    static const double mantissas[8] = {1, 1.00005, 1.23455, 2.5, 4.99995, 7.77777, 9.99994, 9.99999};
-    struct cml_error err;
-    *mco = (struct cml_outcome){.photons = 1, .dz = 1. / 3, .dr = 2e-11 / 3, .nz = 1, .nr = 615, .na = 8};
-    mco->num_layers = 8;
-    mco->n_above = mco->n_below = 4. / 3;
-    assert_int_equal(cml_outcome_allocate(mco, &err), CML_OK);
-    mco->output = strdup("a.mco");
-    for (int ir = 0; ir < mco->nr; ir++)
-        for (int ia = 0; ia < mco->na; ia++) {
-            char value[64];
-            snprintf(value, sizeof value, "%.17ge%d", mantissas[ia], ir - 307);
-            mco->value[CML_QUANTITY_Rd_ra][ir * mco->na + ia] = strtod(value, NULL);
-        }
-    for (int l = 0; l < mco->num_layers; l++) {
-        const double x = mantissas[l];
-        fill_layer(mco, l, x, x * 1e5, x * 1e6, x / 10, x * 1e-5);
-        mco->value[CML_QUANTITY_A_l][l] = x * 1e-4;
-    }
-}
-
-/* Any number as MCML prints it, over the whole range of exponents. */
-static void printed_numbers_survive(void **state)
-{
-    static char text[1 << 18];
-    char path[256];
-    struct cml_outcome mco;
-    struct cml_error err;
-    make_all_exponents(&mco);
-    case_path(state, "a.mco", path);
-    assert_int_equal(cml_mco_write(path, &mco, &err), CML_OK);
-    cml_outcome_clear(&mco);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    text[fread(text, 1, sizeof text - 1, file)] = '\0';
-    assert_int_equal(fclose(file), 0);
-    case_remove(state, "a.mco");
-    assert_non_null(strstr(text, "Tt_ra\n"));
-    case_assert_rewritten(state, text, text);
 }
 
 /* Line `number` of the text, from 1. */
@@ -324,85 +229,6 @@ static void a_reader_that_searches_keys(void **state)
     free(text);
 }
 
-/* The result that a file with these sections of ours holds; the caller clears it. */
-static void read_with(void **state, const char *tail, struct cml_outcome *o)
-{
-    struct cml_error err;
-    char *text = joined(case_open, tail);
-    assert_int_equal(case_read(state, text, strlen(text), o, &err), CML_OK);
-    free(text);
-}
-
-static void what_is_ours_is_read(void **state)
-{
-    struct cml_outcome o;
-    read_with(state, ours, &o);
-    assert_string_equal(o.program, "1.0");
-    assert_string_equal(o.provenance.engine, "cpu");
-    const double *options = o.provenance.value;
-    assert_true(options[CML_DECIDES_seed] == 7 && options[CML_DECIDES_run] == 2);
-    assert_true(options[CML_DECIDES_reentry] == 0 && options[CML_DECIDES_sampling] == 1);
-    assert_true(options[CML_DECIDES_roulette_below] == 0.001 && options[CML_DECIDES_roulette_weight] == 0.1);
-    assert_true(options[CML_DECIDES_absorption] == 1 && isnan(options[CML_DECIDES_tolerance]));
-    assert_string_equal(o.settings, "layer1.mua = 2\n");
-    assert_int_equal(strncmp(o.beam, "beam disk", 9), 0);
-    assert_true(o.error[CML_QUANTITY_Rd][0] == 0.25 && o.error[CML_QUANTITY_Tt_r][1] == 6e-3);
-    assert_true(o.value[CML_QUANTITY_book_overflow_r][0] == 0.03125 &&
-                o.value[CML_QUANTITY_residue][0] == -3);
-    assert_true(o.lost.count == 2 && o.lost.index[1] == 99 && o.value[CML_QUANTITY_lost][0] == 2);
-    assert_null(o.damage);
-    cml_outcome_clear(&o);
-}
-
-/* A name is a whole word, with something behind it, at the start of a line. */
-static void sections_that_are_none(void **state)
-{
-    static const char *const tails[] = {"se_Rd ",          "se_Rd #\n1\n",  " se_Rd_a #\n1\n", "se_Rd_a\n1\n",
-                                        "#se_Rd_a #\n1\n", "e_Rd_a #\n1\n", "0.25\n",          ""};
-    for (size_t i = 0; i < sizeof tails / sizeof *tails; i++) {
-        struct cml_outcome o;
-        read_with(state, tails[i], &o);
-        for (int q = 0; q < CML_NUM_QUANTITIES; q++) assert_null(o.error[q]);
-        assert_null(o.damage);
-        cml_outcome_clear(&o);
-    }
-}
-
-/* What is not whole is not there, and is told. */
-static void sections_that_are_not_whole(void **state)
-{
-    static const struct {
-        const char *tail, *damage;
-    } table[] = {
-        {"\nse_Rd_a # x\n\n1\n", "se_Rd_a[0] = nothing (expected one of 1 numbers)"},
-        {"\nse_Rd_a # x\ninf\n", "se_Rd_a[0] = inf (expected one of 1 numbers)"},
-        {"\nse_Rd_a # x\n0x10\n", "se_Rd_a[0] = 0x10 (expected one of 1 numbers)"},
-        {"\nse_Rd_a # x\n1\n2\n", "se_Rd_a has more numbers (expected 1)"},
-        {"\nse_Rd_r # x\n1\nse_Rd_r #\n", "se_Rd_r[1] = se_Rd_r (expected one of 2 numbers)"},
-        {"\nbooks # x\nnan\n", "books[0] = nan (expected one of 12 numbers)"},
-        {"\nse_Rd_r # x\n7\n1111111111111111111111111111111111111111111111111111111111111111111111111\n",
-         "se_Rd_r[1] = 1111111111111111111111111111111111111111 (expected one of 2 numbers)"},
-    };
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        struct cml_outcome o;
-        read_with(state, table[i].tail, &o);
-        assert_non_null(o.damage);
-        assert_non_null(strstr(o.damage, table[i].damage));
-        assert_true(!o.error[CML_QUANTITY_Rd_r] && !o.value[CML_QUANTITY_book_launched]);
-        cml_outcome_clear(&o);
-    }
-}
-
-/* Of one packet there is none. */
-static void an_error_may_be_no_number(void **state)
-{
-    struct cml_outcome o;
-    read_with(state, "\nse_RAT #\nNAN\nnan\n1\n2\n", &o);
-    assert_true(isnan(o.error[CML_QUANTITY_Rsp][0]) && isnan(o.error[CML_QUANTITY_Rd][0]));
-    assert_true(o.error[CML_QUANTITY_A][0] == 1 && o.error[CML_QUANTITY_Tt][0] == 2);
-    cml_outcome_clear(&o);
-}
-
 static void assert_unwritable(void **state, const char *name, const char *message)
 {
     char path[256];
@@ -462,16 +288,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bytes_are_those_of_mcml),
         cmocka_unit_test(the_hours_are_those_of_the_printed_seconds),
-        cmocka_unit_test(what_is_read_is_written_again),
-        cmocka_unit_test(a_cut_file_of_ours_is_told),
-        cmocka_unit_test(two_files_in_one_are_told),
-        cmocka_unit_test(printed_numbers_survive),
         cmocka_unit_test(a_reader_that_counts_lines),
         cmocka_unit_test(a_reader_that_searches_keys),
-        cmocka_unit_test(what_is_ours_is_read),
-        cmocka_unit_test(sections_that_are_none),
-        cmocka_unit_test(sections_that_are_not_whole),
-        cmocka_unit_test(an_error_may_be_no_number),
         cmocka_unit_test(what_cannot_be_written_is_named),
         cmocka_unit_test(a_read_only_directory_is_reported),
         cmocka_unit_test(arrays_are_zero_or_refused),

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+#include "output/files/hdf5_head.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef CML_HDF5
+#include <hdf5.h>
+#include <zlib.h>
+
+/* H5Fopen without a lock: the file is only read, and some file systems know no locks (NFS). HDF5
+ * before 1.10.7 and 1.12.0 lock always. The library prints nothing and loads no filters from other places. */
+static hid_t open_unlocked(const char *path)
+{
+    (void)H5dont_atexit();
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    (void)H5PLset_loading_state(0);
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
+    (void)H5Pset_file_locking(access, false, true);
+#endif
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, access);
+    H5Pclose(access);
+    return file;
+}
+
+/* Reads an attribute of one number, or of one text of fixed length, that is no longer than `wanted`. */
+static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *value)
+{
+    const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
+    if (attribute < 0) return false;
+    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    const bool good = H5Tget_class(type) == H5Tget_class(wanted) && H5Tis_variable_str(type) == 0 &&
+                      H5Tget_size(type) <= H5Tget_size(wanted) &&
+                      H5Sget_simple_extent_type(space) == H5S_SCALAR &&
+                      H5Aread(attribute, wanted, value) >= 0;
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Aclose(attribute);
+    return good;
+}
+
+static bool read_identity(hid_t file, struct cml_hdf5_head *head)
+{
+    if (H5Aexists(file, "identity") <= 0) return true;
+    const hid_t text = H5Tcopy(H5T_C_S1);
+    const bool good = H5Tset_size(text, sizeof head->identity) >= 0 &&
+                      H5Tset_cset(text, H5T_CSET_UTF8) >= 0 &&
+                      read_attribute(file, "identity", text, head->identity);
+    H5Tclose(text);
+    head->identity[sizeof head->identity - 1] = '\0';
+    return good;
+}
+
+/* ---- chunks ---- */
+
+/* Bytes of a chunk of cml_hdf5_write, inflated and deflated. */
+enum { MOST_BYTES = 1 << 20, MOST_STORED = MOST_BYTES + (1 << 12) };
+
+static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char *stored, unsigned char *bytes)
+{
+    hsize_t start[H5S_MAX_RANK], size = 0;
+    unsigned left_out = 0;
+    haddr_t at;
+    uLongf inflated = MOST_BYTES;
+    return H5Dget_chunk_info(dataset, space, i, start, &left_out, &at, &size) >= 0 && size <= MOST_STORED &&
+           H5Dread_chunk(dataset, H5P_DEFAULT, start, &left_out, stored) >= 0 && left_out == 0 &&
+           uncompress(bytes, &inflated, stored, (uLong)size) == Z_OK;
+}
+
+/* zlib compares the checksum of every chunk. */
+static bool are_chunks_sound(hid_t dataset)
+{
+    unsigned char *stored = malloc(MOST_STORED + MOST_BYTES);
+    const hid_t space = H5Dget_space(dataset);
+    hsize_t count = 0;
+    bool sound = stored && H5Dget_num_chunks(dataset, space, &count) >= 0;
+    for (hsize_t i = 0; sound && i < count; i++)
+        sound = is_chunk_sound(dataset, space, i, stored, stored + MOST_STORED);
+    H5Sclose(space);
+    free(stored);
+    return sound;
+}
+
+/* A file need not have an array of this name. Arrays are found by name: HDF5 1.10 frees what it never got
+ * when it lists the links of a damaged file. */
+static bool is_array_sound(hid_t file, const char *name, const char *ending)
+{
+    char path[64];
+    snprintf(path, sizeof path, "%s%s", name, ending);
+    const htri_t there = H5Lexists(file, path, H5P_DEFAULT);
+    if (there <= 0) return there == 0;
+    const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+    if (dataset < 0) return false;
+    const hid_t properties = H5Dget_create_plist(dataset);
+    const bool sound = H5Pget_layout(properties) != H5D_CHUNKED || are_chunks_sound(dataset);
+    H5Pclose(properties);
+    H5Dclose(dataset);
+    return sound;
+}
+
+bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head)
+{
+    memset(head, 0, sizeof *head);
+    const hid_t file = open_unlocked(path);
+    if (file < 0) return false;
+    bool good =
+        read_attribute(file, "photons", H5T_NATIVE_DOUBLE, &head->photons) && read_identity(file, head);
+    for (int i = 0; good && i < count; i++)
+        good = is_array_sound(file, arrays[i], "") && is_array_sound(file, arrays[i], "_se");
+    head->has_totals = H5Lexists(file, "Rd", H5P_DEFAULT) > 0;
+    H5Fclose(file);
+    return good;
+}
+
+#else
+
+bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head)
+{
+    (void)path, (void)arrays, (void)count;
+    memset(head, 0, sizeof *head);
+    return false;
+}
+
+#endif

@@ -130,6 +130,13 @@ class Commands(unittest.TestCase):
         self.assertEqual(mc.trace(mc.Scene([SLAB]), 0).what[0], "launch")
         seen = mc.trace(mc.Scene([SLAB], detectors=[mc.Detector("disk", radius=1e3, name="all"), mc.Detector("disk", radius=1e-9, at=(5, 0))]), 0)
         self.assertEqual((events.seen_by, seen.seen_by), ([], ["all"]))
+        frosted = mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top_rough=mc.Rough("ggx", 1))])
+        frosted.write(path := os.path.join(self.folder, "frosted.mci"))
+        for photon in range(5):
+            steps = [int(line.split()[2]) for line in command("trace", path, str(photon)).splitlines() if line.startswith("# rough: ")]
+            np.testing.assert_array_equal([k for k in mc.trace(frosted, photon).rough_steps.values if k], steps)
+            self.assertGreater(len(steps), 0)
+        self.assertFalse(events.rough_steps.any())
         with self.assertRaisesRegex(mc.InputError, r"photon = -1 \(expected"):
             mc.trace(RIDGES, -1)
 

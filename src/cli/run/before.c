@@ -6,7 +6,6 @@
 #include "cli/load/scenes.h"
 #include "output/files/vtk.h"
 #include "output/report.h"
-#include "result/h5.h"
 #include "result/head.h"
 #include "run/identity.h"
 #include "tally/deal.h"

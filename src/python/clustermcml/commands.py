@@ -116,16 +116,27 @@ def furnace(scene: Union[Scene, Path], **options: Unpack[FurnaceOptions]) -> lis
 @shown
 def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions]) -> xr.Dataset:
     """Every event of one photon (from 0), alone, with the random numbers that it has in a run with the same options; its attribute
-    `end` says what became of it, `seen_by` names the detectors that saw it."""
+    `end` says what became of it, `seen_by` names the detectors that saw it. `rough_steps`: the facets met at a rough boundary, 0 elsewhere."""
     import xarray as xr
     index = errors.whole("photon", photon, 0, 2**53)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
-    rows = [line.split()[1:] for line in lines if not line.startswith("#")]
+    rows: list[list[str]] = []
+    rough_steps: list[int] = []  # told before the event that they are of
+    steps = 0
+    for line in lines:
+        if line.startswith("# rough: "):
+            steps = int(line.split()[2])
+        elif not line.startswith("#"):
+            rows.append(line.split()[1:])
+            rough_steps.append(steps)
+            steps = 0
     units = {"x": "cm", "y": "cm", "z": "cm"}
     events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int}.get(name, float)), dims="event",
                                  attrs={"units": units.get(name, "1"), "long_name": meaning})
               for k, (name, meaning) in enumerate(EVENT.items())}
+    events["rough_steps"] = xr.DataArray(np.array(rough_steps, dtype=int), dims="event",
+                                         attrs={"units": "1", "long_name": "facets met at a rough boundary"})
     return xr.Dataset(events, attrs={"photon": index, "end": lines[-1].removeprefix("# "),
                                      "seen_by": [line.split()[3].rstrip(",") for line in lines if line.startswith("# seen by ")]})
 

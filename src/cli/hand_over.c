@@ -12,18 +12,18 @@
 
 #define CURE "apt-get install python3-h5py python3-matplotlib python3-xarray, or pip install clustermcml"
 
-/* What Python runs. Modules are imported where they are needed, so that any may turn out to be missing. A module of the current folder must not take the place of one of the libraries. */
-static const char start[] =
-    "import sys\n"
-    "if sys.path[0] == '': del sys.path[0]\n"
-    "try:\n"
-    "    from clustermcml.__main__ import main\n"
-    "    code = main()\n"
-    "except ImportError as error:\n"
-    "    print(f'clustermcml: {sys.argv[1]}: {sys.executable} has no module {error.name or error} (expected it: " CURE
-    ")', file=sys.stderr)\n"
-    "    sys.exit(5)\n"
-    "sys.exit(code)\n";
+/* What Python runs. Modules are imported where they are needed, so that any may turn out to be missing.
+ * A module of the current folder must not take the place of one of the libraries. */
+static const char start[] = "import sys\n"
+                            "if sys.path[0] == '': del sys.path[0]\n"
+                            "try:\n"
+                            "    from clustermcml.__main__ import main\n"
+                            "    code = main()\n"
+                            "except ImportError as error:\n"
+                            "    print(f'clustermcml: {sys.argv[1]}: {sys.executable} has no module "
+                            "{error.name or error} (expected it: " CURE ")', file=sys.stderr)\n"
+                            "    sys.exit(5)\n"
+                            "sys.exit(code)\n";
 
 bool cml_is_handed_over(int argc, char *const *argv)
 {

@@ -107,8 +107,9 @@ static bool is_whole(struct reader *r)
         may_be_key = separates;
     }
     if (r->keys <= CML_MCO_SECTIONS || r->numbers != r->expected) return false;
-    if (r->classic) return !line && r->text.data[r->text.size - 1] == '\n';
-    if (!line || r->text.cursor > r->text.size) return false; /* the last line has a line end, too */
+    if (r->text.cursor > r->text.size) return false; /* the last line has a line end, too */
+    if (r->classic) return !line;
+    if (!line) return false;
     const char *behind = r->text.data + r->text.cursor;
     return behind[strspn(behind, " \t\r\n")] == '\0';
 }

@@ -33,7 +33,7 @@ expect_code 0 check "$work/lit.mci" --json
 cp "$work/out" "$work/white.json"
 
 python3 - "$work" <<'END' || complain "the objects"
-import json, re, sys
+import json, math, re, sys
 work = sys.argv[1]
 
 
@@ -74,9 +74,10 @@ assert mixed["backing"] is None and len(mixed["beams"]) == 1 and mixed["beams"][
 lit, = read("lit")
 assert lit["backing"] == {"kind": "metal", "n": 0.2, "k": 3} and read("white")[0]["backing"] == {"kind": "lambertian", "R": 0.5}
 first = {"shape": "ring", "size": [0.1, 0.2], "x": 1, "y": -2, "z": None, "angle": 30, "azimuth": 90, "light": "parallel", "na": None,
-         "radial": False, "share": 1, "photons": 29}  # 100 / 3.5 = 28.57: by largest remainder
+         "radial": False, "share": 1, "photons": 29, "spread": 0}  # 100 / 3.5 = 28.57: by largest remainder
 second = {"shape": "disk", "size": [0.3], "x": 0, "y": 0, "z": 0.1, "angle": 0, "azimuth": 0, "light": "na", "na": 0.5, "radial": False,
           "share": 2.5, "photons": 71}
+assert abs(lit["beams"][1].pop("spread") - math.degrees(math.asin(0.5 / 1.4))) < 1e-9  # half the angle of na in layer 1
 assert [beam.pop("medium") for beam in lit["beams"]] == [None, "layer 1"] and lit["beams"] == [first, second], lit["beams"]
 flown, = read("flown")
 assert [beam["photons"] for beam in flown["beams"]] == [3, 6] and flown["backing"] == lit["backing"], flown["beams"]

@@ -56,7 +56,7 @@ scene level 'm "level.asc" units=cm tile'
 scene plane ''
 expect_code 0 "$work/level.mci" --quiet -o "$work"
 expect_code 0 "$work/plane.mci" --quiet -o "$work"
-plain "$work/level.mco" >"$work/a"
+plain "$work/level.mco" | grep -v '^# more of this run' >"$work/a"
 plain "$work/plane.mco" >"$work/b"
 cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
 

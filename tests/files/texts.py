@@ -300,7 +300,8 @@ def check_names(verdict, folder, record):
     names = set(record) | {key for boundary in record["boundaries"] for key in boundary}
     with h5py.File(os.path.join(folder, "skinmap.h5")) as file:
         names |= {re.sub(r"^boundary\d+_(outer_)?", "boundary0_", name) for name in file} | set(file.attrs)
-    names |= {name for name in cml.read_sections(os.path.join(folder, "skinmap.mco")) if name.isidentifier()}
+    sections = cml.read_sections(os.path.join(folder, "skinmap.mco"))
+    names |= {re.sub(r"^(se_)?boundary\d+_(outer_)?", r"\1boundary0_", name) for name in sections if name.isidentifier()}
     known = set(re.findall(r"\w+", read("samples/output.md").replace("_above`, `_below", "_above` `boundary0_irradiance_below`"
                                                                     " `boundary0_exitance_below")))
     missing = {name for name in names if name not in known and re.sub("(_se)?$", "", name) not in known}

@@ -139,7 +139,7 @@ def mirrored(path, out):
 def agree(verdict, name, first, second, keep):
     """Two scenes that must give the same, from random numbers of their own."""
     paths = [cml.run(text, "--seed", seed, keep=keep)[0]["output"] for seed, text in ((31, first), (32, second))]
-    record = pairs.compare(*paths)
+    record = pairs.compare_all([paths])[0]
     print(f"{name}: p = {record['p']:.3g} over {record['tests']} tests")
     verdict.check(name, record["p"] > 1e-4 and record["tests"] > 100, f"p = {record['p']}, {record['tests']} tests")
     return record
@@ -158,7 +158,7 @@ def symmetries(verdict):
         # the same without mirroring the beam must show, or the test sees nothing
         wrong = scene(beams[0], surfaces[1], name="m2.mco")
         path = cml.run(wrong, "--seed", 33, keep=keep)[0]["output"]
-        p = pairs.compare(os.path.join(keep, "m0.mco"), path)["p"]
+        p = pairs.compare_all([(os.path.join(keep, "m0.mco"), path)])[0]["p"]
         verdict.check("mesh mirrored, beam not", p < 1e-6, f"p = {p}")
 
 

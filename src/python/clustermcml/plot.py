@@ -20,6 +20,7 @@ import numpy as np
 from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
 from .fields import Field, Fields
+from .mco import AXES, QUANTITIES
 from .pictures import COLOURS, drawing, save
 from .results import read_as
 
@@ -138,7 +139,17 @@ def _is_number(word: str) -> bool:
     return False
 
 
-def _others(path: str, name: str) -> Curve:
+def _labels_of_mcml(name: str, times_r: bool) -> tuple[str, str]:
+    """Of the axis of one of MCML's curves and of the curve, as a result has them; "" for all other names."""
+    dims, unit, meaning = QUANTITIES.get(name, ((), "", ""))
+    if len(dims) != 1:
+        return "", ""
+    axis = Field([0.0], dims, {"units": AXES[dims[0]][0]}, dims[0])
+    curve = _curve(Field([0.0], dims, {"units": unit, "long_name": meaning}, name, {dims[0]: axis}), None, times_r)
+    return curve.axis, curve.drawn_as
+
+
+def _others(path: str, name: str, times_r: bool) -> Curve:
     """A curve in a table: place, value, standard error; or columns with names, as r_mid_cm and Rd_r_per_cm2."""
     rows, columns = _table(path), [0, 1, 2]
     if rows and not _is_number(rows[0][1][0]):
@@ -161,7 +172,9 @@ def _others(path: str, name: str) -> Curve:
                                     f"{', its standard error' if len(columns) > 2 else ''})")
         numbers.append([float(words[column]) for column in columns])
     x, y, *error = np.array(numbers).T
-    return Curve(x, y, error[0] if error else None, True, "", "")
+    axis, drawn = _labels_of_mcml(name, times_r)
+    factor = x if times_r else 1.0
+    return Curve(x, y * factor, error[0] * factor if error else None, True, drawn, axis)
 
 
 # ---- sweeps ----
@@ -235,9 +248,7 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
                 curve = _curve(*source.cut(name, given.cut), times_r=not given.of)
                 heights += [(k, r, h) for r, h in source.heights()] if "radius" in curve.axis else []
             else:
-                curve = _others(source, name)
-                if not given.of:
-                    curve = curve._replace(y=curve.y * curve.x, error=None if curve.error is None else curve.error * curve.x)
+                curve = _others(source, name, times_r=not given.of)
             _draw_curve(axes, curve, given.labels[k], COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
             values: Any = np.nan_to_num(np.asarray(curve.y, dtype=float))
             lit = curve.x[values > 0]

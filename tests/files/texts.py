@@ -304,7 +304,7 @@ def check_names(verdict, folder, record):
     names |= {re.sub(r"^(se_)?boundary\d+_(outer_)?", r"\1boundary0_", name) for name in sections if name.isidentifier()}
     known = set(re.findall(r"\w+", read("samples/output.md").replace("_above`, `_below", "_above` `boundary0_irradiance_below`"
                                                                     " `boundary0_exitance_below")))
-    missing = {name for name in names if name not in known and re.sub("(_se)?$", "", name) not in known}
+    missing = {name for name in names if name not in known and re.sub("^se_|_se$", "", name) not in known}
     verdict.check("output.md", not missing, f"does not name {sorted(missing)}")
 
 

@@ -1,6 +1,6 @@
 """Texts of SVG pictures must not overlap, nor leave the picture, and stand on white, whatever is behind: svg_text.py FILE.svg [...].
 
-Reads the svg of gnuplot and of matplotlib: attributes, or a style that holds them.
+Reads the svg of matplotlib: attributes, or a style that holds them.
 A text's box is as wide as its characters times WIDTH of the size of its letters, for no fonts are at hand: about the mean of
 Helvetica, in which digits take 0.556. It reaches from the baseline up to the capitals, and down to the tails of letters.
 Boxes may touch by SLACK points. Turned texts are turned with their boxes. Prints each pair; the exit code is 1 then.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 KINDS = ("exponentials", "gaussians", "burley", "openpbr")
 ERROR = 0.01
 CHANNEL_COLOURS = {"r": COLOURS[1], "g": COLOURS[2], "b": COLOURS[0], "flown": "#808080"}
-WALK = 500_000  # packets of a random walk
+WALK = 300_000  # packets of a random walk
 FINER = 10  # bins of a random walk to one of the profile
 FORMULAS = {"exponentials": "S = A sum w exp(-r / d) / (2 pi d r); cdf = 1 - sum w exp(-r / d)",
             "gaussians": "S = A sum w exp(-r^2 / (2 sigma^2)) / (2 pi sigma^2); cdf = 1 - sum w exp(-r^2 / (2 sigma^2))",

@@ -9,6 +9,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import itertools
+import warnings
 from dataclasses import dataclass
 from typing import Any, Callable, Optional
 
@@ -20,7 +21,9 @@ TERMS = {"exponentials": 3, "gaussians": 6}
 STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # lengths in units of the mean radius
 CLOSEST = 1.1  # ratio of neighbouring lengths: closer ones have weights without bound
 SMOOTHED = 9  # bins over which the light is averaged for the weights of the fit
+NEGATIVE = -1e-9  # rounding of a sum that is 0 somewhere
 LEAST = 1e-9  # share of the light that a bin counts as at least in these weights
+MARGIN = 1e-6  # how far above 0 a sum is kept that would be negative
 WIDE = (1e-4, 1e2)  # bounds of lengths in units of the mean radius
 
 
@@ -111,6 +114,30 @@ def _search(kind: str, profile: Shares, start: Any, positive: bool) -> tuple[flo
     return float(found.cost), _weights(shares_of(kind, profile.edges, lengths), profile, scale, positive), lengths
 
 
+def _positive(profile: Shares, weights: Any, lengths: Any) -> tuple[float, Any, Any]:
+    """The sum of exponentials that fits best among those that are nowhere negative, from one that is."""
+    from scipy.optimize import minimize
+    scale, unit, count = profile.weights(), profile.mean_radius(), len(weights)
+
+    def parts(x: Any) -> tuple[Any, Any]:
+        return np.append(x[: count - 1], 1 - x[: count - 1].sum()), unit * _lengths(x[count - 1 :])
+
+    def cost(x: Any) -> float:
+        w, d = parts(x)
+        return 500 * float((((w @ shares_of("exponentials", profile.edges, d) - profile.light) * scale) ** 2).sum())
+    start = np.concatenate([weights[:-1], np.log(np.append(lengths[0] / unit, lengths[1:] / lengths[:-1]))])
+    limits = [(None, None)] * (count - 1) + [tuple(np.log(WIDE))] + [(np.log(CLOSEST), np.log(WIDE[1]))] * (count - 1)
+    r = np.append(0.0, np.geomspace(lengths.min() / 10, 10 * lengths.max(), 60))
+
+    def above(x: Any) -> Any:
+        w, d = parts(x)
+        return unit * (w / d) @ np.exp(-r / d[:, None]) - MARGIN
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = minimize(cost, start, method="SLSQP", bounds=limits, constraints={"type": "ineq", "fun": above}, options={"maxiter": 200, "ftol": 1e-10})
+    return (found.fun / 1000, *parts(found.x))
+
+
 def lowest(weights: Any, lengths: Any) -> float:
     """The least of S r over all radii, relative to its largest: below 0 a sum of exponentials is no density."""
     r = np.append(0.0, np.geomspace(lengths.min() / 100, 40 * lengths.max(), 400))
@@ -130,7 +157,7 @@ def _errors(kind: str, profile: Shares, weights: Any, lengths: Any) -> tuple[Any
     count = int(free[:-1].sum())
     weights_se, lengths_se = np.zeros(len(weights)), np.full(len(weights), np.nan)
     weights_se[:-1][free[:-1]] = np.sqrt(np.diag(covariance)[:count])
-    weights_se[-1] = np.sqrt(covariance[:count, :count].sum())
+    weights_se[-1] = np.sqrt(max(covariance[:count, :count].sum(), 0.0))
     lengths_se[free] = lengths[free] * np.sqrt(np.diag(covariance)[count:])
     return weights_se, lengths_se
 
@@ -142,15 +169,18 @@ def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
 
 
 def fit_sum(kind: str, profile: Shares, terms: Optional[int] = None) -> Curve:
-    """The sum of `terms` exponentials with signed weights, or of Gaussians with positive ones, that fits best. A sum of exponentials that is
-    negative somewhere is refused, and one with fewer terms taken."""
+    """The sum of `terms` exponentials with signed weights, or of Gaussians with positive ones, that fits best. A sum of exponentials is
+    nowhere negative; where no such sum is found, one with fewer terms is taken."""
     need_scipy()
     count = terms or TERMS[kind]
     if kind == "gaussians":
         return _curve(kind, profile, *_search(kind, profile, np.geomspace(0.1, 3, count), True)[1:])
     for number in range(count, 0, -1):
-        found = [_search(kind, profile, np.array(start), False) for start in itertools.combinations(STARTS, number)]
-        sound = [one for one in found if lowest(one[1], one[2]) >= -1e-9]
+        starts = [np.array(start) for start in itertools.combinations(STARTS, number)]
+        found = [_search(kind, profile, start, False) for start in starts]
+        best = min(found, key=lambda one: one[0])
+        found += [_positive(profile, *best[1:])] if lowest(*best[1:]) < NEGATIVE else []
+        sound = [one for one in found if lowest(one[1], one[2]) >= NEGATIVE]
         if sound:
             return _curve(kind, profile, *min(sound, key=lambda one: one[0])[1:])
     raise AssertionError("a single exponential is positive")

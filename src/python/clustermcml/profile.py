@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
@@ -287,9 +286,7 @@ def profile(scene: Union[Scene, Path], light: str = "normal", photons: Optional[
     shown = "Scene" if isinstance(scene, Scene) else shown_path(os.fspath(scene))
     with scratch_folder() as held:
         path = scene_path(scene, held)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            told = told_of(scene if isinstance(scene, Scene) else path)
+        told = told_of(scene if isinstance(scene, Scene) else path)
         period = _period(told, shown)
         number = errors.whole("photons", told["photons"] if photons is None else photons, 1000, 2**48)
         found, attrs = [], dict[str, Any]()

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Makes what renderers need of twelve materials: materials.py [DIR] [ERROR] [profiles]
+"""Makes what renderers need of twelve materials: materials.py [DIR] [ERROR] [profiles] [repository]
 
 Leaves NAME.json, NAME.csv and NAME.rgb.bsdf of each in DIR, by default the current directory, and a page materials.md with a picture
 materials.svg. ERROR is the noise of profiles, by default 0.02. With the word profiles no .bsdf is made, which takes most of the time.
+With the word repository the page and the picture that the repository keeps are written in place of those in DIR.
 The channels r g b are 610, 540 and 460 nm where a source has spectra. Every row names its source. Needs the Python package (or
 PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout), scipy and matplotlib.
 SPDX-License-Identifier: MIT
@@ -79,7 +80,7 @@ MATERIALS = [
     half_space("ketchup", JENSEN, 1.3, [0.18, 0.07, 0.03], [0.061, 0.97, 1.45]),
     half_space("apple", JENSEN, 1.3, [2.29, 2.39, 1.97], [0.0030, 0.0034, 0.046]),
     Material("copy_paper", PAPER, [(1.0, [2.0, 2.5, 4.0], 533.0, 0.0, 0.01)]),
-    Material("white_paint", PAINT, [(1.5, [0.5, 0.6, 1.5], 2000.0, 0.6, 0.005)], {"backing": mc.Backing("lambertian", R=0.3)}),
+    Material("white_paint", PAINT, [(1.5, [0.5, 0.6, 1.5], 5000.0, 0.6, 0.005)], {"backing": mc.Backing("lambertian", R=0.3)}),
 ]
 
 
@@ -133,7 +134,7 @@ def page(made, picture):
                "Patches are A of the three channels, as sRGB. Curves are `2 pi r S / A`: how far light comes out from where it went in, in red, green and blue.", "",
                "## What comes out", "",
                "A is the diffuse reflectance, by r g b; r the mean distance. Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
-               "| material | A | mean r [mm] | noise | L1 of three exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
+               "| material | A | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
                "## What goes in", "", "Three numbers are of r, g and b.", "",
                "| material | layer | n | mua [1/cm] | mus [1/cm] | g | d [cm] |", "|---|---|---|---|---|---|---|", *(line for material, _ in made for line in properties(material)), "",
                "`white_paint` lies on a lambertian ground that sends back 0.3. All half spaces go on below with their own n.", "", "## Sources", "",
@@ -141,7 +142,7 @@ def page(made, picture):
     return "\n".join(seconds)
 
 
-def main(folder, error, profiles_only):
+def main(folder, error, profiles_only, repository):
     os.makedirs(folder, exist_ok=True)
     made = []
     for material in MATERIALS:
@@ -153,11 +154,12 @@ def main(folder, error, profiles_only):
         if not profiles_only:
             mc.brdf(material.scene(), channels=material.channels()).to_bsdf(stem + ".rgb.bsdf")
         print(stem, flush=True)
-    draw(made, os.path.join(folder, "materials.svg"))
-    with open(os.path.join(folder, "materials.md"), "w", encoding="utf-8") as file:
-        file.write(page(made, "materials.svg"))
+    home, picture = (HERE, "../bench/accuracy/results/materials.svg") if repository else (folder, "materials.svg")
+    draw(made, os.path.join(home, picture))
+    with open(os.path.join(home, "materials.md"), "w", encoding="utf-8") as file:
+        file.write(page(made, picture))
 
 
 if __name__ == "__main__":
-    words = [word for word in sys.argv[1:] if word != "profiles"]
-    main(words[0] if words else ".", float(words[1]) if len(words) > 1 else 0.02, "profiles" in sys.argv[1:])
+    words = [word for word in sys.argv[1:] if word not in ("profiles", "repository")]
+    main(words[0] if words else ".", float(words[1]) if len(words) > 1 else 0.02, "profiles" in sys.argv, "repository" in sys.argv)

@@ -115,8 +115,8 @@ class Profile:
         return found
 
     def fit(self, kind: str = "exponentials", terms: Optional[int] = None) -> xr.Dataset:
-        """A curve for S: "exponentials" (three with signed weights; terms: another number), "gaussians" (six with weights above 0), "burley",
-        or "openpbr", a random walk that is flown for this. A Dataset: parameters w and d or sigma [cm] with their errors over term, L1 (the
+        """A curve for S: "exponentials" (three with signed weights, four where three are off by more than 2 %; terms: another number),
+        "gaussians" (six with weights above 0), "burley", or "openpbr", a random walk that is flown for this. A Dataset: parameters w and d or sigma [cm] with their errors over term, L1 (the
         integral of |model - S| 2 pi r dr / A, the noise of S included), and the model's S and cdf over r. attrs["formula"] says what they mean."""
         import xarray as xr
         found, labels = self._fitted(kind, terms), self.channels()
@@ -190,7 +190,7 @@ class Profile:
             left.set(yscale="log", xlabel="r [cm]", ylabel="S [1/cm2]", ylim=_span(self.data["S"].values))
             right.set(xlabel="r [cm]", ylabel="2 pi r S / A [1/cm]", xlim=(0, 3 * float(self.data["mean_r"].max())), ylim=(0, None))
             right.legend(fontsize="small")
-            figure.suptitle(f"{os.path.basename(self.data.attrs['scene'])}, {self.data.attrs['light']} light" + (": dashed, three exponentials" if labels else ""))
+            figure.suptitle(f"{os.path.basename(self.data.attrs['scene'])}, {self.data.attrs['light']} light" + (": dashed, exponentials" if labels else ""))
             save(figure, name)
 
 

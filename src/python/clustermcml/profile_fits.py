@@ -18,6 +18,7 @@ import numpy as np
 from . import errors
 
 TERMS = {"exponentials": 3, "gaussians": 6}
+ENOUGH = 0.02  # L1 beyond the noise from which a fourth exponential is tried
 STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # lengths in units of the mean radius
 CLOSEST = 1.1  # ratio of neighbouring lengths: closer ones have weights without bound
 SMOOTHED = 9  # bins over which the light is averaged for the weights of the fit
@@ -57,6 +58,10 @@ class Shares:
         """Mean of the radius [cm]; light beyond the last edge counts as on it."""
         middles = (self.edges[1:] + self.edges[:-1]) / 2
         return float(self.light[:-1] @ middles + self.light[-1] * self.edges[-1])
+
+    def noise(self) -> float:
+        """L1 of the true profile, in the mean."""
+        return float(np.sqrt(2 / np.pi) * self.light_se.sum())
 
     def error_of(self, shares: Any) -> float:
         """L1 of a model: the integral of |model - S| 2 pi r dr / A."""
@@ -168,22 +173,29 @@ def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     return Curve(weights, weights_se, lengths, lengths_se, shares, profile.error_of(shares))
 
 
-def fit_sum(kind: str, profile: Shares, terms: Optional[int] = None) -> Curve:
-    """The sum of `terms` exponentials with signed weights, or of Gaussians with positive ones, that fits best. A sum of exponentials is
-    nowhere negative; where no such sum is found, one with fewer terms is taken."""
-    need_scipy()
-    count = terms or TERMS[kind]
-    if kind == "gaussians":
-        return _curve(kind, profile, *_search(kind, profile, np.geomspace(0.1, 3, count), True)[1:])
+def _exponentials(profile: Shares, count: int) -> Curve:
+    """The sum of exponentials that fits best and is nowhere negative. Where none with so many terms is found, it has fewer."""
     for number in range(count, 0, -1):
-        starts = [np.array(start) for start in itertools.combinations(STARTS, number)]
-        found = [_search(kind, profile, start, False) for start in starts]
+        found = [_search("exponentials", profile, np.array(start), False) for start in itertools.combinations(STARTS, number)]
         best = min(found, key=lambda one: one[0])
         found += [_positive(profile, *best[1:])] if lowest(*best[1:]) < NEGATIVE else []
         sound = [one for one in found if lowest(one[1], one[2]) >= NEGATIVE]
         if sound:
-            return _curve(kind, profile, *min(sound, key=lambda one: one[0])[1:])
+            return _curve("exponentials", profile, *min(sound, key=lambda one: one[0])[1:])
     raise AssertionError("a single exponential is positive")
+
+
+def fit_sum(kind: str, profile: Shares, terms: Optional[int] = None) -> Curve:
+    """The sum of exponentials with signed weights, or of Gaussians with positive ones, that fits best. terms: None for six Gaussians, or for three
+    exponentials and four where three are off by more than 2 % beyond the noise."""
+    need_scipy()
+    count = terms or TERMS[kind]
+    if kind == "gaussians":
+        return _curve(kind, profile, *_search(kind, profile, np.geomspace(0.1, 3, count), True)[1:])
+    found = _exponentials(profile, count)
+    if terms is None and found.L1**2 > profile.noise() ** 2 + ENOUGH**2:
+        found = min(found, _exponentials(profile, count + 1), key=lambda one: one.L1)
+    return found
 
 
 def fit_burley(profile: Shares) -> Curve:

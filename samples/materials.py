@@ -17,6 +17,7 @@ import matplotlib
 import numpy as np
 
 matplotlib.use("svg")
+matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "clustermcml", "font.sans-serif": ["DejaVu Sans", "Arial"]})
 from matplotlib.figure import Figure  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))

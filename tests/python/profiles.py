@@ -11,7 +11,7 @@ import unittest.mock
 import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
-from python_package import mc, np  # noqa: E402
+from python_package import TOP, mc, np  # noqa: E402
 from clustermcml import profile_flight  # noqa: E402
 from clustermcml.__main__ import main  # noqa: E402
 from clustermcml.profile_fits import Shares, fit_burley, fit_sum, lowest, scaled, shares_of, single_albedo  # noqa: E402
@@ -124,9 +124,9 @@ class Fits(unittest.TestCase):
         np.testing.assert_allclose([*found.weights, *found.lengths], [0.3, 0.5, 0.2, 0.05, 0.15, 0.4], rtol=1e-3)
 
     def test_errors_are_the_spread_of_samples(self):
-        """Of 60 samples of 1e5 packets: their spread is known to 9 %."""
+        """Of 40 samples of 1e5 packets: their spread is known to 11 %."""
         for kind, fit in (("burley", fit_burley), ("exponentials", lambda profile: fit_sum("exponentials", profile, 2))):
-            found = [fit(made("exponentials", [0.25, 0.75], [0.1, 0.3], 1e5, seed)) for seed in range(60)]
+            found = [fit(made("exponentials", [0.25, 0.75], [0.1, 0.3], 1e5, seed)) for seed in range(40)]
             spread = np.std([one.lengths for one in found], axis=0, ddof=1)
             np.testing.assert_allclose(np.mean([one.lengths_se for one in found], axis=0), spread, rtol=0.3, err_msg=kind)
         spread = np.std([one.weights for one in found], axis=0, ddof=1)
@@ -161,6 +161,11 @@ class Fits(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
+    def setUp(self):
+        short = unittest.mock.patch.object(sys.modules["clustermcml.profile"], "WALK", 20000)
+        short.start()
+        self.addCleanup(short.stop)
+
     def test_what_is_printed_is_what_the_table_says(self):
         """L1 of all curves, recomputed from the .csv with the parameters of the .json."""
         with tempfile.TemporaryDirectory() as folder:
@@ -209,6 +214,21 @@ class Files(unittest.TestCase):
         self.assertEqual(np.shape(told["fits"]["exponentials"]["w"]), (3, 3))
         self.assertEqual((lines[0], len(lines), lines[1][:2], lines[-1][:2]), ("channel,r_mid_cm,S_per_cm2,S_se,cdf", 1201, "r,", "b,"))
         self.assertTrue(told["A"][0] > told["A"][1] > told["A"][2])
+
+    def test_the_sample_has_twelve_sound_materials(self):
+        """Each with a source, and channels that its scene has; all of r g b scatter."""
+        with unittest.mock.patch.object(sys, "path", [os.path.join(TOP, "samples"), *sys.path]):
+            import materials
+        self.assertEqual((len(materials.MATERIALS), len({one.name for one in materials.MATERIALS})), (12, 12))
+        for one in materials.MATERIALS:
+            columns = one.channels()
+            self.assertGreater(len(one.source), 20, one.name)
+            self.assertEqual(columns.pop("channel"), ["r", "g", "b"])
+            for c in range(3):
+                layers = mc.check(one.scene(), set={name: values[c] for name, values in columns.items()})[0]["layers"]
+                self.assertTrue(all(layer["mus"] > 0 and layer["mua"] > 0 for layer in layers), one.name)
+        marble = next(one for one in materials.MATERIALS if one.name == "marble")
+        np.testing.assert_allclose(marble.channels()["layer1.mua"], [0.021, 0.041, 0.071])  # 0.0021 0.0041 0.0071 /mm
 
     def test_refusals(self):
         hill = slab(mc.Heightfield(r=[0, 0.1], h=[0.02, 0]))
@@ -275,7 +295,8 @@ def again(scene, width, photons):
 
 
 def long(count, photons):
-    """Materials whose printed L1 does not hold, by curve. L1 has the noise of its own flight in it: that is taken out, and the other's put in."""
+    """Materials whose printed L1 does not hold, by curve. L1 has the noise of its own flight in it: that is taken out, and the other's put in. It
+    holds within a fifth; of what is below the own noise, within a fifth of that."""
     draw, wrong, worst = np.random.default_rng(20), [], 0.0
     for number in range(count):
         scene = random_material(draw)
@@ -288,7 +309,7 @@ def long(count, photons):
             there = shares.error_of(curve.weights @ shares_of(kind, shares.edges, curve.lengths))
             expected = np.sqrt(max(curve.L1**2 - own**2, 0) + noise**2)
             line += f", {len(curve.weights)} {kind} {curve.L1:.4f} -> {expected:.4f}, is {there:.4f}"
-            if abs(there - expected) > 0.2 * there:
+            if abs(there - expected) > 0.2 * max(there, own):
                 wrong.append(f"{number} {kind}: {expected:.4f}, is {there:.4f}")
             if kind == "exponentials":
                 worst = max(worst, there - noise)
@@ -302,5 +323,5 @@ def long(count, photons):
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
     if sys.argv[1:2] == ["long"]:
-        sys.exit(long(int(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) > 3 else 1e7))
+        sys.exit(long(int(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) > 3 else 2e6))
     unittest.main()

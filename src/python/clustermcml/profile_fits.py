@@ -20,7 +20,7 @@ from . import errors
 TERMS = {"exponentials": 3, "gaussians": 6}
 ENOUGH = 0.02  # L1 beyond the noise from which a fourth exponential is tried
 STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # lengths in units of the mean radius
-CLOSEST = 1.1  # ratio of neighbouring lengths: closer ones have weights without bound
+CLOSEST = 1.3  # ratio of neighbouring lengths: closer ones have large weights of opposite signs, and fit no better
 SMOOTHED = 9  # bins over which the light is averaged for the weights of the fit
 NEGATIVE = -1e-9  # rounding of a sum that is 0 somewhere
 LEAST = 1e-9  # share of the light that a bin counts as at least in these weights

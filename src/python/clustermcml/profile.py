@@ -330,7 +330,7 @@ def _terms(kind: str, curve: Any) -> list[str]:
 
 def main(words: list[str]) -> int:
     parser = Parser("profile", "scene.mci", "Flies a pencil of light onto a scene of planes or tiles and writes how far from it the light comes out: NAME.csv (table), NAME.json "
-                    "(fits and parameters for renderers), NAME.svg (picture).", "clustermcml profile samples/paint.mci -o paint")
+                    "(fits and parameters for renderers), NAME.svg (picture).", "clustermcml profile samples/skin7.mci -o skin")
     parser.add_argument("scene", metavar="scene.mci")
     parser.add_argument("-o", "--output", metavar="NAME", help="beginning of the names of all files; default: that of the scene")
     parser.add_argument("--light", metavar="KIND", default="normal", help="normal (default) or diffuse")

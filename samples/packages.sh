@@ -4,7 +4,7 @@
 # installs nothing. Asks for sudo only when something is missing.
 # SPDX-License-Identifier: MIT
 set -eu
-packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin python3-h5py python3-matplotlib python3-xarray
+packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin python3-h5py python3-matplotlib python3-scipy python3-xarray
 ocl-icd-opencl-dev opencl-headers pocl-opencl-icd"
 if test "${1:-}" = test || test "${1:-}" = names; then
     packages="$packages libcmocka-dev librandom123-dev clang lld clang-format libomp-dev libclang-rt-dev python3 libxml2-utils file iproute2"

@@ -23,6 +23,7 @@ from .fit import Fit, fit
 from .merge import merge
 from .phases import Phase
 from .photons import Saved, read_photons
+from .profile import Profile, profile
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
@@ -30,8 +31,8 @@ from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 from .view import view
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace", "view"]
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_photons", "run", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

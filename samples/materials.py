@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+"""Makes what renderers need of twelve materials: materials.py [DIR] [ERROR] [profiles] [repository]
+
+Leaves NAME.json, NAME.csv and NAME.rgb.bsdf of each in DIR, by default the current directory, and a page materials.md with a picture
+materials.svg. ERROR is the noise of profiles, by default 0.02. With the word profiles no .bsdf is made, which takes most of the time.
+With the word repository the page and the picture that the repository keeps are written in place of those in DIR.
+The channels r g b are 610, 540 and 460 nm where a source has spectra. Every row names its source. Needs the Python package (or
+PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout), scipy and matplotlib.
+SPDX-License-Identifier: MIT
+"""
+import os
+import sys
+from dataclasses import dataclass, field
+
+import clustermcml as mc
+import matplotlib
+import numpy as np
+
+matplotlib.use("svg")
+matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "clustermcml", "font.sans-serif": ["DejaVu Sans", "Arial"]})
+from matplotlib.figure import Figure  # noqa: E402
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+NM = np.array([610.0, 540.0, 460.0])
+THICK = 1e8  # cm: a half space
+EPIDERMIS = 0.006  # cm
+JENSEN = "Jensen, Marschner, Levoy, Hanrahan, A Practical Model for Subsurface Light Transport, SIGGRAPH 2001: reduced scattering, so g is 0 here"
+NARASIMHAN = "Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen, Acquiring Scattering Properties of Participating Media by Dilution, SIGGRAPH 2006: reduced, as pbrt lists it"
+JACQUES = "Jacques, Skin Optics, Oregon Medical Laser Center News, January 1998 (formulas); hemoglobin: Prahl (`samples/hemoglobin.csv`)"
+PAPER = "typical of copy paper, by Kubelka and Munk: S 50 m2/kg, K 0.5 m2/kg (red) to 1 m2/kg (blue), 80 g/m2, 0.01 cm (Pauler, Paper Optics, 1999, has such values); mus' = 4 S / 3, mua = K / 2"
+PAINT = "an illustration and no measurement: a white coat of 0.005 cm on a grey ground"
+
+
+@dataclass
+class Material:
+    """layers: tuples n, mua, mus, g, d from above, in cm and 1/cm; mua and mus may be three numbers, of r g b."""
+
+    name: str
+    source: str
+    layers: list
+    more: dict = field(default_factory=dict)  # of the Scene
+
+    def scene(self):
+        layers = [mc.Layer(n=n, mua=float(np.ravel(mua)[0]), mus=float(np.ravel(mus)[0]), g=g, d=d) for n, mua, mus, g, d in self.layers]
+        return mc.Scene(layers, photons=200_000, n_below=layers[-1].n, **self.more)
+
+    def channels(self):
+        """What is set in each channel. What is the same in all stays as the scene has it."""
+        columns = {"channel": ["r", "g", "b"]}
+        for i, (_, mua, mus, _, _) in enumerate(self.layers, 1):
+            columns.update({f"layer{i}.{name}": list(map(float, values)) for name, values in (("mua", mua), ("mus", mus)) if np.size(values) == 3})
+        return columns
+
+
+def half_space(name, source, n, reduced, mua, g=0.0):
+    """reduced, mua: by r g b, in 1/mm, as papers on rendering have them."""
+    return Material(name, source, [(n, 10 * np.array(mua), 10 * np.array(reduced) / (1 - g), g, THICK)])
+
+
+def skin(name, melanosomes):
+    """Epidermis with a share of melanosomes over dermis with 0.2 % of blood, three quarters of it oxygenated."""
+    table = np.genfromtxt(os.path.join(HERE, "hemoglobin.csv"), delimiter=",", comments="#", skip_header=5)
+    oxygenated, other = (np.interp(NM, table[:, 0], table[:, k]) for k in (1, 2))
+    blood = 2.303 * 150 / 64500 * (0.75 * oxygenated + 0.25 * other)
+    base = 0.244 + 85.3 * np.exp(-(NM - 154) / 66.2)
+    reduced = 2e5 * NM**-1.5 + 2e12 * NM**-4.0
+    epidermis = melanosomes * 6.6e11 * NM**-3.33 + (1 - melanosomes) * base
+    dermis = 0.002 * blood + 0.998 * base
+    return Material(name, f"{JACQUES}; melanosomes {100 * melanosomes:g} %", [(1.4, epidermis, reduced / 0.2, 0.8, EPIDERMIS), (1.4, dermis, reduced / 0.2, 0.8, THICK)])
+
+
+MATERIALS = [
+    skin("skin_light", 0.038),
+    skin("skin_medium", 0.135),
+    skin("skin_dark", 0.305),
+    half_space("skin1", JENSEN, 1.3, [0.74, 0.88, 1.01], [0.032, 0.17, 0.48]),
+    half_space("marble", JENSEN, 1.5, [2.19, 2.62, 3.00], [0.0021, 0.0041, 0.0071]),
+    half_space("whole_milk", JENSEN, 1.3, [2.55, 3.21, 3.77], [0.0011, 0.0024, 0.014]),
+    half_space("skim_milk", JENSEN, 1.3, [0.70, 1.22, 1.90], [0.0014, 0.0025, 0.0142]),
+    half_space("espresso", NARASIMHAN, 1.33, [0.72378, 0.84557, 1.0247], [4.7984, 6.5751, 8.8493]),
+    half_space("ketchup", JENSEN, 1.3, [0.18, 0.07, 0.03], [0.061, 0.97, 1.45]),
+    half_space("apple", JENSEN, 1.3, [2.29, 2.39, 1.97], [0.0030, 0.0034, 0.046]),
+    Material("copy_paper", PAPER, [(1.0, [2.0, 2.5, 4.0], 533.0, 0.0, 0.01)]),
+    Material("white_paint", PAINT, [(1.5, [0.5, 0.6, 1.5], 5000.0, 0.6, 0.005)], {"backing": mc.Backing("lambertian", R=0.3)}),
+]
+
+
+def encoded(A):
+    """A colour for a picture: linear shares as sRGB has them."""
+    A = np.clip(A, 0, 1)
+    return np.where(A <= 0.0031308, 12.92 * A, 1.055 * A ** (1 / 2.4) - 0.055)
+
+
+def draw(made, path):
+    """A patch of each material's colour in diffuse light, and light per distance in its channels."""
+    figure = Figure(figsize=(11, 8.6), layout="constrained")
+    for axes, (material, profile) in zip(figure.subplots(4, 3).flat, made):
+        r = profile.r.values
+        for c, colour in enumerate(("#D55E00", "#009E73", "#0072B2")):
+            light = 2 * np.pi * r[c] * profile.S.values[c] / float(profile.A[c])
+            light = light.reshape(-1, 4).mean(axis=1)
+            middle = 10 * r[c].reshape(-1, 4).mean(axis=1)
+            seen = middle < 30 * float(profile.mean_r.max())
+            axes.plot(middle[seen], light[seen] / 10, color=colour, lw=1.2)
+        axes.set_title(material.name, fontsize=10)
+        axes.set_xlim(0, 30 * float(profile.mean_r.max()))
+        axes.set_ylim(0, None)
+        axes.tick_params(labelsize=8)
+        axes.set_xlabel("distance [mm]", fontsize=8)
+        patch = axes.inset_axes([0.62, 0.45, 0.33, 0.47], facecolor=encoded(profile.A.values))
+        patch.set(xticks=[], yticks=[])
+    figure.supylabel("light that leaves per distance [1/mm], of all that leaves", fontsize=9)
+    figure.savefig(path, metadata={"Date": None, "Creator": None})
+
+
+def row(material, profile):
+    def three(values, form):
+        return " ".join(form % value for value in values)
+    errors = [profile.fit(kind).L1.values.max() for kind in ("exponentials", "burley", "openpbr")]
+    return f"| `{material.name}` | {three(profile.A.values, '%.3f')} | {three(10 * profile.mean_r.values, '%.3g')} | {profile.noise.values.max():.3f} | {' | '.join('%.3f' % one for one in errors)} |"
+
+
+def properties(material):
+    def shown(values):
+        return " ".join("%.4g" % value for value in np.ravel(values))
+    return [f"| `{material.name}` | {i} | {n:g} | {shown(mua)} | {shown(mus)} | {g:g} | {'half space' if d == THICK else '%g' % d} |"
+            for i, (n, mua, mus, g, d) in enumerate(material.layers, 1)]
+
+
+def page(made, picture):
+    """The text of materials.md."""
+    seconds = ["# Twelve materials", "", "`samples/materials.py` has written this page. It flies each material in diffuse light and leaves the files that renderers read.",
+               "`samples/materials.py DIR` makes them again. Change a row of its table for a material of your own.", "",
+               f"![Light per distance, and colours in diffuse light]({picture})", "",
+               "Patches are A of the three channels, as sRGB. Curves are `2 pi r S / A`: how far light comes out from where it went in, in red, green and blue.", "",
+               "## What comes out", "",
+               "A is the diffuse reflectance, by r g b; r the mean distance. Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
+               "| material | A | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
+               "## What goes in", "", "Three numbers are of r, g and b.", "",
+               "| material | layer | n | mua [1/cm] | mus [1/cm] | g | d [cm] |", "|---|---|---|---|---|---|---|", *(line for material, _ in made for line in properties(material)), "",
+               "`white_paint` lies on a lambertian ground that sends back 0.3. All half spaces go on below with their own n.", "", "## Sources", "",
+               *(f"- `{material.name}`: {material.source}." for material, _ in made), ""]
+    return "\n".join(seconds)
+
+
+def main(folder, error, profiles_only, repository):
+    os.makedirs(folder, exist_ok=True)
+    made = []
+    for material in MATERIALS:
+        stem = os.path.join(folder, material.name)
+        profile = mc.profile(material.scene(), "diffuse", target_error=error, channels=material.channels())
+        profile.to_json(stem + ".json")
+        profile.to_csv(stem + ".csv")
+        made.append((material, profile))
+        if not profiles_only:
+            mc.brdf(material.scene(), channels=material.channels()).to_bsdf(stem + ".rgb.bsdf")
+        print(stem, flush=True)
+    home, picture = (HERE, "../bench/accuracy/results/materials.svg") if repository else (folder, "materials.svg")
+    draw(made, os.path.join(home, picture))
+    with open(os.path.join(home, "materials.md"), "w", encoding="utf-8") as file:
+        file.write(page(made, picture))
+
+
+if __name__ == "__main__":
+    words = [word for word in sys.argv[1:] if word not in ("profiles", "repository")]
+    main(words[0] if words else ".", float(words[1]) if len(words) > 1 else 0.02, "profiles" in sys.argv, "repository" in sys.argv)

@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""A profile of skin with its three fits: skin_profile.py [DIR] [ERROR]
+
+Flies light skin of samples/materials.py at 610 nm, and leaves skin_profile.json, skin_profile.csv and a picture skin_profile.svg in DIR, by
+default the current directory. ERROR is the noise of the profile, by default 0.01. Needs what materials.py needs.
+SPDX-License-Identifier: MIT
+"""
+import os
+import sys
+
+import clustermcml as mc
+from materials import MATERIALS
+
+
+def main(folder, error):
+    skin = next(material for material in MATERIALS if material.name == "skin_light").scene()
+    profile = mc.profile(skin, target_error=error)
+    stem = os.path.join(folder, "skin_profile")
+    profile.to_json(stem + ".json")
+    profile.to_csv(stem + ".csv")
+    profile.plot(stem + ".svg")
+    print(f"A {float(profile.A):.4f} +- {float(profile.A_se):.4f}, mean r {10 * float(profile.mean_r):.3f} mm, noise {float(profile.noise):.4f}")
+    for kind in ("exponentials", "gaussians", "burley", "openpbr"):
+        print(f"{kind}: L1 {float(profile.fit(kind).L1):.4f}")
+    print(stem + ".svg")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else ".", float(sys.argv[2]) if len(sys.argv) > 2 else 0.01)

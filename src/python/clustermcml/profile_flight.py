@@ -1,0 +1,155 @@
+"""Flights of a subsurface profile: a pencil of light, and how far from it the light leaves.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional, Sequence
+
+import numpy as np
+
+from . import errors
+from .program import fly, option_words, result_of, scratch_folder
+from .relit import relit_text
+
+BINS = 400
+INSIDE = 0.999  # share of the light within the bins, as the pilot has it
+PILOT = 10_000
+MOST_SAVED = 1_000_000  # packets of a round over tiles, which are held in memory
+SIDE = 32  # places of light along each side of a period
+BATCHES = 64  # of the places, for errors
+OTHER_SEED = 2**40  # between the seeds of rounds
+PILOT_SEED = 2**39
+LIGHT = {"normal": "", "diffuse": " light=lambertian"}
+
+
+@dataclass
+class Flight:
+    """light, light_se: share of the launched packets in every bin, and last beyond them. Its sum is Rd."""
+
+    photons: int
+    light: Any
+    light_se: Any
+    Rd_se: float
+    Rsp: float
+    attrs: Mapping[str, Any]
+
+    @property
+    def Rd(self) -> float:
+        return math.fsum(self.light)
+
+    def noise(self) -> float:
+        """The mean of the integral of |S - truth| 2 pi r dr / Rd, for normal errors of the bins."""
+        return float(math.sqrt(2 / math.pi) * self.light_se.sum() / self.Rd)
+
+    def joined(self, other: Flight) -> Flight:
+        """The mean of both by their photons. Seeds differ, so errors are independent."""
+        photons = self.photons + other.photons
+        a, b = self.photons / photons, other.photons / photons
+        return Flight(photons, a * self.light + b * other.light, np.hypot(a * self.light_se, b * other.light_se),
+                      math.hypot(a * self.Rd_se, b * other.Rd_se), a * self.Rsp + b * other.Rsp, self.attrs)
+
+
+@dataclass
+class Target:
+    """What is lit. period: of the tiles [cm], None for planes. light: normal or diffuse. shown: the scene as messages name it."""
+
+    path: str
+    period: Optional[Sequence[float]]
+    light: str
+    shown: object
+    numbers: Mapping[str, float]  # of a channel, as --set takes them
+    threads: Optional[int]
+
+    def words(self, photons: int, seed: int) -> list[str]:
+        return option_words({"photons": photons, "seed": seed, "threads": self.threads, "set": self.numbers, "ignore_absorption": True})
+
+    def places(self, seed: int) -> Any:
+        """Where pencils of light arrive, [n, 2] in cm. Over tiles one lies at random in each cell of a grid, in random order."""
+        if self.period is None:
+            return np.zeros((1, 2))
+        draw = np.random.Generator(np.random.PCG64(seed))
+        y, x = np.divmod(np.argsort(draw.random(SIDE * SIDE), kind="stable"), SIDE)
+        return (np.stack([x, y], axis=1) + draw.random((SIDE * SIDE, 2))) / SIDE * np.asarray(self.period)
+
+
+def _fly(target: Target, lines: Sequence[str], grid: tuple[float, int], photons: int, seed: int, scratch: str) -> dict[str, Any]:
+    """What the program says of the scene with other lines for its light. grid: dr and nr."""
+    text = relit_text(target.path, lines).split("\n")
+    head = 3 + len(lines)
+    text[2], text[head + 1], text[head + 2] = "scene.h5 B", f"1 {grid[0]!r}", f"1 {grid[1]} 1"
+    path = os.path.join(scratch, "scene.mci")
+    with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
+        file.write("\n".join(text))
+    return fly(path, scratch, target.words(photons, seed), None, scratch, notes=False)[0]
+
+
+def fly_packets(target: Target, photons: int, seed: int) -> tuple[Any, Any, Any, dict[str, Any], Any]:
+    """Packets that leave upward from inside: distance [cm] from where the packet came in, weight, and number of that place. Then what the
+    program says, and the result."""
+    from .photons import read_photons
+    places = target.places(seed)
+    lines = [f"beam pencil at={x!r},{y!r}{LIGHT[target.light]}" for x, y in places.tolist()] + [f'photons "leave" limit={photons}']
+    with scratch_folder() as scratch:
+        told = _fly(target, lines, (1.0, 1), photons, seed, scratch)
+        table, result = read_photons(os.path.join(scratch, "leave.photons.h5")), result_of(told)
+    table = table[table["side"] == 0]
+    place = table.index.to_numpy() >> 48 if len(places) > 1 else np.zeros(len(table), int)
+    offset = table[["x", "y"]].to_numpy(float) - places[place]
+    return np.hypot(offset[:, 0], offset[:, 1]), table["weight"].to_numpy(float), place, told, result
+
+
+def bin_width(target: Target, seed: int) -> float:
+    """The width of bins [cm] that hold 99.9 % of the light of a pilot."""
+    radius, weight, *_ = fly_packets(target, PILOT, seed + PILOT_SEED)
+    order = np.argsort(radius, kind="stable")
+    sums = np.cumsum(weight[order])
+    last = float(radius[order][np.searchsorted(sums, INSIDE * sums[-1])]) if len(sums) else 0.0
+    if not last > 0:
+        raise errors.refuse("scene", target.shown, "a material from which light comes back beside the place where it came in")
+    return float(f"{last / BINS:.3g}")
+
+
+def _fly_planes(target: Target, width: float, bins: int, photons: int, seed: int) -> Flight:
+    with scratch_folder() as scratch:
+        told = _fly(target, ["beam pencil" + LIGHT[target.light]], (width, bins + 1), photons, seed, scratch)
+        result = result_of(told)
+    area = 2 * np.pi * (np.arange(bins + 1) + 0.5) * width**2
+    return Flight(photons, result["Rd_r"].values * area, result["Rd_r_se"].values * area, float(result["Rd_se"]), float(result["Rsp"]), result.attrs)
+
+
+def _fly_tiles(target: Target, width: float, bins: int, photons: int, seed: int) -> Flight:
+    """Errors are those of the spread between batches of places."""
+    radius, weight, place, _, result = fly_packets(target, photons, seed)
+    which = np.minimum(radius / width, bins).astype(int)
+    parts = np.bincount(place % BATCHES * (bins + 1) + which, weights=weight, minlength=BATCHES * (bins + 1)).reshape(BATCHES, -1)
+    spread = math.sqrt(BATCHES) / photons
+    return Flight(photons, parts.sum(axis=0) / photons, parts.std(axis=0, ddof=1) * spread, float(parts.sum(axis=1).std(ddof=1)) * spread,
+                  float(result["Rsp"]), result.attrs)
+
+
+def fly_profile(target: Target, width: float, photons: int, error: Optional[float], seed: int, bins: int = BINS) -> Flight:
+    """Flies `photons`, and where an error is asked for further rounds with seeds of their own, until the noise is at most that."""
+    one = _fly_planes if target.period is None else _fly_tiles
+    step = 1 if target.period is None else SIDE * SIDE  # as many packets at each place
+    most = 2**48 if target.period is None else MOST_SAVED // step * step
+    need, turn = photons, 0
+    total: Optional[Flight] = None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        while need > 0:
+            more = min(most, -(-need // step) * step)
+            flown = one(target, width, bins, more, seed + turn * OTHER_SEED)
+            total = flown if total is None else total.joined(flown)
+            turn, need = turn + 1, need - more
+            if need <= 0 and error is not None and total.noise() > error:
+                need = math.ceil(1.05 * total.photons * ((total.noise() / error) ** 2 - 1))
+    assert total is not None
+    if not total.Rd > 0:
+        raise errors.refuse("scene", target.shown, "a material from which light comes back")
+    return total

@@ -71,11 +71,11 @@ static double steepest_facet(const struct cml_mesh *mesh)
     return steepest;
 }
 
-/* The reason, and what the mesh is where its cells are walked. */
+/* The reason, and that the mesh is a sheet, whose cells are walked. */
 static void give_reason(const char *reason, struct cml_surface_def *def)
 {
-    const char *walk = cml_mesh_surface_walk(def->mesh);
-    snprintf(def->reason, sizeof def->reason, "%s%s%s", reason, walk ? ", " : "", walk ? walk : "");
+    snprintf(def->reason, sizeof def->reason, "%s%s", reason,
+             cml_mesh_surface_is_sheet(def->mesh) ? ", a sheet" : "");
 }
 
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_surface_options *options,

@@ -1,6 +1,6 @@
 /* How each boundary of a scene is represented: plane, cones or mesh, and why.
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
- * marched as exact cones, meshes that are regular grids or sheets are walked, other ones have a tree. A
+ * marched as exact cones, meshes that are sheets are walked, other ones have a tree. A
  * representation can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -11,10 +11,10 @@ grep -q 'simplified to [0-9]* of 11970 triangles, height error <= [0-9.e-]* cm (
     "$work/out" || complain "check does not state the bound: $(grep simplified "$work/out")"
 grep -q "skirt of 0.0025 x 0.0025 cm around it to the rim's mean height" "$work/out" || complain "check does not name the skirt"
 
-# Merged or not, a scan is a regular grid that the cpu engine walks, unless it is told not to; nobody can tell.
-[ "$(grep -c 'and a skirt, a regular grid)' "$work/out")" = 2 ] || complain "check does not name the regular grids"
+# Merged or not, a scan is a sheet that the cpu engine walks, unless it is told not to; nobody can tell.
+[ "$(grep -c 'and a skirt, a sheet)' "$work/out")" = 2 ] || complain "check does not name the sheets"
 expect_code 0 check samples/scan.mci --mesh-search embree
-grep -q 'a regular grid' "$work/out" && complain "--mesh-search embree walks a regular grid"
+grep -q 'a sheet' "$work/out" && complain "--mesh-search embree walks a sheet"
 expect_code 0 samples/scan.mci --photons 1e5 --seed 4 --quiet -o "$work"
 mv "$work/scan.mco" "$work/walked.mco"
 expect_code 0 samples/scan.mci --photons 1e5 --seed 5 --quiet --mesh-search embree -o "$work"

@@ -10,7 +10,7 @@ scene() { # NAME LINE [BEFORE]
 plain() { sed -e '/^# User time/d' -e '/^# boundary/d' -e '/output file name/d' "$1"; }
 
 expect_code 0 check samples/furrows.mci
-grep -q 'heightmap repeated every 0.16 x 0.16 cm, a regular grid' "$work/out" || complain "check does not name the period"
+grep -q 'heightmap repeated every 0.16 x 0.16 cm, a sheet' "$work/out" || complain "check does not name the period"
 grep -q 'tile of boundary 0: 64 x 64 heights, 0.0025 x 0.0025 cm apart, repeated every 0.16 x 0.16 cm over the whole plane' \
     "$work/out" || complain "check does not describe the tile"
 grep -q 'the beam does not repeat' "$work/out" || complain "check does not say that the beam does not repeat"

@@ -115,7 +115,7 @@ const struct cml_option cml_option_table[] = {
      "of a tessellated heightfield: area (area-preserving, default) or inscribed",
      WORD(surface.tessellation.inscribed, "area inscribed")},
     {"mesh-search", 0, "KIND", FLYING | CHECK, "cpu",
-     "of engine cpu: auto (default; regular grids and sheets are walked, others have a tree), tree or embree",
+     "of engine cpu: auto (default; sheets are walked, others have a tree), tree or embree",
      WORD(surface.search, "auto tree embree")},
 
     {"engine", 0, "NAME", RUN | CHECK | TRACE | FURNACE, NULL, "cpu (default), reference or opencl",

@@ -139,7 +139,7 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
 }
 
 /* Vertices are numbered in the order of the samples, so that a map where nothing was merged stays a regular
- * grid, row by row: the mesh's query knows such grids (surface/mesh/grid_mesh.h). */
+ * grid, row by row. */
 static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
                         struct cml_error *err)
 {

@@ -1,5 +1,5 @@
 /* Code, included by the engine's loops over lanes and so compiled once for each level of the processor. Most
- * rays of packets near a sheet or a regular grid (grid_mesh.h), many together in vector loops: where each of
+ * rays of packets near a sheet (sheet_mesh.h), many together in vector loops: where each of
  * them first crosses the mesh or its outer plane, or that it does not.
  *
  *        o packet
@@ -176,89 +176,6 @@ static inline int cml_grid_lane_answer(double sign, double along, double t, doub
     return sure ? answer : CML_GRID_UNDECIDED;
 }
 
-/* The least distance, in cells, of a place (u, v) of the unit cell from its sides; negative outside. */
-static inline double cml_grid_lane_inside(double u, double v)
-{
-    return cml_smaller(cml_smaller(u, 1 - u), cml_smaller(v, 1 - v));
-}
-
-/* A ray and the facet on one side of its cell's diagonal: where it crosses the facet's plane, and how far
- * inside the facet, in cells, it is there, or at its end if that comes first. */
-struct cml_grid_lane_facet {
-    double a, b, c, along, t, inside; /* a, b, c: its unit normal */
-};
-
-static inline struct cml_grid_lane_facet cml_grid_lane_facet(struct cml_grid_scale scale,
-                                                             const double *planes, int at,
-                                                             const struct cml_grid_lanes *l, int k, int south,
-                                                             int falling, int whole)
-{
-    const double x = l->origin[0][k], y = l->origin[1][k], z = l->origin[2][k];
-    const double ux = l->direction[0][k], uy = l->direction[1][k], uz = l->direction[2][k];
-    const double a = planes[at], b = planes[at + 1], c = planes[at + 2], along = ux * a + uy * b + uz * c;
-    const double t = (planes[at + 3] - (x * a + y * b + z * c)) / along, to = cml_smaller(t, l->end[k]);
-    const double u = (x + to * ux - scale.x_corner) * scale.x_scale - l->cell[0][k],
-                 v = (y + to * uy - scale.y_corner) * scale.y_scale - l->cell[1][k];
-    const double above = falling ? u + v - 1 : v - u, behind = south ? -above : above;
-    const double inside = cml_smaller(cml_grid_lane_inside(u, v), whole ? 1 : behind);
-    const struct cml_grid_lane_facet facet = {a, b, c, along, t, inside};
-    return facet;
-}
-
-/* Intersects each ray with the two facets of its cell of a regular grid. A ray that crosses neither goes on
- * to the cell in which it meets the plane of the nearer one. Returns 1 where it is worth to try again. */
-CML_GRID_LOOP int cml_grid_lanes_intersect(const struct cml_grid_view *view, int first,
-                                           struct cml_grid_lanes *l)
-{
-    const struct cml_grid_mesh *grid = view->grid;
-    const struct cml_grid_scale scale = cml_grid_scale_of(grid);
-    const double *planes = &grid->planes[0].south[0];
-    const uint32_t *cells = &grid->cell[0].south;
-    const double err_cell = grid->err_cell, sign = view->side;
-    const int count = l->count;
-    int again = 0;
-#pragma omp simd reduction(| : again)
-    for (int k = first; k < first + CML_GRID_GROUP; k++) {
-        const int index = l->index[k], answered = l->answer[k] != CML_GRID_UNDECIDED;
-        const uint32_t south = cells[2 * index], north = cells[2 * index + 1];
-        const int falling = (south & CML_GRID_MESH_FALLING) != 0, whole = south == north,
-                  full = (south != CML_GRID_MESH_NO_FACET) & (north != CML_GRID_MESH_NO_FACET);
-        const struct cml_grid_lane_facet s =
-            cml_grid_lane_facet(scale, planes, 8 * index, l, k, 1, falling, whole);
-        const struct cml_grid_lane_facet n =
-            cml_grid_lane_facet(scale, planes, 8 * index + 4, l, k, 0, falling, 0);
-        const int is_s = s.inside > err_cell, is_inside = is_s | (n.inside > err_cell);
-        const int nearer = is_s | (s.inside > n.inside); /* the one that is inside, or else the nearer one */
-        const double along = nearer ? s.along : n.along, t = nearer ? s.t : n.t,
-                     last = cml_smaller(t, l->end[k]);
-        const int found = cml_grid_lane_answer(sign, along, t, l->end[k], l->err[k]);
-        const int answer = (is_inside & full) ? found : CML_GRID_UNDECIDED;
-        const int facet = (int)((nearer ? south : north) & ~CML_GRID_MESH_FALLING);
-        const int beside = !answered & !is_inside & ((nearer ? s.inside : n.inside) > -1.5) & (k < count);
-        const int i = cml_grid_lane_cell((l->origin[0][k] + last * l->direction[0][k] - scale.x_corner) *
-                                             scale.x_scale,
-                                         scale.x_last),
-                  j = cml_grid_lane_cell((l->origin[1][k] + last * l->direction[1][k] - scale.y_corner) *
-                                             scale.y_scale,
-                                         scale.y_last);
-        l->answer[k] = answered ? l->answer[k] : answer;
-        l->primitive[k] = answered ? l->primitive[k] : facet;
-        l->t[k] = answered ? l->t[k] : (real)t;
-        l->at_x[k] = answered ? l->at_x[k] : (real)((double)l->x[k] + last * l->direction[0][k]);
-        l->at_y[k] = answered ? l->at_y[k] : (real)((double)l->y[k] + last * l->direction[1][k]);
-        l->at_z[k] = answered ? l->at_z[k] : (real)((double)l->z[k] + last * l->direction[2][k]);
-        l->normal_x[k] = answered ? l->normal_x[k] : (real)(nearer ? s.a : n.a);
-        l->normal_y[k] = answered ? l->normal_y[k] : (real)(nearer ? s.b : n.b);
-        l->normal_z[k] = answered ? l->normal_z[k] : (real)(nearer ? s.c : n.c);
-        l->way[k] = last;
-        l->cell[0][k] = beside ? i : l->cell[0][k];
-        l->cell[1][k] = beside ? j : l->cell[1][k];
-        l->index[k] = beside ? cml_grid_lane_index(i, j, scale.tiles) : index;
-        again |= beside;
-    }
-    return again;
-}
-
 /* The least barycentric weight of a place in a facet of a sheet; negative outside. */
 static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, double x, double y)
 {
@@ -267,7 +184,7 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
     return cml_smaller(cml_smaller(v, w), 1 - v - w);
 }
 
-/* Intersects a ray with a facet of its cell of a sheet; 1 where the ray crosses the facet's plane, or ends,
+/* Intersects a ray with a facet of its cell; 1 where the ray crosses the facet's plane, or ends,
  * well inside the facet, and so has its answer. */
 static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view, uint32_t number, int k,
                                                 struct cml_grid_lanes *l)
@@ -292,13 +209,12 @@ static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view
     return 1;
 }
 
-/* Intersects each ray with the facets that its cell of a sheet lists, the likeliest first. A query reads
+/* Intersects each ray with the facets that its cell lists, the likeliest first. A query reads
  * cell, list and facets, each from the address that the one before has told, and would wait for each; those
  * of a mesh of 1e5 triangles are too many for a processor's second cache. All rays ask for the next one
  * before the first goes on, so that they come together [group prefetching: Chen, Ailamaki, Gibbons and Mowry,
  * Improving hash join performance through prefetching, ICDE 2004]. */
-static void cml_grid_lanes_intersect_lists(const struct cml_grid_view *view, int first,
-                                           struct cml_grid_lanes *l)
+static void cml_grid_lanes_intersect(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_grid_mesh *grid = view->grid;
     int pending[CML_GRID_GROUP], count = 0;
@@ -349,17 +265,13 @@ CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int fi
     }
 }
 
-/* Fills the answers. Most rays that cross the mesh beside the cell that was guessed cross it in the one in
- * which they meet the planes of its facets. */
+/* Fills the answers. */
 static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid_lanes *l)
 {
     for (int first = 0; first < l->count; first += CML_GRID_GROUP) {
         cml_grid_lanes_begin(view, first, l);
         cml_grid_lanes_guess(view->grid, first, l);
-        if (view->grid->first)
-            cml_grid_lanes_intersect_lists(view, first, l);
-        else if (cml_grid_lanes_intersect(view, first, l))
-            cml_grid_lanes_intersect(view, first, l);
+        cml_grid_lanes_intersect(view, first, l);
         cml_grid_lanes_check(view, first, l);
     }
 }

@@ -70,63 +70,17 @@ static int clamp_to_cell(double position, int n)
 }
 
 /* Whether a position is inside [low, low + size] by more than rounding. */
-static bool is_well_within(double position, double low, double size, double err_cell)
+static bool is_well_within(double position, double low, double size)
 {
     return position - low > err_cell && position - low < size - err_cell;
 }
 
-/* Whether the ray stays beside the grid along an axis, so that a mesh without other facets is missed. */
+/* Whether the ray stays beside the grid along an axis, so that the mesh is missed. */
 static bool misses_grid(const struct traversal *w, int k, struct interval ray)
 {
     const double first = position_at(&w->axis[k], ray.t_min), last = position_at(&w->axis[k], ray.t_max);
-    const double err_cell = w->grid->err_cell, n = w->grid->n[k];
-    return w->grid->is_whole &&
-           ((first < -err_cell && last < -err_cell) || (first > n + err_cell && last > n + err_cell));
-}
-
-/* How far a place (u, v) of the unit cell lies on a facet's side of the diagonal, in cells along an axis. */
-static double depth_behind_diagonal(double u, double v, bool falling, bool south)
-{
-    const double above = falling ? u + v - 1 : v - u;
-    return south ? -above : above;
-}
-
-/* The least distance, in cells, of a place (u, v) of the unit cell from the sides of its facet; negative
- * outside. A facet that fills the cell has no diagonal. */
-static double depth_in_facet(double u, double v, struct cml_grid_mesh_cell cell, bool south)
-{
-    double inside = u < 1 - u ? u : 1 - u;
-    if (v < inside) inside = v;
-    if (1 - v < inside) inside = 1 - v;
-    if (cell.south == cell.north) return inside;
-    const double w = depth_behind_diagonal(u, v, cell.south & CML_GRID_MESH_FALLING, south);
-    return w < inside ? w : inside;
-}
-
-/* The ray against one of a cell's two facets; *t is filled unless the verdict is MISS by direction. Inside
- * and outside are told in the plane of x and y, where facets are known exactly: half cells. Only hits that
- * lie inside by more than rounding count, so which facet is hit, and that none was passed, does not depend on
- * it.
- */
-static enum verdict intersect_facet(const struct traversal *w, const int node[2],
-                                    struct cml_grid_mesh_cell cell, bool south, const double plane[4],
-                                    struct interval part, double *t)
-{
-    struct cml_mesh_query *q = w->q;
-    const uint32_t facet = (south ? cell.south : cell.north) & ~CML_GRID_MESH_FALLING;
-    const double err_cell = w->grid->err_cell;
-    const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
-    const double height = plane[3] - cml_vec3_dot(q->origin, plane);
-    if (fabs(height) <= q->contact_distance) q->in_doubt = true;
-    if ((int)facet == q->exclude || leading_away <= -err_sine_grid) return MISS;
-    if (leading_away < err_sine_grid) return UNDECIDED;
-    *t = height / along;
-    if (!(*t >= part.t_min && *t <= part.t_max)) return MISS;
-    const bool may_lie_behind = *t < q->t_min + err_start * q->centred->upper[0];
-    const double u = position_at(&w->axis[0], *t) - node[0], v = position_at(&w->axis[1], *t) - node[1];
-    const double inside = depth_in_facet(u, v, cell, south);
-    if (inside < -err_cell) return MISS;
-    return inside > err_cell && !may_lie_behind ? HIT : UNDECIDED;
+    const double n = w->grid->n[k];
+    return (first < -err_cell && last < -err_cell) || (first > n + err_cell && last > n + err_cell);
 }
 
 /* Barycentric weights of the ray's place at t from areas in x and y: in proportion to those in the facet,
@@ -145,34 +99,11 @@ static void find_weights(const struct cml_mesh_query *q, int facet, double t, do
 
 /* Weights are found only for normals that are interpolated from vertices: nothing else asks for them. Equal
  * ones keep the hit away from vertices. */
-static void add_hit(struct cml_mesh_query *q, uint32_t mark, const double plane[4], double t)
+static void add_hit(struct cml_mesh_query *q, int facet, const double plane[4], double t)
 {
-    const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
     double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
     if (q->centred->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, facet, t, weight);
     cml_query_add_inner_hit(q, facet, plane, t, weight);
-}
-
-/* Both facets are tested even when the first is hit: the other may come before it, or be too close to tell.
- */
-static enum verdict intersect_cell(const struct traversal *w, const int node[2], size_t index,
-                                   struct interval part)
-{
-    const struct cml_grid_mesh_cell cell = w->grid->cell[index];
-    const struct cml_grid_mesh_planes *planes = &w->grid->planes[index];
-    if (cell.south == CML_GRID_MESH_NO_FACET || cell.north == CML_GRID_MESH_NO_FACET) return UNDECIDED;
-    double t = INFINITY, t_north = INFINITY;
-    const enum verdict south = intersect_facet(w, node, cell, true, planes->south, part, &t);
-    const enum verdict north = cell.south == cell.north
-                                   ? MISS
-                                   : intersect_facet(w, node, cell, false, planes->north, part, &t_north);
-    if (south == UNDECIDED || north == UNDECIDED) return UNDECIDED;
-    if (south == MISS && north == MISS) return MISS;
-    if (south == HIT && !(north == HIT && t_north < t))
-        add_hit(w->q, cell.south, planes->south, t);
-    else
-        add_hit(w->q, cell.north, planes->north, t_north);
-    return HIT;
 }
 
 /* The least weight of a place of the ray in a facet of a sheet; negative outside. */
@@ -185,9 +116,8 @@ static double least_weight(const struct cml_mesh_query *q, const struct cml_shee
     return a < least ? a : least;
 }
 
-/* intersect_cell of a sheet: all facets of the cell's list. Without branches, which would mostly be guessed
- * wrong. */
-static enum verdict intersect_list(const struct traversal *w, size_t index, struct interval part)
+/* All facets of a cell's list. Without branches, which would mostly be guessed wrong. */
+static enum verdict intersect_cell(const struct traversal *w, size_t index, struct interval part)
 {
     struct cml_mesh_query *q = w->q;
     const struct cml_grid_mesh *grid = w->grid;
@@ -214,7 +144,7 @@ static enum verdict intersect_list(const struct traversal *w, size_t index, stru
     if (touches) q->in_doubt = true;
     if (undecided) return UNDECIDED;
     if (!hit) return MISS;
-    add_hit(q, (uint32_t)(hit - grid->facet), hit->plane, t_hit);
+    add_hit(q, (int)(hit - grid->facet), hit->plane, t_hit);
     return HIT;
 }
 
@@ -236,7 +166,7 @@ static struct interval clip_to_depths(const struct traversal *w, struct cml_grid
  * two to tell. The outer borders of the range do not count: the ray is known to be in the range. */
 static bool find_node(const struct traversal *w, int level, const struct range *range, double t, int node[2])
 {
-    const double size = (double)(1 << 2 * level), err_cell = w->grid->err_cell;
+    const double size = (double)(1 << 2 * level);
     for (int k = 0; k < 2; k++) {
         const double x = position_at(&w->axis[k], t);
         int i = (int)(x / size);
@@ -273,14 +203,9 @@ static enum verdict visit_node(const struct traversal *w, int level, const int n
 {
     const struct cml_grid_mesh_level *nodes = &w->grid->level[level];
     const size_t index = cml_grid_mesh_index(nodes, node[0], node[1]);
-    if (level == 0 && w->grid->cell) { /* fetched while the depths are */
-        __builtin_prefetch(&w->grid->cell[index]);
-        __builtin_prefetch(&w->grid->planes[index]);
-    }
     const struct interval clipped = clip_to_depths(w, nodes->depths[index], part);
     if (clipped.t_min > clipped.t_max) return MISS;
-    if (level == 0)
-        return w->grid->cell ? intersect_cell(w, node, index, part) : intersect_list(w, index, part);
+    if (level == 0) return intersect_cell(w, index, part);
     const struct range range = children_of(w, level, node);
     int first[2];
     if (clipped.t_min > enter && find_node(w, level - 1, &range, clipped.t_min, first))
@@ -305,7 +230,7 @@ static double leave_at(const struct traversal *w, int k, int node, double size)
 static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
                              double enter, struct interval part)
 {
-    const double size = (double)(1 << 2 * level), err_cell = w->grid->err_cell;
+    const double size = (double)(1 << 2 * level);
     const int step[2] = {w->axis[0].inverse > 0 ? 1 : -1, w->axis[1].inverse > 0 ? 1 : -1};
     const double err_t[2] = {err_cell * fabs(w->axis[0].inverse), err_cell * fabs(w->axis[1].inverse)};
     double t_next[2] = {leave_at(w, 0, node[0], size), leave_at(w, 1, node[1], size)};
@@ -317,7 +242,7 @@ static enum verdict traverse(const struct traversal *w, int level, const struct 
         if (verdict != MISS || leave > part.t_max) return verdict;
         const int next = node[leaving] + step[leaving];
         if (next < range->first[leaving] || next > range->last[leaving]) return MISS;
-        if (!is_well_within(position_at(&w->axis[staying], leave), node[staying] * size, size, err_cell))
+        if (!is_well_within(position_at(&w->axis[staying], leave), node[staying] * size, size))
             return UNDECIDED;
         node[leaving] = next;
         t_next[leaving] = leave_at(w, leaving, next, size);
@@ -338,8 +263,8 @@ static int find_start_level(const struct traversal *w, const int first[2], const
     return level;
 }
 
-/* Traverses the grid from the cell in which the ray begins. Where the ray ends near a cell's border, or
- * beyond a grid that is not the whole mesh, a miss of the visited cells says nothing of the next ones. */
+/* Traverses the grid from the cell in which the ray begins. Where the ray ends near a cell's border, a miss
+ * of the visited cells says nothing of the next ones. */
 static enum verdict traverse_grid(const struct traversal *w, struct interval ray)
 {
     const struct cml_grid_mesh *grid = w->grid;
@@ -350,16 +275,16 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
         const double first = position_at(&w->axis[k], ray.t_min);
         last[k] = position_at(&w->axis[k], ray.t_max);
         node[k] = (int)first;
-        if (!is_well_within(first, node[k], 1, grid->err_cell)) return UNDECIDED;
+        if (!is_well_within(first, node[k], 1)) return UNDECIDED;
         ends_inside = ends_inside && is_within(last[k], grid->n[k]);
-        ends_in_cell = ends_in_cell && is_well_within(last[k], floor(last[k]), 1, grid->err_cell);
+        ends_in_cell = ends_in_cell && is_well_within(last[k], floor(last[k]), 1);
     }
     const int level = find_start_level(w, node, last);
     const int *n = grid->level[level].n;
     const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
     for (int k = 0; k < 2; k++) node[k] >>= 2 * level;
     const enum verdict verdict = traverse(w, level, &all, node, ray.t_min, ray);
-    return verdict == MISS && !(ends_inside ? ends_in_cell : grid->is_whole) ? UNDECIDED : verdict;
+    return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)

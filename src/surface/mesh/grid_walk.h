@@ -1,4 +1,4 @@
-/* A ray's first crossing of a mesh that is a regular grid (grid_mesh.h), without a tree: a traversal of the
+/* A ray's first crossing of a sheet (sheet_mesh.h), without a tree: a traversal of the
  * cells below the ray [Amanatides and Woo, A fast voxel traversal algorithm for ray tracing, Eurographics
  * 1987], and of blocks of cells, which it enters only where it is between their least and greatest depth
  * [Tevs, Ihrke and Seidel, Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering,
@@ -7,7 +7,7 @@
  * How it goes: the ray is written in cells along x and y and in depth steps along z, and clipped to the
  * depths of the whole mesh. It starts at a level of the pyramid where it crosses few nodes, and goes from
  * node to node. A node whose depths it misses is passed over; else its 4 x 4 children are traversed in the
- * same way, down to cells, whose one or two facets are tested.
+ * same way, down to cells, whose facets are tested.
  *
  * Everything is in double, and every test has three answers: hit, miss, and undecided where rounding could
  * change it: at edges, near the corners where four nodes meet, in a facet's own plane. The first undecided

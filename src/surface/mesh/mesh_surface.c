@@ -25,7 +25,7 @@ struct cml_mesh_surface {
     struct cml_centred_mesh centred;
     _Atomic ssize_t embree_bytes;       /* kept by Embree's threads */
     RTCScene boxes;                     /* around triangles, which are tested in double */
-    struct cml_grid_mesh grid;          /* walked; regular or of a sheet */
+    struct cml_grid_mesh grid;          /* walked; of a sheet */
     struct cml_facet_tree tree;         /* asked where there are no cells; without nodes: not */
     const struct cml_tree_level *level; /* of the processor */
     struct cml_safe_map map;            /* beside the tree, of what overhangs; without safe distances: not */
@@ -475,8 +475,7 @@ static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_s
     struct cml_grid_mesh *grid = &surface->grid;
     const bool may_have_cells = search == CML_SEARCH_AUTO && !surface->centred.mesh.closed;
     if (search == CML_SEARCH_EMBREE) return CML_OK;
-    if (may_have_cells) CML_TRY(cml_grid_mesh_find(&surface->centred, grid, err));
-    if (may_have_cells && !grid->levels) CML_TRY(cml_sheet_mesh_find(&surface->centred, grid, err));
+    if (may_have_cells) CML_TRY(cml_sheet_mesh_find(&surface->centred, grid, err));
     return grid->levels ? CML_OK : build_tree(surface, err);
 }
 
@@ -583,7 +582,7 @@ const char *cml_mesh_library(void)
     return "Embree " RTC_VERSION_STRING;
 }
 
-const char *cml_mesh_surface_walk(const struct cml_mesh_surface *surface)
+bool cml_mesh_surface_is_sheet(const struct cml_mesh_surface *surface)
 {
-    return surface->grid.cell ? "a regular grid" : surface->grid.levels ? "a sheet" : NULL;
+    return surface->grid.levels > 0;
 }

@@ -5,8 +5,8 @@
  * DAGMC calls this interface between Embree and double precision "double-down". Tree: one of our own
  * (surface/tree/facet_tree.h) finds the facet in single precision where that is plain, and its distance is
  * computed in double; else it names the few facets that are in doubt, and these are tested in double. Grid:
- * where the mesh is a regular grid (grid_mesh.h) or a sheet (sheet_mesh.h), a traversal of the cells below
- * the ray takes the tree's place (grid_walk.h); where it leaves the answer open the exact way decides.
+ * where the mesh is a sheet (sheet_mesh.h), a traversal of the cells below the ray takes the tree's place
+ * (grid_walk.h); where it leaves the answer open the exact way decides.
  * Whatever the way, a crossing in which rounding had a say is decided by the whole line (mesh_line.h). The
  * outer plane with the footprint as its hole belongs to the surface. A closed mesh has none: below it is
  * inside. The only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
@@ -20,7 +20,7 @@
 #include "surface/mesh/tile_path.h"
 
 enum cml_mesh_search {
-    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid or a sheet, our own tree elsewhere */
+    CML_SEARCH_AUTO,   /* a walk over the cells of a sheet, our own tree elsewhere */
     CML_SEARCH_TREE,   /* always our own tree */
     CML_SEARCH_EMBREE, /* always Embree's */
 };
@@ -43,8 +43,8 @@ CML_NODISCARD cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, dou
 
 void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 
-/* What the mesh is where the fast query walks it: "a regular grid" or "a sheet"; else NULL. */
-const char *cml_mesh_surface_walk(const struct cml_mesh_surface *surface);
+/* Whether the mesh is a sheet, which the fast query walks. */
+bool cml_mesh_surface_is_sheet(const struct cml_mesh_surface *surface);
 
 /* Bytes that Embree, the fast search and the mesh itself hold. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);

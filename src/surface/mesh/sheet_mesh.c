@@ -49,16 +49,9 @@ static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* err_apart of a sheet's cells, see rounding.h. */
-static double err_apart_of(const struct cml_grid_mesh *grid)
-{
-    return 4 * grid->err_cell;
-}
-
 /* The cells below the shadow's box. */
 static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 {
-    const double err_apart = err_apart_of(grid);
     for (int k = 0; k < 2; k++) {
         const double a = s->corner[0][k], b = s->corner[1][k], c = s->corner[2][k];
         const double low = fmin(a, fmin(b, c)) - err_apart, high = fmax(a, fmax(b, c)) + err_apart;
@@ -93,9 +86,9 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
 
 /* How far inside the facet the middle of a cell lies, in cells; -INFINITY where a side of the facet separates
  * the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
-static float middle_inside(const struct cml_grid_mesh *grid, const struct shadow *s, int i, int j)
+static float middle_inside(const struct shadow *s, int i, int j)
 {
-    const double half = 0.5 + err_apart_of(grid);
+    const double half = 0.5 + err_apart;
     double inside = INFINITY;
     for (int c = 0; c < 3; c++) {
         const double *on = s->corner[(c + 1) % 3], *n = s->inward[c];
@@ -111,7 +104,7 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0];
     const double slope = fabs(s->slope[0]) + fabs(s->slope[1]);
-    const double pad = l->centred->err_float + err_apart_of(l->grid) * slope;
+    const double pad = l->centred->err_float + err_apart * slope;
     const double *at = s->corner[0];
     const double z = s->depth + s->slope[0] * (i + 0.5 - at[0]) + s->slope[1] * (j + 0.5 - at[1]);
     cml_grid_mesh_widen_depths(l->grid, fmax(z - 0.5 * slope, s->least) - pad,
@@ -154,7 +147,7 @@ static bool enter_facet(struct lists *l, size_t facet)
     for (int j = s.first[1]; j <= s.last[1]; j++)
         for (int i = s.first[0]; i <= s.last[0]; i++) {
             const size_t cell = cml_grid_mesh_index(&l->grid->level[0], i, j);
-            const float inside = middle_inside(l->grid, &s, i, j);
+            const float inside = middle_inside(&s, i, j);
             if (!(inside > -INFINITY)) continue;
             if (!add_entry(l, (struct entry){(uint32_t)cell, (uint32_t)facet, inside})) return false;
             l->grid->first[cell]++;
@@ -177,8 +170,6 @@ static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid
         grid->n[k] = (int)fmin(ceil(extent[k] / size), 1 << 28);
         grid->cells_per_cm[k] = grid->n[k] / extent[k];
     }
-    grid->err_cell = err_cell_least;
-    grid->is_whole = true;
     grid->facets = mesh->num_triangles;
 }
 
@@ -317,7 +308,7 @@ cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred, struct cm
 {
     struct lists l = {.centred = centred, .grid = grid};
     bool pays = false;
-    *grid = (struct cml_grid_mesh){.cell = NULL};
+    *grid = (struct cml_grid_mesh){.levels = 0};
     if (!faces_up(centred)) return CML_OK;
     choose_cells(centred, grid);
     const cml_status status = make_lists(&l, &pays, err);

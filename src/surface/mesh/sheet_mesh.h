@@ -1,6 +1,6 @@
-/* Cells under a mesh that is no regular grid but a single sheet: all its facets face up, so that, seen from
+/* Cells under a mesh that is a single sheet: all its facets face up, so that, seen from
  * above, they lie side by side. Every cell of a square grid lists the facets above it, and has their least
- * and greatest depth there; above the cells stands the pyramid of a regular grid (grid_mesh.h). A grid of
+ * and greatest depth there; above the cells stands a pyramid (grid_mesh.h). A grid of
  * lists is the oldest way to find what a ray meets [Fujimoto, Tanaka and Iwata, ARTS: accelerated ray-tracing
  * system, IEEE Computer Graphics and Applications 6 (4), 1986]. SPDX-License-Identifier: MIT */
 #pragma once

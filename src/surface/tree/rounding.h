@@ -66,11 +66,9 @@
  *     err_mesh moves that place by at most 3.6e-9 D. Fails: concave_vertex.
  *
  * Grids
- *   err_cell: How far, in cells, an edge may lie from where the grid says, and a ray from where it is. An
- *     edge: by the largest deviation of a vertex, twice. A ray: err_cell_least = 1e-6, see err_sine_grid.
- *     Fails: grid_walk (the first), none (the second).
- *   err_apart: Of a sheet, in cells: how far rounding may put facet, cell and ray apart, altogether: 4
- *     err_cell, for the three of them, and one to spare. Fails: none.
+ *   err_cell: How far, in cells, a ray may lie from where it is: 1e-6, see err_sine_grid. Fails: none.
+ *   err_apart: In cells, how far rounding may put facet, cell and ray apart, altogether: 4 err_cell, for the
+ *     three of them, and one to spare. Fails: none.
  *   err_start: In halves of the mesh's width, how far before the least distance of a crossing a traversal
  *     begins, and how far behind it hits are undecided: 1e-10, err_mesh / err_sine_grid in a square mesh.
  *     Fails: none.
@@ -92,5 +90,5 @@ static const double err_share_product = 4 * DBL_EPSILON;
 
 static const double err_weight = 1e-12, err_weight_sheet = 1e-4;
 static const double err_sine_grid = 1e-4, err_sine_edge = 1e-6;
-static const double err_cell_least = 1e-6, err_start = 1e-10;
+static const double err_cell = 1e-6, err_apart = 4e-6, err_start = 1e-10;
 static const double err_line_factor = 4, err_grazing_factor = 32, err_cover_factor = 64;

@@ -174,19 +174,8 @@ static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
     return ray;
 }
 
-/* The leaves that are named for the place where the ray is, if they decide. */
-static inline bool ask_named_leaves(const struct cml_mesh_surface *surface, const struct cml_tree_ray *ray,
-                                    struct cml_tree_answer *answer)
-{
-    const uint32_t *leaf;
-    const int count = surface->map.names ? cml_safe_map_leaves(&surface->map, ray, &leaf) : 0;
-    if (count) surface->level->ask_leaves(&surface->tree, leaf, count, ray, answer);
-    return count > 0;
-}
-
 /* What is not plain is decided in double: whatever the ray could meet is among the doubts. */
-static void query_tree(const struct cml_mesh_surface *surface, const struct cml_tree_answer *named,
-                       struct query *query)
+static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
 {
     static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
     struct cml_mesh_query *q = &query->ray;
@@ -194,10 +183,7 @@ static void query_tree(const struct cml_mesh_surface *surface, const struct cml_
     double leave;
     if (!cml_query_enter(q)) return;
     const struct cml_tree_ray ray = tree_ray(q);
-    if (named)
-        answer = *named;
-    else if (q->exclude == -1 || !ask_named_leaves(surface, &ray, &answer))
-        surface->level->ask(&surface->tree, &ray, &answer);
+    surface->level->ask(&surface->tree, &ray, &answer);
     q->in_doubt = answer.re_enters;
     if (answer.blurred) {
         query_embree(surface, query);
@@ -233,33 +219,8 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
     if (!cml_grid_walk(&surface->grid, &query->ray)) query_exact(surface, query);
 }
 
-/* The answer of the leaves that are named for a path that begins on no facet; false where they do not decide.
- */
-static bool ask_early(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
-                      double t_max, double err_position, struct cml_tree_answer *answer)
-{
-    const struct cml_centred_mesh *centred = &surface->centred;
-    struct cml_tree_ray ray = {.length = (float)fmin(t_max, (double)FLT_MAX),
-                               .margin = (float)(centred->err_margin + centred->err_mesh + err_position),
-                               .below = below,
-                               .exclude = -1};
-    for (int k = 0; k < 3; k++) {
-        ray.origin[k] = (float)(p[k] - centred->centre[k]);
-        ray.direction[k] = (float)u[k];
-    }
-    return ask_named_leaves(surface, &ray, answer);
-}
-
-static bool is_plain_miss(const struct cml_tree_answer *answer)
-{
-    return answer->facet < 0 && answer->doubts == 0 && !answer->blurred && !answer->re_enters;
-}
-
 /* Who is fast is asked first, and leaves to the next what it cannot decide for certain:
  *
- *   leaves named for the place (safe_map.h)  ------------------> a plain miss: nothing is crossed
- *         |  anything else
- *         v
  *   the cells (grid_walk.h), else the tree (facet_tree.h), else Embree's boxes
  *         |  undecided, or doubts
  *         v
@@ -278,11 +239,7 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
                            double err_position, struct cml_mesh_crossing *crossing)
 {
     struct query query;
-    struct cml_tree_answer answer;
-    const bool named = surface->map.names && exclude == -1 && !exact &&
-                       ask_early(surface, p, u, below, t_max, err_position, &answer);
     crossing->ends_near_facet = 0;
-    if (named && is_plain_miss(&answer)) return 0;
     query.line = NULL;
     query.contact_only = false;
     cml_query_begin(&query.ray, &surface->centred, p, u, below, t_max, exclude, undeflected, err_position);
@@ -291,7 +248,7 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
     else if (surface->grid.levels)
         query_grid(surface, &query);
     else if (surface->tree.nodes)
-        query_tree(surface, named ? &answer : NULL, &query);
+        query_tree(surface, &query);
     else
         query_embree(surface, &query);
     if (exact || !surface->grid.levels || !cml_grid_walk_covers(&surface->grid, &query.ray))
@@ -484,7 +441,7 @@ static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *
 {
     if (!surface->tree.nodes || surface->centred.mesh.closed) return CML_OK;
     const double bytes = MAP_BYTES + 0.25 * cml_mesh_surface_bytes(surface);
-    return cml_safe_map_create(&surface->centred, &surface->tree, bytes, &surface->map, err);
+    return cml_safe_map_create(&surface->centred, bytes, &surface->map, err);
 }
 
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,

@@ -77,22 +77,10 @@ void cml_facet_tree_clear(struct cml_facet_tree *tree);
 /* Bytes of all that a tree owns. */
 double cml_facet_tree_bytes(const struct cml_facet_tree *tree);
 
-#define CML_PLACES 8
-
-struct cml_flat_facet;
-
-/* The loops of one level. */
+/* The loop of one level. */
 struct cml_tree_level {
-    /* All facets. */
     void (*ask)(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray,
                 struct cml_tree_answer *answer);
-    /* Those of some leaves, given by their numbers. */
-    void (*ask_leaves)(const struct cml_facet_tree *tree, const uint32_t *leaf, int count,
-                       const struct cml_tree_ray *ray, struct cml_tree_answer *answer);
-    /* square: [count] of the distances of some facets, given by their numbers, from each place, cm2; place:
-     * x, y, z, cm. */
-    void (*squares)(const struct cml_flat_facet *flat, const uint32_t *facet, size_t count,
-                    const double place[3][CML_PLACES], double (*square)[CML_PLACES]);
 };
 
 #define CML_TREE_LEVELS 3

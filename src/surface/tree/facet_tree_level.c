@@ -1,6 +1,5 @@
 /* Rays through a tree of facets: facet_tree.h. Compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
-#include "surface/tree/facet_distance_inl.h"
 #include "surface/tree/facet_tree.h"
 #include "vector/processor.h"
 
@@ -236,26 +235,6 @@ static void ask(const struct cml_facet_tree *tree, const struct cml_tree_ray *ra
     end(&s);
 }
 
-static void ask_leaves(const struct cml_facet_tree *tree, const uint32_t *leaf, int count,
-                       const struct cml_tree_ray *ray, struct cml_tree_answer *answer)
-{
-    struct search s;
-    begin(tree, ray, &s, answer);
-    for (int i = 0; i < count; i++) search_leaf(&s, leaf[i]);
-    end(&s);
-}
-
-static void squares(const struct cml_flat_facet *flat, const uint32_t *facet, size_t count,
-                    const double place[3][CML_PLACES], double (*square)[CML_PLACES])
-{
-    for (size_t i = 0; i < count; i++) {
-        const struct cml_flat_facet own = flat[facet[i]];
-#pragma omp simd
-        for (int k = 0; k < CML_PLACES; k++)
-            square[i][k] = cml_flat_square(&own, place[0][k], place[1][k], place[2][k]);
-    }
-}
-
 /* declared in facet_tree.c only, which picks one */
 extern const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL);
-const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL) = {ask, ask_leaves, squares};
+const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL) = {ask};

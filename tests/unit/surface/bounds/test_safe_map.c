@@ -1,6 +1,6 @@
 /* Safe distances and safe paths against all facets in long double: random sheets that overhang, from 0.01 to
  * 10 cm wide, under beams and layers that cost digits. Paths are thrown at random, and aimed at the closest
- * place of the surface. Leaves that are named, by the crossings that other surfaces find.
+ * place of the surface.
  * SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/dice.h"
@@ -391,60 +391,12 @@ static void a_path_up_to_the_surface_is_not_safe(void **state)
     assert_true(safe > short_of_it / 4);
 }
 
-/* Paths as long as names reach, on either side of the sheet: what the named leaves say is what Embree's boxes
- * and doubles say. */
-static void named_leaves_have_all_that_a_path_can_meet(void **state)
-{
-    static struct scene scene;
-    long asked = 0, named = 0, found = 0;
-    for (uint32_t seed = 1; seed <= SCENES; seed++) {
-        struct dice dice = dice_new(300 + seed);
-        open_scene(state, seed, &scene);
-        const struct cml_surface_options options = {.force = CML_SURFACE_AUTO, .search = CML_SEARCH_EMBREE};
-        struct cml_surface_set boxes;
-        struct cml_error err;
-        require_ok(cml_surfaces_create(scene.bench.list.scenes, &options, &boxes, &err), &err);
-        for (int i = 0; i < repeats(4000); i++, asked++) {
-            double corner[3], u[3], p[3], middle[3];
-            const struct cml_safe_map *map = map_of(&scene, 0, corner);
-            dice_direction(&dice, u);
-            struct cml_tree_ray ray = {.length = (float)(map->cell * dice_between(&dice, 0, 8))};
-            cml_mesh_surface_mesh(scene.bench.surfaces.item[0].mesh, middle);
-            for (int k = 0; k < 3; k++) {
-                const double in_body = map->corner[k] + dice_between(&dice, 0, 1) * map->n[k] * map->cell;
-                p[k] = in_body + middle[k] - (k < 2 ? scene.origin[k] : 0);
-                ray.origin[k] = (float)in_body;
-                ray.direction[k] = (float)u[k];
-            }
-            const uint32_t *leaf;
-            if (!cml_safe_map_leaves(map, &ray, &leaf)) continue;
-            named++;
-            const place from = {p[0], p[1], p[2]}, above = {p[0], p[1], -100 * (long double)scene.size};
-            const int below = crossings(&scene.sheet[0], scene.origin, from, above) % 2;
-            struct cml_mesh_crossing crossing[2];
-            int hit[2];
-            for (int k = 0; k < 2; k++)
-                hit[k] = cml_mesh_surface_hit((k ? &boxes : &scene.bench.surfaces)->item[0].mesh, p, u, below,
-                                              (double)ray.length, -1, 0, 0, 0, &crossing[k]);
-            found += hit[0];
-            if (hit[0] != hit[1] || (hit[0] && crossing[0].primitive != crossing[1].primitive))
-                fail_msg("seed %u, path %d: meets %d, by boxes %d", seed, i, hit[0], hit[1]);
-        }
-        cml_surfaces_free(&boxes);
-        close_scene(&scene);
-    }
-    print_message("%ld of %ld paths have names, %ld of them meet the sheet\n", named, asked, found);
-    assert_true(named > asked / 8 && found > named / 32);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(no_ball_holds_a_part_of_the_surface, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(a_safe_path_meets_nothing, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(a_path_up_to_the_surface_is_not_safe, case_setup, case_teardown),
-        cmocka_unit_test_setup_teardown(named_leaves_have_all_that_a_path_can_meet, case_setup,
-                                        case_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

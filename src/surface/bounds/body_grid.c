@@ -16,7 +16,6 @@
 #define BAND 1      /* whole cells around the box of a triangle or a body that know their distance from it */
 #define BEYOND 1.5f /* cells: so far at least are the middles of all others */
 #define PAD 2       /* cells around the box of all bodies */
-#define BLOCK 4     /* cells along the edge of a cube of them that a body may pass over */
 /* A cell is at least so many roundings of the largest coordinate: then what it has to spare, CML_CELL_MARGIN,
  * is eight of them, of which a packet's place, its path and the corner take one or two each. */
 #define LEAST_ROUNDINGS (8 / CML_CELL_MARGIN)
@@ -29,7 +28,7 @@ struct filling {
     float *closest; /* distance of the middle from the closest surface whose band it is in */
     float *far;     /* a lower bound of it from all: between cells that surfaces pass; squared at first */
     struct cml_body_patch *patch;
-    int *open;                /* of every row along x: its cells that another body may change */
+    int *next;                /* as from cml_patch_rows */
     struct cell_facet *facet; /* [num_facets], with room for more */
     size_t num_facets, room;
     bool out_of_memory;
@@ -65,18 +64,10 @@ static size_t cell_at(const struct filling *f, int x, int y, int z)
     return ((size_t)z * (size_t)f->cells->n[1] + (size_t)y) * (size_t)f->cells->n[0] + (size_t)x;
 }
 
-/* The number of a block of cells. */
-static size_t block_at(const struct filling *f, int x, int y, int z)
+/* The middle of a cell in scene coordinates. */
+static void cell_middle(const struct filling *f, int x, int y, int z, double middle[3])
 {
-    const size_t nx = ((size_t)f->cells->n[0] + BLOCK - 1) / BLOCK,
-                 ny = ((size_t)f->cells->n[1] + BLOCK - 1) / BLOCK;
-    return ((size_t)z * ny + (size_t)y) * nx + (size_t)x;
-}
-
-/* The middle of a cell in scene coordinates; x, y and z may lie between cells. */
-static void cell_middle(const struct filling *f, double x, double y, double z, double middle[3])
-{
-    const double at[3] = {x, y, z};
+    const int at[3] = {x, y, z};
     for (int k = 0; k < 3; k++) middle[k] = f->cells->corner[k] + (at[k] + 0.5) * f->cells->cell;
     middle[2] += f->depth;
 }
@@ -114,19 +105,12 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
-/* Surfaces of several bodies that pass its very middle: no further body can change what is known of it. */
-static bool is_closed(const struct filling *f, size_t cell)
-{
-    return f->patch[cell].body == CML_PATCH_MIXED && f->closest[cell] <= (float)CML_CELL_MARGIN;
-}
-
 /* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there.
  */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];
     const size_t cell = cell_at(f, x, y, z);
-    if (is_closed(f, cell)) return;
     cell_middle(f, x, y, z, middle);
     const double distance = distance_to(part, middle) / f->cells->cell;
     f->closest[cell] = fminf(f->closest[cell], (float)distance);
@@ -135,41 +119,15 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         add_facet(f, cell, part->body, part->triangle);
     else
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
-    f->open[block_at(f, x / BLOCK, y / BLOCK, z / BLOCK)] -= is_closed(f, cell);
-}
-
-/* The cells of a block that are in range. */
-static void fill_block(struct filling *f, const struct part *part, const int block[3], const int from[3],
-                       const int to[3])
-{
-    int first[3], last[3];
-    for (int k = 0; k < 3; k++) {
-        first[k] = from[k] > block[k] * BLOCK ? from[k] : block[k] * BLOCK;
-        last[k] = to[k] < block[k] * BLOCK + BLOCK - 1 ? to[k] : block[k] * BLOCK + BLOCK - 1;
-    }
-    for (int z = first[2]; z <= last[2]; z++)
-        for (int y = first[1]; y <= last[1]; y++)
-            for (int x = first[0]; x <= last[0]; x++) fill_cell(f, part, x, y, z);
-}
-
-/* Whether the part is so far from all middles of a block that its distance does not count. */
-static bool is_far(const struct filling *f, const struct part *part, const int block[3])
-{
-    const double half = 0.5 * (BLOCK - 1), reach = BEYOND + 1.7321 * half;
-    double middle[3];
-    cell_middle(f, block[0] * BLOCK + half, block[1] * BLOCK + half, block[2] * BLOCK + half, middle);
-    return distance_to(part, middle) > reach * f->cells->cell;
 }
 
 static void fill_band(struct filling *f, const struct part *part)
 {
-    int from[3], to[3], block[3];
+    int from[3], to[3];
     cell_range(f, part->lower, part->upper, from, to);
-    for (block[2] = from[2] / BLOCK; block[2] <= to[2] / BLOCK; block[2]++)
-        for (block[1] = from[1] / BLOCK; block[1] <= to[1] / BLOCK; block[1]++)
-            for (block[0] = from[0] / BLOCK; block[0] <= to[0] / BLOCK; block[0]++)
-                if (f->open[block_at(f, block[0], block[1], block[2])] > 0 && !is_far(f, part, block))
-                    fill_block(f, part, block, from, to);
+    for (int z = from[2]; z <= to[2]; z++)
+        for (int y = from[1]; y <= to[1]; y++)
+            for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
 /* A part for every triangle, with a box of its own. */
@@ -278,51 +236,22 @@ static void find_distances(struct filling *f)
 static void make_balls(const struct filling *f, struct cml_body_ball *ball)
 {
     const int *n = f->cells->n;
-    int *next = f->open; /* of no more use otherwise */
-    cml_patch_rows(n, f->patch, f->closest, next);
+    cml_patch_rows(n, f->patch, f->closest, f->next);
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++)
             for (int x = 0; x < n[0]; x++) {
                 const size_t cell = cell_at(f, x, y, z);
                 const int at[3] = {x, y, z};
-                ball[cell] = cml_body_ball_of(f->cells->n, f->patch, f->closest, next, at);
+                ball[cell] = cml_body_ball_of(f->cells->n, f->patch, f->closest, f->next, at);
             }
-}
-
-/* A number without a common divisor with n, near its golden section: multiples of it modulo n visit all
- * numbers below n, and the first few of them are already spread over all [H. Weyl, Math. Ann. 77 (1916) 313].
- */
-static uint64_t stride_of(uint64_t n)
-{
-    for (uint64_t stride = (uint64_t)(0.6180339887498949 * (double)n);; stride++) {
-        uint64_t a = n, b = stride;
-        while (b > 0) {
-            const uint64_t rest = a % b;
-            a = b;
-            b = rest;
-        }
-        if (a == 1) return stride;
-    }
-}
-
-/* The order does not show in what comes out. Of bodies inside each other, which a file often lists by size, a
- * few from everywhere close most cells to the others. */
-static void add_bodies(struct filling *f, const struct cml_body_range bodies)
-{
-    const uint64_t count = (uint64_t)(bodies.end - bodies.first), stride = stride_of(count);
-    for (uint64_t i = 0; i < count; i++) add_body(f, bodies.first + (int)(i * stride % count));
 }
 
 static void prepare_cells(struct filling *f)
 {
-    const int *n = f->cells->n;
     for (size_t i = 0; i < cells_of(f->cells); i++) {
         f->closest[i] = INFINITY;
         f->patch[i].body = CML_PATCH_NONE;
     }
-    for (int z = 0; z < n[2]; z++)
-        for (int y = 0; y < n[1]; y++)
-            for (int x = 0; x < n[0]; x++) f->open[block_at(f, x / BLOCK, y / BLOCK, z / BLOCK)]++;
 }
 
 /* All cells of a layer: distances and patches of every body in it, then what follows from them. */
@@ -333,11 +262,12 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
     f->closest = malloc(count * sizeof *f->closest);
     f->far = malloc((count + longest) * sizeof *f->far);
     f->patch = malloc(count * sizeof *f->patch);
-    f->open = calloc(count, sizeof *f->open); /* more than there are blocks */
-    f->out_of_memory = !f->closest || !f->far || !f->patch || !f->open;
+    f->next = malloc(count * sizeof *f->next);
+    f->out_of_memory = !f->closest || !f->far || !f->patch || !f->next;
     if (!f->out_of_memory) {
+        const struct cml_body_range bodies = cml_layer_bodies(f->scene, layer);
         prepare_cells(f);
-        add_bodies(f, cml_layer_bodies(f->scene, layer));
+        for (int k = bodies.first; k < bodies.end; k++) add_body(f, k);
     }
     if (!f->out_of_memory) {
         make_mesh_patches(f);
@@ -347,7 +277,7 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
     free(f->closest);
     free(f->far);
     free(f->patch);
-    free(f->open);
+    free(f->next);
     free(f->facet);
     if (!f->out_of_memory) return CML_OK;
     return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the bounds of bodies");

@@ -50,30 +50,21 @@ size_t cml_outcome_part_size(const struct cml_outcome *o, enum cml_quantity quan
     return parts > 0 ? cml_outcome_size(o, quantity) / (size_t)parts : 0;
 }
 
-double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity)
-{
-    const enum cml_axis_kind axis =
-        cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
-    if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
-    if (axis == CML_AXIS_gate) return o->time_end / o->num_gates;
-    if (axis == CML_AXIS_theta) return 1;
-    return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
-}
-
-/* Over r and another axis angles count by projected solid angle, alone by solid angle. */
-double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
+/* Number i of a quantity is divided by this to become a density (scaling.h). Over r and another axis angles
+ * count by projected solid angle, alone by solid angle. */
+static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
-    const double da = cml_angle_width(o->na);
+    const double da = cml_angle_width(o->na), gate = o->num_gates > 0 ? o->time_end / o->num_gates : 0;
     if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
-    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? cml_outcome_width(o, quantity) : 1;
+    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? gate : 1;
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
         return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
     }
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
-    if (axis[0] == CML_AXIS_gate) return cml_outcome_width(o, quantity);
+    if (axis[0] == CML_AXIS_gate) return gate;
     return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
 }
 
@@ -182,7 +173,7 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const cml_u128 *cells = cells_of(sums, info);
-    const double measure = cml_outcome_measure(o, quantity, (size_t)i),
+    const double measure = measure_of(o, quantity, (size_t)i),
                  length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2

@@ -5,8 +5,9 @@
 #include "base/text.h"
 #include "result/scaling.h"
 
+#include <inttypes.h>
 #include <math.h>
-#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -288,5 +289,8 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         if (cml_quantities[i].estimator <= CML_FROM_EXPECTED)
             CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     o->lost = sums->summary.lost;
+    for (int i = 0, at = 0; i < o->lost.count; i++)
+        at += snprintf(o->lost_indices + at, sizeof o->lost_indices - (size_t)at, "%s%" PRIu64, i ? " " : "",
+                       o->lost.index[i]);
     return CML_OK;
 }

@@ -31,6 +31,7 @@ struct cml_outcome {
     struct cml_provenance provenance;
     char identity[CML_IDENTITY_SUM]; /* of its run; "": not known */
     struct cml_lost_list lost;
+    char lost_indices[24 * CML_LOST_LISTED]; /* the same numbers as a text, parted by blanks; "": none */
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
     char *settings, *beam, *phases, *detectors, *shapes, *scene;

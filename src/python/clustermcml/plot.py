@@ -355,8 +355,10 @@ def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any
         theta, phi = np.linspace(0, np.pi / 2, array.axes["theta"].size + 1), np.linspace(0, 2 * np.pi, round_ * array.axes["phi"].size + 1)
         axes.set(yticks=[30, 60], ylim=(0, 90), axisbelow=False)  # circles and their angles lie over the colours
         axes.set_yticklabels(["30°", "60°"], color="#404040", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1})
-        axes.grid(color="white", alpha=0.4)
-        return axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
+        axes.grid(False)  # as matplotlib before 3.7 asks for
+        drawn = axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
+        axes.grid(True, color="white", alpha=0.4)
+        return drawn
     first = str(array.dims[0])
     if first == "r" or first in ("x", "layer", "body") or first.endswith("_x"):
         array = array.turned()

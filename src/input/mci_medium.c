@@ -14,12 +14,10 @@
 #define MIN_INDEX 0.01
 #define MAX_INDEX 100
 
-const char cml_mci_index_range[] = "a refractive index of 0.01..100";
-
 static const char coefficient[] = "a coefficient of 0..1e30 1/cm";
 
 const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS] = {
-    {"n", MIN_INDEX, MAX_INDEX, false, cml_mci_index_range},
+    {"n", MIN_INDEX, MAX_INDEX, false, "a refractive index of 0.01..100"},
     {"mua", 0, CML_MCI_HUGE, false, coefficient},
     {"mus", 0, CML_MCI_HUGE, false, coefficient},
     {"g", -1, 1, false, "an anisotropy of -1..1"},

@@ -8,7 +8,6 @@
 
 #define CML_MCI_MEDIUM_FIELDS 4
 
-extern const char cml_mci_index_range[];                                        /* of n, in words */
 extern const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS]; /* n, mua, mus, g */
 
 extern const struct cml_mci_field cml_mci_thickness; /* d, of a layer */

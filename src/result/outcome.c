@@ -5,8 +5,9 @@
 #include "base/text.h"
 #include "result/scaling.h"
 
+#include <inttypes.h>
 #include <math.h>
-#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,30 +51,21 @@ size_t cml_outcome_part_size(const struct cml_outcome *o, enum cml_quantity quan
     return parts > 0 ? cml_outcome_size(o, quantity) / (size_t)parts : 0;
 }
 
-double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity)
-{
-    const enum cml_axis_kind axis =
-        cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
-    if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
-    if (axis == CML_AXIS_gate) return o->time_end / o->num_gates;
-    if (axis == CML_AXIS_theta) return 1;
-    return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
-}
-
-/* Over r and another axis angles count by projected solid angle, alone by solid angle. */
-double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
+/* Number i of a quantity is divided by this to become a density (scaling.h). Over r and another axis angles
+ * count by projected solid angle, alone by solid angle. */
+static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
-    const double da = cml_angle_width(o->na);
+    const double da = cml_angle_width(o->na), gate = o->num_gates > 0 ? o->time_end / o->num_gates : 0;
     if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
-    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? cml_outcome_width(o, quantity) : 1;
+    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? gate : 1;
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
         return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
     }
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
-    if (axis[0] == CML_AXIS_gate) return cml_outcome_width(o, quantity);
+    if (axis[0] == CML_AXIS_gate) return gate;
     return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
 }
 
@@ -182,7 +174,7 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const cml_u128 *cells = cells_of(sums, info);
-    const double measure = cml_outcome_measure(o, quantity, (size_t)i),
+    const double measure = measure_of(o, quantity, (size_t)i),
                  length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
@@ -297,5 +289,8 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         if (cml_quantities[i].estimator <= CML_FROM_EXPECTED)
             CML_TRY(take(o, sums, (enum cml_quantity)i, err));
     o->lost = sums->summary.lost;
+    for (int i = 0, at = 0; i < o->lost.count; i++)
+        at += snprintf(o->lost_indices + at, sizeof o->lost_indices - (size_t)at, "%s%" PRIu64, i ? " " : "",
+                       o->lost.index[i]);
     return CML_OK;
 }

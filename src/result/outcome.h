@@ -31,6 +31,7 @@ struct cml_outcome {
     struct cml_provenance provenance;
     char identity[CML_IDENTITY_SUM]; /* of its run; "": not known */
     struct cml_lost_list lost;
+    char lost_indices[24 * CML_LOST_LISTED]; /* the same numbers as a text, parted by blanks; "": none */
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
     char *settings, *beam, *phases, *detectors, *shapes, *scene;
@@ -52,12 +53,6 @@ size_t cml_outcome_part_size(const struct cml_outcome *outcome, enum cml_quantit
 #define CML_OUTCOME_KEY 64
 void cml_outcome_key(const struct cml_outcome *outcome, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY]);
-
-/* Width of a bin of a profile, cm, rad or ps; 0 of a total. */
-double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);
-
-/* What number i of a quantity is divided by to become a density (scaling.h). */
-double cml_outcome_measure(const struct cml_outcome *outcome, enum cml_quantity quantity, size_t i);
 
 /* Makes room for values, or errors, all 0, where there is none yet. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_outcome_add(struct cml_outcome *outcome, enum cml_quantity quantity, bool errors,

@@ -4,7 +4,6 @@
 #include "tally/result.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* The words of the table. */
 #define NUMBER                                                                                               \
@@ -45,12 +44,6 @@ static const struct {
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step)
 {
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
-}
-
-const char *cml_quantity_unit(enum cml_quantity quantity)
-{
-    const char *units = cml_quantities[quantity].units;
-    return strcmp(units, "1") == 0 ? "-" : strcmp(units, "sr-1") == 0 ? "1/sr" : units;
 }
 
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)

@@ -219,9 +219,6 @@ static inline int cml_num_totals(bool backed)
     return backed ? CML_TOTALS + 1 : CML_TOTALS;
 }
 
-/* A quantity's unit as it stands beside numbers for people: "1/sr", "-". */
-const char *cml_quantity_unit(enum cml_quantity quantity);
-
 /* Gives a field name, long name and units. */
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity);
 

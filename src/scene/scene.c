@@ -23,13 +23,6 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
-const struct cml_rough_def *cml_scene_rough(const struct cml_scene *scene, int *b)
-{
-    for (*b = 0; *b <= scene->num_layers; ++*b)
-        if (cml_is_rough(&scene->boundaries[*b].rough)) return &scene->boundaries[*b].rough;
-    return NULL;
-}
-
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};

@@ -237,9 +237,6 @@ static inline bool cml_is_rough(const struct cml_rough_def *rough)
     return rough->kind != CML_SMOOTH && rough->alpha > 0;
 }
 
-/* The first rough boundary between layers, number *b; NULL: there is none. */
-const struct cml_rough_def *cml_scene_rough(const struct cml_scene *scene, int *b);
-
 struct cml_scene_list {
     int count;
     struct cml_scene *scenes; /* [count] */

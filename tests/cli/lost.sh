@@ -18,6 +18,11 @@ grep -q 'residue 0, .*lost 1$' "$work/out" || complain "a lost packet is not in 
 grep -q '1 packets lost: stuck$' "$work/out" || complain "no cause: $(cat "$work/out")"
 test "$(sed -n '/^lost #/,/^$/p' "$work/stuck.mco" | sed '1d;/^$/d' | tr '\n' ' ')" = "1 0 " ||
     complain "no index in the result: $(sed -n '/^lost #/,$p' "$work/stuck.mco" | head -n 4)"
+python=${CLUSTERMCML_PYTHON:-/usr/bin/python3}
+if test -e "$work/stuck.h5" && "$python" -c "import h5py" 2>/dev/null; then
+    index=$("$python" -c 'import h5py, sys; print(h5py.File(sys.argv[1])["/"].attrs["lost_indices"].decode())' "$work/stuck.h5" 2>&1)
+    test "$index" = 0 || complain "the index in the .h5: $index"
+fi
 
 expect_sound() { # NAME: $work/out is the JSON line of a run without loss
     grep -q '"lost":0,' "$work/out" && grep -q '"residue":0[,.}]' "$work/out" || complain "$1: $(cat "$work/out")"

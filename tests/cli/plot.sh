@@ -86,7 +86,7 @@ check_texts
 lacks() { # PYTHON LINE [FILE [PATH]]
     code=0
     PATH=${4:-$PATH} CLUSTERMCML_PYTHON=$1 "$program" plot "$work/${3:-fig5.mco}" -o "$work/none.svg" 2>"$work/err" || code=$?
-    test $code -eq 5 && grep -q "^clustermcml: $2 *(\(.*; \)*expected it\( for pictures\)*: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 ||
+    test $code -eq 5 && grep -q "^clustermcml: $2 *(\(.*; \)*expected it: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 ||
         complain "$2: $code $(cat "$work/err")"
     test ! -e "$work/none.svg" || complain "$2, and a picture"
 }
@@ -104,5 +104,5 @@ lacks "$work/bare" "plot: .* has no module numpy"
 without h5py
 lacks "$work/bare" "plot: .* has no module h5py" bare.h5
 without matplotlib
-lacks "$work/bare" "matplotlib is missing"
+lacks "$work/bare" "plot: .* has no module matplotlib"
 finish

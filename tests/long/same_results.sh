@@ -11,7 +11,7 @@
 #
 # Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each as it is and with maps, a volume and facets.
 # - run: engines cpu, reference and opencl, with 1 and 2 threads on 1 and 2 ranks; every option that changes a result
-# - check, mesh, trace, crosscheck, exact, compare and plot; devices, --help and --version
+# - check, mesh, trace, crosscheck, exact, view, compare and plot; devices, --help and --version
 # Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
 # What an engine or option refuses must be refused in the same words. A refusal is expected only of opencl, crosscheck,
 # exact, --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
@@ -272,7 +272,7 @@ describe() { # compares what check and mesh say and write
         alone mesh "$scene" $options -o got
     done
     alone check "$scene" --json
-    alone check "$scene" -o got/section.svg
+    alone view "$scene" -o got/section.svg
     alone exact "$scene"
     alone exact "$scene" --json
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The engines cpu and reference under clang's thread sanitizer, with more threads than cores and pieces so small that
 # threads meet often: plain runs, maps and facets, rounds of --target-error, threads bound to cores, stops by a signal
-# and what follows them. Builds what it needs in build-tsan, without MPI and OpenCL, which are not instrumented.
+# and what follows them. Builds what it needs in build-tsan, without MPI and OpenCL, which are not instrumented; neither is HDF5, which one thread calls.
 # Left out: the threads of MPI, and crosscheck, whose loop is OpenMP's: its runtime is not instrumented either.
 # SPDX-License-Identifier: MIT
 set -eu

@@ -31,7 +31,6 @@ enum {
 #define FLAG(name) SET(name, true)
 #define NO_FLAG(name) SET(name, false)
 #define TEXT(name) .read = cml_read_text, MEMBER(name)
-#define ONCE(name) .read = cml_read_once, MEMBER(name)
 #define WORD(name, all) .read = cml_read_word, MEMBER(name), .words = (all)
 #define COUNT(name, low, high) .read = cml_read_count, MEMBER(name), .least = (low), .most = (high)
 #define INT(name, low, high) .read = cml_read_int, MEMBER(name), .least = (low), .most = (high)

@@ -47,14 +47,6 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
     return CML_OK;
 }
 
-/* What a picture shows: a second one would go unseen. */
-cml_status cml_read_once(const struct cml_option *option, const char *value, struct cml_options *options,
-                         struct cml_error *err)
-{
-    const char *const *text = member_of(option, options);
-    return *text ? fail(err, option, value, "it once") : cml_read_text(option, value, options, err);
-}
-
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {

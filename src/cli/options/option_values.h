@@ -11,8 +11,7 @@ typedef cml_status cml_option_reader(const struct cml_option *option, const char
 /* Shared: they set option->member, of option->size. A flag sets it to option->least; a text is the value, of
  * once given but once; numbers lie between option->least and most, and whole ones may be written like 1e7; a
  * word becomes its position among option->words, from option->least on. */
-cml_option_reader cml_read_flag, cml_read_text, cml_read_once, cml_read_count, cml_read_int, cml_read_number,
-    cml_read_word;
+cml_option_reader cml_read_flag, cml_read_text, cml_read_count, cml_read_int, cml_read_number, cml_read_word;
 
 /* Each reads the value of one option. */
 cml_option_reader cml_read_engine, cml_read_roulette, cml_read_aim, cml_read_error_of, cml_read_checkpoint,

@@ -39,7 +39,9 @@ def read_mesh(path: str, name: str) -> Mesh:
             raise errors.InputError(f"{shown_path(path)}: no array {name} (expected one of {' '.join(sorted(set(arrays) - {'Points', 'connectivity', 'offsets'}))})")
         corners, points = arrays["connectivity"].astype(int), arrays["Points"].reshape(-1, 3)
         ends = arrays["offsets"].astype(int)
-        if corners.size and corners.max() >= len(points) or arrays[name].size != ends.size or not np.isfinite(points).all():
+        if not ends.size or np.diff(ends, prepend=0).min() < 3 or ends[-1] != corners.size:
+            raise ValueError("facets without three corners")
+        if corners.max() >= len(points) or arrays[name].size != ends.size or not np.isfinite(points).all():
             raise ValueError("facets without points or numbers")
         return Mesh(points, np.split(corners, ends[:-1]), arrays[name].astype(float))
     except errors.InputError:
@@ -48,11 +50,21 @@ def read_mesh(path: str, name: str) -> Mesh:
         raise errors.unreadable(path, "a .vtp file of this program", error) from error
 
 
+def _normals(polygons: list[Any]) -> Any:
+    """Twice the area of each polygon as a vector, whichever corners coincide. All polygons at once: a loop would take a second."""
+    sizes = np.array([len(polygon) for polygon in polygons])
+    starts = np.cumsum(sizes) - sizes
+    following = np.arange(1, sizes.sum() + 1)
+    following[starts + sizes - 1] = starts
+    arms = np.concatenate([polygon - polygon[0] for polygon in polygons])
+    return np.add.reduceat(np.cross(arms, arms[following]), starts)
+
+
 def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
     from matplotlib.ticker import MaxNLocator
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
     polygons = [mesh.points[corners] * (1, 1, -1) for corners in mesh.facets]  # heights up
-    normals = np.array([np.cross(polygon - polygon[0], np.roll(polygon - polygon[0], -1, axis=0)).sum(axis=0) for polygon in polygons])  # whichever corners coincide
+    normals = _normals(polygons)
     length = np.linalg.norm(normals, axis=1)
     lit = abs(normals @ np.array([-0.5, -0.3, 0.81])) / np.where(length > 0, length, 1)
     colours = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](norm(np.maximum(mesh.values, norm.vmin)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     Result = Union[xr.Dataset, str, os.PathLike[str]]
 
-OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight"}  # attributes that may differ
+OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices"}  # attributes that may differ
 OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that are alike in all results
 DIGITS = 1e-5  # of numbers of the scene in an .mco
 SUMS = ("lost", "residue")
@@ -143,7 +143,7 @@ def merge(results: Sequence[Result]) -> xr.Dataset:
         warnings.warn(f"merge: left out what not all results have: {', '.join(left)}", stacklevel=2)
     arrays = {name: data[0][name].copy(data=values.astype(data[0][name].dtype)) for name, values in _joined(data, common).items()}
     attributes = {name: value for name, value in data[0].attrs.items() if all(name in other.attrs and np.array_equal(other.attrs[name], value) for other in data[1:])}
-    for name in ("seed", "run", "identity"):
+    for name in ("seed", "run", "identity", "lost_indices"):
         attributes.pop(name, None)
     attributes.update(photons=sum(int(result.attrs["photons"]) for result in data), merged="".join(f"seed {seed}, run {run}\n" for seed, run in streams))
     return xr.Dataset(arrays, coords=data[0].coords, attrs=attributes)

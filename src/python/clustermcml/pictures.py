@@ -25,11 +25,8 @@ STYLE = {"font.size": 10, "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica
 
 @contextlib.contextmanager
 def drawing(style: Optional[str] = None) -> Iterator[Any]:
-    """matplotlib, in our style and over it that of a file."""
-    try:
-        import matplotlib
-    except ImportError:
-        raise errors.ClustermcmlError("matplotlib is missing (expected it for pictures: apt-get install python3-matplotlib, or pip install matplotlib)", 5) from None
+    """matplotlib, in our style and over it that of a file. Of a module that is missing the program tells (hand_over.c)."""
+    import matplotlib
     with matplotlib.rc_context():
         matplotlib.rcParams.update({**STYLE, "axes.prop_cycle": matplotlib.cycler(color=COLOURS)})
         if style is not None:

@@ -108,7 +108,8 @@ def _label(array: Field, name: str = "") -> str:
     units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
     unit = str(array.attrs.get("units", "1"))
     unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))
-    return f"{name or NAMES.get(str(array.name)) or array.name}  [{unit}]"
+    own = re.sub(r"^detector_\w+_(?=[xy]$)", "", str(array.name))  # axes of a camera's pixels
+    return f"{name or NAMES.get(own, own)}  [{unit}]"
 
 
 def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
@@ -352,9 +353,12 @@ def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any
     if array.dims == ("theta", "phi"):
         round_ = -(-180 // array.axes["phi"].size)  # straight pieces in place of each arc
         theta, phi = np.linspace(0, np.pi / 2, array.axes["theta"].size + 1), np.linspace(0, 2 * np.pi, round_ * array.axes["phi"].size + 1)
-        axes.set(yticks=[30, 60, 90], ylim=(0, 90))
-        axes.set_yticklabels(["30°", "60°", "90°"], color="#404040")
-        return axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
+        axes.set(yticks=[30, 60], ylim=(0, 90), axisbelow=False)  # circles and their angles lie over the colours
+        axes.set_yticklabels(["30°", "60°"], color="#404040", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1})
+        axes.grid(False)  # as matplotlib before 3.7 asks for
+        drawn = axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
+        axes.grid(True, color="white", alpha=0.4)
+        return drawn
     first = str(array.dims[0])
     if first == "r" or first in ("x", "layer", "body") or first.endswith("_x"):
         array = array.turned()

@@ -144,7 +144,7 @@ class _Parser(argparse.ArgumentParser):
 
 def main() -> int:
     """`clustermcml plot`, `compare` and `view` hand over to this."""
-    commands = {"compare": ".compare", "plot": ".plot", "view": ".view"}
+    commands = {"brdf": ".brdf", "compare": ".compare", "plot": ".plot", "view": ".view"}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         return fit_main()
     warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)

@@ -1,0 +1,81 @@
+"""The file of a scene in another light: its own beams and tallies are replaced by lines of the caller.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Any, Sequence, Union
+
+from . import errors
+from .commands import check
+from .mco import NUMERAL
+from .options import Path
+from .scene import Scene
+
+REPLACED = ("beam", "map", "facets", "time", "directions", "fluence", "detector", "photons")  # lines that stand before the layers
+WITH_FILES = ("m", "b", "i", "phase", "beam")
+WORD = re.compile(r'"[^"]*"|\S+')
+
+
+def scene_path(scene: Union[Scene, Path], folder: str) -> str:
+    """The path of the scene's file. A Scene is written to `folder`."""
+    if not isinstance(scene, Scene):
+        return errors.existing_file("scene", scene)
+    path = os.path.join(folder, "scene.mci")
+    scene.write(path)
+    return path
+
+
+def told_of(scene: Union[Scene, Path]) -> dict[str, Any]:
+    """What `check` says of a scene with one run."""
+    runs = check(scene)
+    if len(runs) != 1:
+        raise errors.refuse("scene", os.fspath(scene) if isinstance(scene, os.PathLike) else scene, f"a file with one run, this one has {len(runs)}")
+    return runs[0]
+
+
+def _words(line: str) -> list[str]:
+    """The words of a line without its comment; a line behind `#@` is one of ours."""
+    text = line.strip()
+    text = text[2:] if text.startswith("#@") else text
+    return WORD.findall(re.sub(r'("[^"]*")|#.*', lambda found: found[1] or "", text))
+
+
+def _absolute(words: Sequence[str], folder: str) -> list[str]:
+    """The words, with names of files that are there as absolute paths."""
+    def of(word: str) -> str:
+        path = os.path.join(folder, word.strip('"'))
+        if NUMERAL.fullmatch(word):
+            return word
+        return f'"{os.path.abspath(path)}"' if os.path.isfile(path) else word
+    return [of(word) for word in words]
+
+
+def beam_shape(path: str) -> str:
+    """The shape of the scene's one beam and the place of its axis, as the words of a `beam` line. Empty for the default pencil."""
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        lines = [words for words in map(_words, file) if words[:1] == ["beam"]]
+    kept = [word for word in (lines[0][1:] if lines else []) if "=" not in word or word.startswith("at=")]
+    return " ".join(_absolute(kept, os.path.dirname(path)))
+
+
+def relit_text(path: str, lines: Sequence[str]) -> str:
+    """The text of the scene in `path` with `lines` in place of its beams and tallies. Names of files become absolute."""
+    folder, kept, with_words = os.path.dirname(path), [], 0
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        for line in file.read().splitlines():
+            words = _words(line)
+            if not words or with_words >= 3 and words[0] in REPLACED:
+                continue
+            with_words += 1
+            kept.append(" ".join(_absolute(words, folder) if words[0] in WITH_FILES else words))
+            kept += lines if with_words == 3 else []
+    return "\n".join([*kept, ""])
+
+
+def write_relit(path: str, target: str, lines: Sequence[str]) -> None:
+    with open(target, "w", encoding="utf-8", errors="surrogateescape") as file:
+        file.write(relit_text(path, lines))

@@ -16,12 +16,13 @@ SPDX-License-Identifier: MIT
 
 from .bodies import Body, Cylinder, Sphere
 from .brdf import brdf
+from .bsdf_file import read_bsdf
 from .commands import check, crosscheck, exact, furnace, mesh, plan, trace, version
 from .compare import compare
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
-from .material import Material
+from .material import Material, read_material
 from .merge import merge
 from .phases import Phase
 from .photons import Saved, read_photons
@@ -33,7 +34,7 @@ from .sweep import sweep
 from .view import view
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace", "view"]
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "read", "read_bsdf", "read_material", "read_photons", "run", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

@@ -128,8 +128,10 @@ def _surface(numbers: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
 
 
 def _fit(setup: Setup, channel: int, shares: Mapping[str, Any], bins: Bins) -> Fitted:
+    """The better one of a fit that knows a smooth face, and of one with powers of the outer cosines, as under a rough face."""
     near, layer, _ = setup.outer(channel)
-    return fit_bins(shares["in"], shares["in_se"], np.radians(setup.angles), layer / near, bins)
+    tried = [fit_bins(shares["in"], shares["in_se"], np.radians(setup.angles), index, bins) for index in dict.fromkeys([layer / near, 1.0])]
+    return min(tried, key=lambda fitted: fitted.chi2)
 
 
 def _misfit(shares: Mapping[str, Any], fitted: Fitted) -> float:
@@ -184,7 +186,7 @@ def _dataset(setup: Setup, labels: Sequence[Any], channels: Sequence[Mapping[str
     data["fit"] = stacked([c["fit"].coefficients for c in channels], ["term"], "1/sr", "coefficients of the fit")
     data["chi2"] = stacked([c["fit"].chi2 for c in channels], [], "1", "chi^2 per degree of freedom of the fit")
     data["misfit"] = stacked([c["misfit"] for c in channels], [], "1", "relative distance of the fit from the bins beyond noise")
-    data["index"] = stacked([c["index"] for c in channels], [], "1", "n of the lit layer over that of the medium before it")
+    data["index"] = stacked([c["index"] for c in channels], [], "1", "n of the lit layer over that of the medium before it, as the fit takes it; 1 under a rough face")
     for name in channels[0]["totals"][0]:
         data[name] = stacked([[total[name] for total in c["totals"]] for c in channels], ["theta_i"], "1", name.replace("_se", ", standard error"))
     data["photons"] = stacked([c["photons"] for c in channels], ["theta_i"], "1", "packets")
@@ -226,9 +228,8 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
         for c, results in enumerate(flown):
             by_angle = [_directions(setup, c, i, result, sides) for i, result in enumerate(results)]
             shares = {name: np.stack([one[name] for one in by_angle]) for name in by_angle[0]}
-            near, layer, _ = setup.outer(c)
             fitted = _fit(setup, c, shares, sides)
-            found.append({"bins": shares, "fit": fitted, "misfit": _misfit(shares, fitted), "index": layer / near,
+            found.append({"bins": shares, "fit": fitted, "misfit": _misfit(shares, fitted), "index": fitted.index,
                           "totals": [_albedo(result, back) for result in results], "photons": [float(result.attrs["photons"]) for result in results]})
         poor = any(c["fit"].chi2 > POOR and c["misfit"] > FAR for c in found)
         lobe = any(_is_lobe(c["bins"]) for c in found)
@@ -282,10 +283,7 @@ def _write_all(material: Material, stem: str) -> list[str]:
     labels = material.channels()
     kinds = [".rgb.bsdf"] if labels == ["r", "g", "b"] else [".bsdf"] if labels else [".bsdf", ".rgb.bsdf"]
     names = [stem + ".brdf.h5", stem + ".brdf.txt", *(stem + kind for kind in kinds)]
-    try:
-        material.to_netcdf(names[0], engine="h5netcdf")
-    except OSError as error:
-        raise errors.ClustermcmlError(f"{shown_path(names[0])}: cannot be written ({error.strerror or error})", 5) from error
+    material.to_h5(names[0])
     material.to_text(names[1])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

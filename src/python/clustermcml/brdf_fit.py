@@ -3,7 +3,8 @@
     f = T(mi) T(mo) sum over m < 3, k <= l < 5 of c_klm (ai^k ao^l + ai^l ao^k) (sin ti sin to)^m cos(m phi)
 
 T is Fresnel's transmission from the medium above into the first layer at the cosine m, and a the cosine in that layer. Chandrasekhar's
-solution for a half space has such products, hence few terms suffice.
+solution for a half space has such products, hence few terms suffice. With n = 1 in place of the layer's T is 1 and a the outer cosine: that
+suits light behind a rough face, which also lets grazing light through.
 
 SPDX-License-Identifier: MIT
 """
@@ -66,9 +67,10 @@ def evaluate(coefficients: Any, index: float, theta_i: Any, theta_o: Any, phi: A
 
 @dataclass
 class Fitted:
-    """coefficients: [TERMS]. means: of the fit over the bins, and where the angles of incidence meet the middles of bins: middles.
+    """index: the n that the fit takes. coefficients: [TERMS]. means: of the fit over the bins, and where the angles of incidence meet the middles of bins: middles.
     chi2: per degree of freedom."""
 
+    index: float
     coefficients: Any
     means: Any
     middles: Any
@@ -99,7 +101,7 @@ def fit_bins(shares: Any, errors: Any, angles: Any, index: float, bins: Bins) ->
         chi2 = float((((f - means) * weights) ** 2).sum() / max(f.size - TERMS, 1))
         expected = means.reshape(shares.shape) * projected
     middles = np.tensordot(coefficients, _terms(at, shape.at(bins.middles())[..., None, :, None], azimuth), 1)
-    return Fitted(coefficients, means.reshape(shares.shape), middles, chi2)
+    return Fitted(index, coefficients, means.reshape(shares.shape), middles, chi2)
 
 
 def reciprocity(f: Any, errors: Any, angles: Any, bins: Bins, fitted: Any) -> list[tuple[float, float, float, float]]:

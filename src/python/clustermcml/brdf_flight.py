@@ -100,14 +100,14 @@ def _table(setup: Setup, period: Optional[Sequence[float]], detectors: bool) -> 
 
 
 @contextlib.contextmanager
-def _flown(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float]], words: Sequence[str]) -> Iterator[list[Any]]:
+def _flown(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float]], words: Sequence[str], notes: bool = False) -> Iterator[list[Any]]:
     """What the program says of every row, in their order. The files are gone afterwards."""
     with scratch_folder() as scratch:
         path, table = os.path.join(scratch, "scene.mci"), os.path.join(scratch, "sweep.csv")
         write_relit(setup.path, path, lines)
         with open(table, "w", encoding="utf-8") as file:
             file.write("\n".join([",".join(rows[0]), *(",".join(repr(value) for value in row.values()) for row in rows), ""]))
-        told = fly(path, scratch, ["--sweep", table, "--ignore-absorption", *words], None, scratch, len(rows))
+        told = fly(path, scratch, ["--sweep", table, "--ignore-absorption", *words], None, scratch, len(rows), notes)
         yield sorted(told, key=lambda one: int(one["row"]))
 
 
@@ -122,7 +122,7 @@ def fly_angles(setup: Setup) -> list[list[Any]]:
              f"{cone}{near} na={CONE * lit!r} name=mirror", f"{cone}{near} na={CONE * lit!r} name=mirror_in diffuse",
              f"{cone}{far} na={CONE * other!r} name=through"]
     options = {**setup.options, **({"error_of": "lit"} if "target_error" in setup.options else {})}
-    with _flown(setup, lines, _table(setup, period, True), option_words(options)) as told:
+    with _flown(setup, lines, _table(setup, period, True), option_words(options), True) as told:
         found = [result_of(one) for one in told]
     count = len(setup.angles)
     return [found[i:i + count] for i in range(0, len(found), count)]

@@ -5,6 +5,7 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import io
 import os
 import warnings
 from dataclasses import dataclass
@@ -39,7 +40,7 @@ def path_of(name: str, value: Any, ending: str) -> str:
 class Material:
     """The result of `brdf`. `data` is an xarray.Dataset; its arrays are attributes of this, too: `material.f_r` is `material.data.f_r`.
 
-    A file that `to_netcdf` has written is `Material(xarray.open_dataset("paint.brdf.h5"))`.
+    `read_material` reads a file that `to_h5` or the command has written.
     """
 
     data: xr.Dataset
@@ -143,8 +144,28 @@ class Material:
         shown.append("# " + ("channel " if self.channels() else "") + "theta_i theta_o phi f_r f_r_se f_t f_t_se")
         write(os.fspath(path), "\n".join([*shown, *self._lines(), ""]).encode())
 
+    def to_h5(self, path: Path) -> None:
+        """Writes all arrays as an HDF5 file in the manner of netCDF, the same bytes every time: `read_material` reads it."""
+        import h5py
+        name, content = path_of("path", path, ".h5"), io.BytesIO()
+        with h5py.File(content, "w") as file:
+            file.attrs.update(self.data.attrs)
+            for dim, size in self.data.sizes.items():
+                if dim not in self.data.coords:
+                    file[str(dim)] = np.arange(size)
+            for key, array in self.data.variables.items():
+                values = array.values
+                file[str(key)] = values.astype(object) if values.dtype.kind == "U" else values
+                file[str(key)].attrs.update(array.attrs)
+            for dim in self.data.sizes:
+                file[str(dim)].make_scale(str(dim))
+            for key, array in self.data.variables.items():
+                for i, dim in enumerate(array.dims if key not in self.data.sizes else ()):
+                    file[str(key)].dims[i].attach_scale(file[str(dim)])
+        write(name, content.getvalue())
+
     def to_netcdf(self, path: Path, **options: Any) -> None:
-        """Writes all arrays, as xarray does; engine="h5netcdf" makes an HDF5 file."""
+        """Writes all arrays, as xarray does."""
         self.data.to_netcdf(path, **options)
 
     # ---- pictures ----
@@ -176,6 +197,20 @@ class Material:
             axes.set(xlim=(-90, 90), xticks=range(-90, 91, 30), xlabel="exit angle, light comes from the left [degrees]", ylabel="f_r [1/sr]")
             axes.legend(fontsize="small")
             save(figure, name)
+
+
+def read_material(path: Path) -> Material:
+    """The material in a file NAME.brdf.h5."""
+    import xarray as xr
+    name = errors.existing_file("path", path)
+    try:
+        with xr.open_dataset(name, engine="h5netcdf") as file:
+            data = file.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise errors.unreadable(name, "an .h5 file of a material", error) from error
+    if "fit" not in data or "half" not in data.attrs:
+        raise errors.refuse("path", name, "a file that `brdf` has written")
+    return Material(data)
 
 
 def _scale(axes: Any, values: Any) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from typing import Any, Sequence, Union
 
 from . import errors
@@ -30,8 +31,10 @@ def scene_path(scene: Union[Scene, Path], folder: str) -> str:
 
 
 def told_of(scene: Union[Scene, Path]) -> dict[str, Any]:
-    """What `check` says of a scene with one run."""
-    runs = check(scene)
+    """What `check` says of a scene with one run. Its notes are left out: they are of a light that will not shine."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        runs = check(scene)
     if len(runs) != 1:
         raise errors.refuse("scene", os.fspath(scene) if isinstance(scene, os.PathLike) else scene, f"a file with one run, this one has {len(runs)}")
     return runs[0]

@@ -141,7 +141,7 @@ def fly_packets(setup: Setup, channel: int, angle: int, photons: int, gloss: boo
     with _flown(one, [beam, f'photons "leave" limit={photons}'], _table(one, period, False), option_words({**options, "photons": photons})) as told:
         table = read_photons(next(path for path in told[0]["files"] if path.endswith(".photons.h5")))
     table = table[table["side"] == 1 if setup.back else table["side"] == 2 if gloss else table["side"] != 1]
-    flights = table[["ux", "uy", "uz"]].to_numpy(float)
+    flights = table[["ux", "uy", "uz"]].to_numpy(float, copy=True)
     flights[:, 2] *= 1 if setup.back else -1
     return table["weight"].to_numpy(float) / photons, flights
 

@@ -64,9 +64,16 @@ def _mirrored(cells: Any) -> Any:
     return cells + cells[::-1]
 
 
+def _blocks(cells: Any, side: int) -> Any:
+    """Every cell has the sum over its block of side x side cells."""
+    starts, block = np.arange(0, len(cells), side), np.arange(len(cells)) // side
+    return np.add.reduceat(np.add.reduceat(cells, starts, axis=0), starts, axis=1)[block][:, block]
+
+
 def cells_of(weights: Any, flights: Any, theta_i: float, size: int) -> Any:
     """f [1/sr] in the cells [v, u] of packets with these weights (per launched packet) and directions of flight [n, 3], z outward, the light
-    flying towards +x. Cells of fewer than ENOUGH packets have the mean of the smallest block of 2 x 2, 4 x 4, ... that has as many."""
+    flying towards +x. Cells of fewer than ENOUGH packets share the mean of all such cells in the smallest block of 2 x 2, 4 x 4, ... in which
+    these have as many: no light is lost or counted twice."""
     half = flights + np.array([-np.sin(theta_i), 0.0, np.cos(theta_i)])
     half /= np.linalg.norm(half, axis=1)[:, None]
     theta = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2])
@@ -79,11 +86,8 @@ def cells_of(weights: Any, flights: Any, theta_i: float, size: int) -> Any:
     light, count, measure = _mirrored(light), _mirrored(count), _mirrored(_measure(size, theta_i))
     found, left = np.zeros((size, size)), np.ones((size, size), bool)
     for level in range(int(np.ceil(np.log2(size))) + 1):
-        block = np.arange(size) >> level
-        sums = [np.add.reduceat(np.add.reduceat(part, np.flatnonzero(np.diff(block, prepend=-1)), axis=0), np.flatnonzero(np.diff(block, prepend=-1)), axis=1)
-                for part in (light, count, measure)]
-        spread = [part[block][:, block] for part in sums]
-        full = left & ((spread[1] >= ENOUGH) if 1 << level < size else np.full(left.shape, True)) & (spread[2] > 0)
-        found[full] = spread[0][full] / spread[2][full]
+        sums = [_blocks(np.where(left, part, 0), 1 << level) for part in (light, count, measure)]
+        full = left & (sums[2] > 0) & ((sums[1] >= ENOUGH) | (1 << level >= size))
+        found[full] = sums[0][full] / sums[2][full]
         left &= ~full
     return found

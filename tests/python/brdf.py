@@ -5,7 +5,6 @@
 - Files are read here byte by byte, as the format is described, and asked what pbrt-v4 asks of them.
 With the argument `long`: reciprocity of raw bins at 1e7 packets, the ground to 1e-3, and errors of 20 random materials against other seeds."""
 import csv
-import io
 import os
 import struct
 import subprocess
@@ -361,5 +360,58 @@ class Command(unittest.TestCase):
             self.assertEqual(sorted(os.listdir(folder)), ["bad.csv", "slab.mci"])
 
 
+class Long(unittest.TestCase):
+    packets = 10_000_000
+
+    def test_reciprocity(self):
+        """Of a slab, a rough face (bins of 1 degree, for its lobe) and a tile that is the same from both sides, in its plane of symmetry."""
+        paint = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.02)
+        rough = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.02, top_rough=mc.Rough("beckmann", 0.3))
+        tile = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.05, top=WAVES)
+        for name, layer, bins in (("slab", paint, (18, 36)), ("rough", rough, (90, 36)), ("tile", tile, (90, 36))):
+            material = mc.brdf(mc.Scene([layer], n_below=1.5), angles=[20, 40, 60, 80], photons=self.packets, target_error=None, bins=bins)
+            pairs = material.reciprocity.values
+            print(f"{name}: {len(pairs)} pairs, median difference {100 * np.median(abs(pairs[:, 2])):.2f} %, worst z {abs(pairs[:, 3]).max():.1f}, chi^2 {float(material.chi2):.2f}")
+            self.assertEqual(len(pairs), 6)
+            self.assertLess(abs(pairs[:, 3]).max(), 4, name)
+
+    def test_a_lambertian_ground(self):
+        """R / pi to 1e-3, by the fit and by the file."""
+        ground = mc.Scene([mc.Layer(n=1, mua=0, mus=0, g=0, d=0.01)], backing=mc.Backing("lambertian", R=0.8))
+        material = mc.brdf(ground, photons=self.packets / 2, target_error=None)
+        off = [material.f(*angles) * np.pi / 0.8 - 1 for angles in ((0, 0, 0), (40, 20, 90), (10, 60, 30), (80, 40, 180))]
+        with tempfile.TemporaryDirectory() as folder:
+            quiet(material.to_bsdf, os.path.join(folder, "g.bsdf"))
+            fields = read_tensor(os.path.join(folder, "g.bsdf"))
+        off += [looked_up(fields, "spectra", 0, np.radians(40), theta, 2.0) / np.cos(theta) * np.pi / 0.8 - 1 for theta in (0.1, 0.5, 1.0)]
+        print("lambertian ground: off by " + " ".join(f"{value:+.5f}" for value in off))
+        self.assertLess(max(map(abs, off)), 1e-3)
+
+    def test_errors_are_true(self):
+        """20 random materials, each by two seeds: z of bins of 60 packets and more has the spread of Student's t, albedos stay within 4.5."""
+        dice, spread, albedos = np.random.default_rng(5), [], []
+        for _ in range(20):
+            face = mc.Rough("ggx", dice.uniform(0.1, 0.6)) if dice.random() < 0.5 else None
+            layers = [mc.Layer(n=dice.uniform(1, 1.6), mua=10 ** dice.uniform(-1, 1.5), mus=10 ** dice.uniform(1, 2.5), g=dice.uniform(0, 0.9), d=10 ** dice.uniform(-2, -0.5), top_rough=face)
+                      for face in ([face, None, None])[:dice.integers(1, 4)]]
+            scene = mc.Scene(layers, n_below=dice.uniform(1, 1.6))
+            a, b = (mc.brdf(scene, angles=[0, 35, 70], photons=20000, target_error=None, seed=seed) for seed in (1, 2))
+            enough = ((a.f_r + b.f_r) / 2 * a.projected * 20000 > 60).values
+            z = ((a.f_r - b.f_r) / np.hypot(a.f_r_se, b.f_r_se)).values[enough]
+            spread += list(z)
+            albedos += list(((a.albedo_R - b.albedo_R) / np.hypot(a.albedo_R_se, b.albedo_R_se)).values)
+        rms = float(np.sqrt(np.mean(np.square(spread))))
+        print(f"{len(spread)} bins of 20 materials: rms z {rms:.3f}; albedos: {np.sqrt(np.mean(np.square(albedos))):.2f}, worst {np.max(np.abs(albedos)):.1f}")
+        self.assertLess(abs(rms - np.sqrt(30 / 28)), 0.05)
+        self.assertLess(np.max(np.abs(albedos)), 4.5)
+
+
+def load_tests(loader, tests, pattern):
+    return unittest.TestSuite(loader.loadTestsFromTestCase(case) for case in (Tables, Fits, Lobes, Files, Scenes, Command))
+
+
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["long"]:
+        Long.packets = int(float((sys.argv[2:] + ["1e7"])[0]))
+        sys.exit(not unittest.TextTestRunner(verbosity=2).run(unittest.defaultTestLoader.loadTestsFromTestCase(Long)).wasSuccessful())
     unittest.main()

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from . import errors
 from .brdf_fit import Fitted, fit_bins, reciprocity
-from .brdf_flight import CONE, Bins, Setup, fly_angles, fly_packets
+from .brdf_flight import CONE, Bins, Setup, fly_angles, fly_packets, kind_of
 from .command_line import Parser, print_text, shown_path
 from .gloss import CELLS, cells_of
 from .material import Material
@@ -142,9 +142,10 @@ def _misfit(shares: Mapping[str, Any], fitted: Fitted) -> float:
 
 
 def _pairs(setup: Setup, shares: Mapping[str, Any], fitted: Fitted, bins: Bins) -> Any:
-    """The self-test of reciprocity, by means over the azimuth [pair, 4]."""
-    both = shares["in"] + shares["gloss"], np.hypot(shares["in_se"], shares["gloss_se"])
-    area = bins.projected() * bins.np
+    """The self-test of reciprocity [pair, 4]: by means over the azimuth, over tiles in the plane of incidence, for these may have a direction."""
+    step = bins.np // 2 if kind_of(setup.told) == "tiles" else 1
+    both = (shares["in"] + shares["gloss"])[:, :, ::step], np.hypot(shares["in_se"], shares["gloss_se"])[:, :, ::step]
+    area = bins.projected() * both[0].shape[2]
     with np.errstate(divide="ignore", invalid="ignore"):
         narrow = fitted.middles.mean(axis=2) / fitted.means.mean(axis=2)
     narrow = np.where(np.isfinite(narrow) & (narrow > 0.5) & (narrow < 2), narrow, 1.0)

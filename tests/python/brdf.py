@@ -376,16 +376,21 @@ class Long(unittest.TestCase):
             self.assertLess(abs(pairs[:, 3]).max(), 4, name)
 
     def test_a_lambertian_ground(self):
-        """R / pi to 1e-3, by the fit and by the file."""
+        """R / pi to 1e-3 (rms over directions), by the fit and by the file: 45 terms of 1e8 packets are known to 0.7e-3."""
         ground = mc.Scene([mc.Layer(n=1, mua=0, mus=0, g=0, d=0.01)], backing=mc.Backing("lambertian", R=0.8))
-        material = mc.brdf(ground, photons=self.packets / 2, target_error=None)
-        off = [material.f(*angles) * np.pi / 0.8 - 1 for angles in ((0, 0, 0), (40, 20, 90), (10, 60, 30), (80, 40, 180))]
+        material = mc.brdf(ground, photons=self.packets, target_error=None)
+        dice = np.random.default_rng(4)
+        theta_i, theta_o, phi = np.degrees(np.arcsin(np.sqrt(dice.random(500)))), np.degrees(np.arcsin(np.sqrt(dice.random(500)))), dice.uniform(0, 360, 500)
+        off = {"fit": material.f(theta_i, theta_o, phi) * np.pi / 0.8 - 1}
         with tempfile.TemporaryDirectory() as folder:
             quiet(material.to_bsdf, os.path.join(folder, "g.bsdf"))
             fields = read_tensor(os.path.join(folder, "g.bsdf"))
-        off += [looked_up(fields, "spectra", 0, np.radians(40), theta, 2.0) / np.cos(theta) * np.pi / 0.8 - 1 for theta in (0.1, 0.5, 1.0)]
-        print("lambertian ground: off by " + " ".join(f"{value:+.5f}" for value in off))
-        self.assertLess(max(map(abs, off)), 1e-3)
+        near = (theta_i < 80) & (theta_o < 70)
+        off["file"] = np.array([looked_up(fields, "spectra", 0, *np.radians(angles)) / np.cos(np.radians(angles[1])) for angles in zip(theta_i[near], theta_o[near], phi[near])]) * np.pi / 0.8 - 1
+        for name, values in off.items():
+            rms = float(np.sqrt(np.mean(values**2)))
+            print(f"lambertian ground, {name}: rms {rms:.5f}, mean {np.mean(values):+.5f}")
+            self.assertLess(rms, 1e-3 * np.sqrt(1e7 / self.packets), name)
 
     def test_errors_are_true(self):
         """20 random materials, each by two seeds: z of bins of 60 packets and more has the spread of Student's t, albedos stay within 4.5."""

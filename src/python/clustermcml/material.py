@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
 GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
+STEP = 5.0  # between angles of incidence of a .bsdf, at most: renderers interpolate f cos theta_o, which bends
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
 PLOTTED = 5  # angles of incidence
 
@@ -72,20 +73,28 @@ class Material:
 
     # ---- files ----
 
-    def _table(self) -> Any:
-        """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf."""
+    def _half(self, channel: int, angle: float) -> Any:
+        """f of a lobe at the nodes of a .bsdf, between the angles flown by linear interpolation in the cells of the half vector."""
+        flown, cells = self.data["theta_i"].values, self._each("f_half")[channel]
+        i = int(np.clip(np.searchsorted(flown, angle, side="right") - 1, 0, max(len(flown) - 2, 0)))
+        j = min(i + 1, len(flown) - 1)
+        share = (angle - flown[i]) / (flown[j] - flown[i]) if j > i else 0.0
+        return finer((1 - share) * cells[i] + share * cells[j])
+
+    def _table(self, angles: Any) -> Any:
+        """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: degrees."""
         u, v = nodes(SIZE)
         found = []
-        for i, angle in enumerate(np.radians(self.data["theta_i"].values)):
-            cosine, phi, along = exits(u, v, angle)
+        for angle in angles:
+            cosine, phi, along = exits(u, v, np.radians(angle))
             theta = np.arccos(np.clip(cosine, 0, 1))
             rows = []
             for channel in range(max(len(self.channels()), 1)):
                 f = np.zeros_like(u)
                 if self.data.attrs["half"] != "all":
-                    f = evaluate(self._each("fit")[channel], float(self._each("index")[channel]), np.full_like(theta, angle), theta, phi)
+                    f = evaluate(self._each("fit")[channel], float(self._each("index")[channel]), np.full_like(theta, np.radians(angle)), theta, phi)
                 if "f_half" in self.data:
-                    f = f + finer(self._each("f_half")[channel, i])
+                    f = f + self._half(channel, float(angle))
                 rows.append(np.where((cosine > 0) & (along > 0), np.maximum(f, 0) * cosine, 0.0))
             found.append(rows)
         return np.array(found)
@@ -98,7 +107,8 @@ class Material:
         rgb = name.endswith(".rgb.bsdf")
         if labels and rgb != (labels == ["r", "g", "b"]):
             raise errors.refuse("path", name, "a name that ends in .rgb.bsdf, for channels r g b" if not rgb else "a name that ends in .bsdf without .rgb, for channels by nm")
-        table, theta = self._table(), np.radians(self.data["theta_i"].values)
+        angles = _steps(self.data["theta_i"].values)
+        table, theta = self._table(angles), np.radians(angles)
         copies = len(labels) or (3 if rgb else len(GREY_NM))
         table = table if labels else np.repeat(table, copies, axis=1)
         if theta[0] > 0:
@@ -197,6 +207,16 @@ class Material:
             axes.set(xlim=(-90, 90), xticks=range(-90, 91, 30), xlabel="exit angle, light comes from the left [degrees]", ylabel="f_r [1/sr]")
             axes.legend(fontsize="small")
             save(figure, name)
+
+
+def _steps(angles: Any) -> Any:
+    """The angles, and others between them, at most STEP apart.
+
+    >>> _steps([0, 10, 13]).tolist()
+    [0.0, 5.0, 10.0, 13.0]
+    """
+    parts = [np.linspace(low, high, int(np.ceil((high - low) / STEP)), endpoint=False) for low, high in zip(angles[:-1], angles[1:])]
+    return np.concatenate([*parts, [float(angles[-1])]])
 
 
 def read_material(path: Path) -> Material:

@@ -23,7 +23,7 @@ from .mco import NUMERAL
 from .options import Path
 from .program import scratch_folder
 from .relit import scene_path, told_of
-from .scene import Scene
+from .scene import MOST_PHOTONS, Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +33,7 @@ ANGLES = (0, 10, 20, 30, 40, 50, 60, 65, 70, 75, 80, 85)
 BINS = (18, 36)
 STEEPEST = 89.0  # degrees
 POOR, FAR = 1.5, 0.03  # a fit is no good whose chi^2 per degree of freedom and whose relative distance from the bins, beyond their noise, are above these
-GLOSS = 1_000_000  # packets of the cells of a lobe, at each angle
+GLOSS, MOST_SAVED = 1_000_000, 2_000_000  # packets of the cells of a lobe, at each angle: at least, at most
 LEAST = 1e-6  # share of the light that is a lobe
 
 
@@ -111,7 +111,7 @@ def _half_cells(setup: Setup, channel: int, photons: int, gloss: bool) -> Any:
     """f in the cells of half vectors [angle of incidence, v, u], without light in the cone that counts as a mirror image."""
     found = []
     for i, angle in enumerate(np.radians(setup.angles)):
-        weights, flights = fly_packets(setup, channel, i, max(photons, GLOSS), gloss)
+        weights, flights = fly_packets(setup, channel, i, min(max(photons, GLOSS), MOST_SAVED), gloss)
         image = np.array([np.sin(angle), 0.0, np.cos(angle)])
         apart = np.linalg.norm(np.cross(flights, image), axis=1) > CONE
         found.append(cells_of(weights[apart], flights[apart], angle, CELLS))
@@ -219,6 +219,8 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
     """
     values, sides, (labels, sets) = _angles(angles), Bins(*_bins(bins)), _channels(channels)
     errors.flag("back", back)
+    photons = None if photons is None else errors.whole("photons", photons, 1, MOST_PHOTONS)
+    target_error = None if target_error is None else errors.number("target_error", target_error, 1e-9, 1, "a number from 1e-9 to 1, or None")
     errors.whole("seed", seed, 0, 2**40)
     options = {name: value for name, value in (("photons", photons), ("target_error", target_error), ("threads", threads)) if value is not None}
     with scratch_folder() as held:

@@ -18,9 +18,11 @@ import numpy as np
 from . import errors
 from .program import fly, option_words, result_of, scratch_folder
 from .relit import beam_shape, write_relit
+from .scene import MOST_PHOTONS
 
 CONE = 1e-3  # sine of the cone around the mirrored and the refracted direction that counts as exact
 WIDE = 1e6  # radius of a detector that sees a whole side [cm]
+LEAST, DARK = 10000, 1e-3  # with an error target: packets at least; an albedo that is dark enough to be known
 OPAQUE = 1e9  # mua of a first layer from which no light returns [1/cm]
 EDGE = 1e-5  # a direction this near to the edge of two bins may lie in either [rad]
 
@@ -121,11 +123,29 @@ def fly_angles(setup: Setup) -> list[list[Any]]:
     lines = [beam, f"directions {2 * setup.bins[0]} {2 * setup.bins[1]}", f"detector disk {WIDE:g} side={near} name=lit",
              f"{cone}{near} na={CONE * lit!r} name=mirror", f"{cone}{near} na={CONE * lit!r} name=mirror_in diffuse",
              f"{cone}{far} na={CONE * other!r} name=through"]
-    options = {**setup.options, **({"error_of": "lit"} if "target_error" in setup.options else {})}
-    with _flown(setup, lines, _table(setup, period, True), option_words(options), True) as told:
-        found = [result_of(one) for one in told]
-    count = len(setup.angles)
-    return [found[i:i + count] for i in range(0, len(found), count)]
+    options = {name: value for name, value in setup.options.items() if name not in ("photons", "target_error")}
+    target, rows = setup.options.get("target_error"), _table(setup, period, True)
+    first = int(setup.options.get("photons") or sum(beam["photons"] for beam in setup.told["beams"]))
+    counts = [first if target is None else max(first, LEAST)] * len(rows)
+    found: list[Any] = [None] * len(rows)
+    left = list(range(len(rows)))
+    while left:
+        with _flown(setup, lines, [{**rows[i], "photons": counts[i]} for i in left], option_words(options), counts == [counts[0]] * len(rows)) as told:
+            for i, one in zip(left, told):
+                found[i] = result_of(one)
+        more = {i: _factor(found[i], target) for i in left}
+        left = [i for i in left if more[i] > 1]
+        counts = [min(int(count * more.get(i, 1)), MOST_PHOTONS) for i, count in enumerate(counts)]
+    angles = len(setup.angles)
+    return [found[i:i + angles] for i in range(0, len(found), angles)]
+
+
+def _factor(result: Any, target: Optional[float]) -> float:
+    """By how much a flight needs more packets for an albedo of that relative error; 1 of one that is known, or three errors below DARK."""
+    value, error = float(result.detector_lit), float(result.detector_lit_se)
+    if target is None or error <= target * value or value + 3 * error < DARK:
+        return 1.0
+    return min(max(1.2 * (error / (target * value)) ** 2, 2.0), 32.0) if value > 0 else 32.0
 
 
 def fly_packets(setup: Setup, channel: int, angle: int, photons: int, gloss: bool) -> tuple[Any, Any]:

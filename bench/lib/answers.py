@@ -118,6 +118,8 @@ def answers():
         "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
     yield ("What does single scattering at rough faces lose?", "%s of what leaves a slab (ggx 0.2), by Mitsuba 3" % cells(
         "peers/results/rough_faces.md", "ggx 0.2", "0")[4], "python3 bench/peers/rough_faces.py", "5", "")
+    yield ("Does Mitsuba 3 render our .bsdf files as the slab itself?", "in light from %s" % reading("peers/results/appearance.md", r"exits, light from (.*)\."),
+           "python3 bench/peers/appearance.py", "10", "")
     yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),
            "python3 bench/choices/roulette.py", "2", "")
     yield ("What does --aim gain?", "%s in the time of Tt (S6a, rough), %s where it is 2.6e-6" % tuple(

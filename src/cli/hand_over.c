@@ -25,12 +25,16 @@ static const char start[] = "import sys\n"
                             "    sys.exit(5)\n"
                             "sys.exit(code)\n";
 
+/* The commands of the package. */
+static const char *const names[] = {"brdf", "compare", "plot", "profile", "view"};
+
 bool cml_is_handed_over(int argc, char *const *argv)
 {
-    const enum cml_command which = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;
-    for (int i = 2; i < argc; i++)
-        if (strcmp(argv[i], "--version") == 0) return false; /* the program's */
-    return which == CML_COMMAND_PLOT || which == CML_COMMAND_COMPARE || which == CML_COMMAND_VIEW;
+    bool found = false;
+    for (size_t i = 0; argc > 1 && i < sizeof names / sizeof *names; i++)
+        found |= strcmp(argv[1], names[i]) == 0;
+    for (int i = 2; i < argc; i++) found &= strcmp(argv[i], "--version") != 0; /* the program's */
+    return found;
 }
 
 /* Where the package lies, from the folder of the program: build tree, install tree, wheel. */

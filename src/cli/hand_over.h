@@ -1,4 +1,4 @@
-/* Commands that the Python package does: plot, compare, view. SPDX-License-Identifier: MIT */
+/* Commands that the Python package does: plot, compare, view, brdf, profile. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"

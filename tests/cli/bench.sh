@@ -22,7 +22,7 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     */gpu_static.py) place=--kernels good=kernels no=": no folder of kernels" ;;
     */atlas.py) place=--build good=$(dirname "$program") no="/clustermcml is no program" ;;
     */parts.py | */unbiased.py) place=--build good=$(dirname "$program") no=": no build folder" ;;
-    */views.py | */rough_faces.py) ;;
+    */views.py | */rough_faces.py | */appearance.py) ;;
     bench/peers/*) peer="--mmc $program" ;;
     esac
     expect_refusal "unrecognized arguments: --nonsense word" "$script" $place "$good" $peer --nonsense word

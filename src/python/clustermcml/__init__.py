@@ -15,11 +15,14 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
+from .brdf import brdf
+from .bsdf_file import read_bsdf
 from .commands import check, crosscheck, exact, furnace, mesh, plan, trace, version
 from .compare import compare
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
+from .material import Material, read_material
 from .merge import merge
 from .phases import Phase
 from .photons import Saved, read_photons
@@ -31,8 +34,8 @@ from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 from .view import view
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_photons", "run", "sweep", "trace", "view"]
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

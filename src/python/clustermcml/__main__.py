@@ -143,8 +143,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main() -> int:
-    """`clustermcml plot`, `compare`, `profile` and `view` hand over to this."""
-    commands = {"compare": ".compare", "plot": ".plot", "profile": ".profile", "view": ".view"}
+    """`clustermcml brdf`, `compare`, `plot`, `profile` and `view` hand over to this."""
+    commands = {"brdf": ".brdf", "compare": ".compare", "plot": ".plot", "profile": ".profile", "view": ".view"}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         return fit_main()
     warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)

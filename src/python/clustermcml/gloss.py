@@ -1,0 +1,93 @@
+"""Light that leaves, by the half vector between the directions to the light and of the exit: the cells of RGL's `.bsdf` files.
+
+A cell is the value at a node: u = sqrt(2 theta_m / pi) and v = (phi_m + pi) / (2 pi) at k / (M - 1), m the half vector in the frame in
+which the light comes from azimuth 0. A lobe about the mirrored direction lies at small u for every angle of incidence.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+ENOUGH = 50  # packets of a cell; cells with fewer are joined with their neighbours
+CELLS = 64  # along each axis
+PARTS = 8  # of a cell along each axis, for its solid angle
+
+
+def exits(u: Any, v: Any, theta_i: float) -> tuple[Any, Any, Any]:
+    """Exit cosine, azimuth of flight against that of the light's flight [rad], and the cosine between light and half vector."""
+    theta, phi = np.pi / 2 * u**2, 2 * np.pi * v - np.pi
+    m = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)))
+    light = np.array([np.sin(theta_i), 0.0, np.cos(theta_i)])
+    along = np.tensordot(light, m, 1)
+    out = 2 * along * m - light.reshape(3, *[1] * (m.ndim - 1))
+    return out[2], np.arctan2(-out[1], -out[0]), along
+
+
+def finer(cells: Any) -> Any:
+    """Values at twice as many nodes, less one, by linear interpolation."""
+    for axis in (0, 1):
+        cells = np.moveaxis(cells, axis, 0)
+        between = np.empty((2 * len(cells) - 1, *cells.shape[1:]))
+        between[::2], between[1::2] = cells, (cells[1:] + cells[:-1]) / 2
+        cells = np.moveaxis(between, 0, axis)
+    return cells
+
+
+def nodes(size: int) -> tuple[Any, Any]:
+    """u and v of all cells [v, u]."""
+    axis = np.arange(size) / (size - 1)
+    v, u = np.meshgrid(axis, axis, indexing="ij")
+    return u, v
+
+
+def _measure(size: int, theta_i: float) -> Any:
+    """Projected solid angle of the exits of each cell above the horizon [v, u]."""
+    steps = (size - 1) * PARTS
+    middles = (np.arange(steps) + 0.5) / steps
+    v, u = np.meshgrid(middles, middles, indexing="ij")
+    cosine, _, along = exits(u, v, theta_i)
+    solid = 4 * along * np.sin(np.pi / 2 * u**2) * np.pi * u * 2 * np.pi / steps**2
+    cell = np.minimum((np.arange(steps) + PARTS // 2) // PARTS, size - 1)
+    rows = np.zeros((size, steps))
+    np.add.at(rows, cell, np.where((cosine > 0) & (along > 0), solid * cosine, 0.0))
+    found = np.zeros((size, size))
+    np.add.at(found.T, cell, rows.T)
+    return found
+
+
+def _mirrored(cells: Any) -> Any:
+    """Sums with the cells at -phi_m, where an isotropic material has the same light."""
+    return cells + cells[::-1]
+
+
+def _blocks(cells: Any, side: int) -> Any:
+    """Every cell has the sum over its block of side x side cells."""
+    starts, block = np.arange(0, len(cells), side), np.arange(len(cells)) // side
+    return np.add.reduceat(np.add.reduceat(cells, starts, axis=0), starts, axis=1)[block][:, block]
+
+
+def cells_of(weights: Any, flights: Any, theta_i: float, size: int) -> Any:
+    """f [1/sr] in the cells [v, u] of packets with these weights (per launched packet) and directions of flight [n, 3], z outward, the light
+    flying towards +x. Cells of fewer than ENOUGH packets share the mean of all such cells in the smallest block of 2 x 2, 4 x 4, ... in which
+    these have as many: no light is lost or counted twice."""
+    half = flights + np.array([-np.sin(theta_i), 0.0, np.cos(theta_i)])
+    half /= np.linalg.norm(half, axis=1)[:, None]
+    theta = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2])
+    phi = np.arctan2(-half[:, 1], -half[:, 0])
+    u = np.rint(np.sqrt(2 * theta / np.pi) * (size - 1)).astype(int).clip(0, size - 1)
+    v = np.rint((phi + np.pi) / (2 * np.pi) * (size - 1)).astype(int).clip(0, size - 1)
+    light, count = np.zeros((size, size)), np.zeros((size, size))
+    np.add.at(light, (v, u), weights)
+    np.add.at(count, (v, u), 1)
+    light, count, measure = _mirrored(light), _mirrored(count), _mirrored(_measure(size, theta_i))
+    found, left = np.zeros((size, size)), np.ones((size, size), bool)
+    for level in range(int(np.ceil(np.log2(size))) + 1):
+        sums = [_blocks(np.where(left, part, 0), 1 << level) for part in (light, count, measure)]
+        full = left & (sums[2] > 0) & ((sums[1] >= ENOUGH) | (1 << level >= size))
+        found[full] = sums[0][full] / sums[2][full]
+        left &= ~full
+    return found

@@ -1,0 +1,242 @@
+"""What `brdf` returns: reflection and transmission by directions, and the files that renderers read.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import errors
+from .brdf_fit import evaluate
+from .bsdf_file import write_bsdf
+from .command_line import picture_path, write
+from .gloss import CELLS, exits, finer, nodes
+from .options import Path
+from .pictures import COLOURS, drawing, save
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
+GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
+STEP = 5.0  # between angles of incidence of a .bsdf, at most: renderers interpolate f cos theta_o, which bends
+MUCH = 1e-3  # share of the light in a mirror image that is worth a message
+PLOTTED = 5  # angles of incidence
+
+
+def path_of(name: str, value: Any, ending: str) -> str:
+    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value).endswith(ending) or "\0" in os.fspath(value):
+        raise errors.refuse(name, value, f"a name that ends in {ending}")
+    return os.fspath(value)
+
+
+@dataclass
+class Material:
+    """The result of `brdf`. `data` is an xarray.Dataset; its arrays are attributes of this, too: `material.f_r` is `material.data.f_r`.
+
+    `read_material` reads a file that `to_h5` or the command has written.
+    """
+
+    data: xr.Dataset
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "data":
+            raise AttributeError(name)
+        return getattr(self.data, name)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.data[name]
+
+    def __repr__(self) -> str:
+        return f"Material of {self.data!r}"
+
+    def channels(self) -> list[Any]:
+        """Labels: wavelengths [nm], r g b, or nothing of a grey material."""
+        return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
+
+    def _each(self, name: str) -> Any:
+        """An array with the axis of channels first, also of a grey material."""
+        values = self.data[name].values
+        return values if self.channels() else values[None]
+
+    def f(self, theta_i: Any, theta_o: Any, phi: Any, channel: int = 0) -> Any:
+        """The fit of light that was inside [1/sr] at angles in degrees. Swapping theta_i and theta_o changes no bit."""
+        angles = np.broadcast_arrays(*(np.radians(angle) for angle in (theta_i, theta_o, phi)))
+        return evaluate(self._each("fit")[channel], float(self._each("index")[channel]), *angles)
+
+    # ---- files ----
+
+    def _half(self, channel: int, angle: float) -> Any:
+        """f of a lobe at the nodes of a .bsdf, between the angles flown by linear interpolation in the cells of the half vector."""
+        flown, cells = self.data["theta_i"].values, self._each("f_half")[channel]
+        i = int(np.clip(np.searchsorted(flown, angle, side="right") - 1, 0, max(len(flown) - 2, 0)))
+        j = min(i + 1, len(flown) - 1)
+        share = (angle - flown[i]) / (flown[j] - flown[i]) if j > i else 0.0
+        return finer((1 - share) * cells[i] + share * cells[j])
+
+    def _table(self, angles: Any) -> Any:
+        """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: degrees."""
+        u, v = nodes(SIZE)
+        found = []
+        for angle in angles:
+            cosine, phi, along = exits(u, v, np.radians(angle))
+            theta = np.arccos(np.clip(cosine, 0, 1))
+            rows = []
+            for channel in range(max(len(self.channels()), 1)):
+                f = np.zeros_like(u)
+                if self.data.attrs["half"] != "all":
+                    f = evaluate(self._each("fit")[channel], float(self._each("index")[channel]), np.full_like(theta, np.radians(angle)), theta, phi)
+                if "f_half" in self.data:
+                    f = f + self._half(channel, float(angle))
+                rows.append(np.where((cosine > 0) & (along > 0), np.maximum(f, 0) * cosine, 0.0))
+            found.append(rows)
+        return np.array(found)
+
+    def to_bsdf(self, path: Path) -> None:
+        """Writes a table for the plugin `measured` of Mitsuba 3 and pbrt-v4. NAME.rgb.bsdf is for variants of Mitsuba with RGB, any other
+        NAME.bsdf for those with spectra, and for pbrt. A grey material can be either; channels r g b are the first, wavelengths the second.
+        A warning says how much light the table lacks because it leaves as a mirror image."""
+        name, labels = path_of("path", path, ".bsdf"), self.channels()
+        rgb = name.endswith(".rgb.bsdf")
+        if labels and rgb != (labels == ["r", "g", "b"]):
+            raise errors.refuse("path", name, "a name that ends in .rgb.bsdf, for channels r g b" if not rgb else "a name that ends in .bsdf without .rgb, for channels by nm")
+        angles = _steps(self.data["theta_i"].values)
+        table, theta = self._table(angles), np.radians(angles)
+        copies = len(labels) or (3 if rgb else len(GREY_NM))
+        table = table if labels else np.repeat(table, copies, axis=1)
+        if theta[0] > 0:
+            theta, table = np.concatenate([[0.0], theta]), np.concatenate([table[:1], table])
+        theta, table = np.concatenate([theta, [np.pi / 2]]), np.concatenate([table, table[-1:]])
+        attrs = self.data.attrs
+        text = f"{attrs['scene']}; {attrs['version']}; seed {attrs['seed']}"
+        write_bsdf(name, table, theta, text, None if rgb else np.array(labels or GREY_NM, float))
+        if self.mirror_note():
+            warnings.warn(self.mirror_note(), stacklevel=2)
+
+    def mirror_note(self) -> str:
+        """How much light no table holds, at the first angle where that is much, and what to do. Empty where there is little."""
+        mirror = self._each("mirror_R").max(axis=0)
+        if mirror.max() < MUCH:
+            return ""
+        i = int(np.argmax(mirror >= MUCH))
+        return (f"{100 * mirror[i]:.1f} % of the light at {self.data['theta_i'].values[i]:g} degrees is a mirror image and not in the .bsdf: "
+                f"put a smooth dielectric coat of n {self.data.attrs['n_layer']:g} over it, or give the face a rough line")
+
+    def _lines(self) -> Any:
+        """Rows of the text table."""
+        data, labels = self.data, self.channels() or [None]
+        names = ("f_r", "f_r_se", "f_t", "f_t_se")
+        columns = [self._each(name) for name in names]
+        for c, label in enumerate(labels):
+            for i, angle in enumerate(data["theta_i"].values):
+                for o, theta in enumerate(data["theta"].values):
+                    for p, phi in enumerate(data["phi"].values):
+                        words = [] if label is None else [f"{label:g}" if isinstance(label, (int, float)) else str(label)]
+                        yield " ".join([*words, f"{angle:g}", f"{theta:g}", f"{phi:g}", *(f"{column[c, i, o, p]:.6g}" for column in columns)])
+
+    def to_text(self, path: Path) -> None:
+        """Writes the bins as lines theta_i theta_o phi f_r f_r_se f_t f_t_se, degrees and 1/sr, behind a head of # lines; channels come first."""
+        if not isinstance(path, (str, os.PathLike)) or "\0" in os.fspath(path):
+            raise errors.refuse("path", path, "the name of a file")
+        data, attrs = self.data, self.data.attrs
+        shown = [f"# {name}: {attrs[name]}" for name in ("scene", "version", "identity", "seed", "side")]
+        shown.append("# photons: " + " ".join(f"{count:.0f}" for count in np.ravel(data["photons"].values)))
+        shown.append("# units: degrees, 1/sr; bin middles; phi 0 is the mirror side; f_t is of flux: radiance has n_below^2 / n_above^2 more")
+        for name in ("mirror_R", "mirror_T"):
+            shown.append(f"# {name}, in no bin: " + " ".join(f"{value:.6g}" for value in np.ravel(data[name].values)))
+        shown.append("# " + ("channel " if self.channels() else "") + "theta_i theta_o phi f_r f_r_se f_t f_t_se")
+        write(os.fspath(path), "\n".join([*shown, *self._lines(), ""]).encode())
+
+    def to_h5(self, path: Path) -> None:
+        """Writes all arrays as an HDF5 file in the manner of netCDF, the same bytes every time: `read_material` reads it."""
+        import h5py
+        name, content = path_of("path", path, ".h5"), io.BytesIO()
+        with h5py.File(content, "w") as file:
+            file.attrs.update(self.data.attrs)
+            for dim, size in self.data.sizes.items():
+                if dim not in self.data.coords:
+                    file[str(dim)] = np.arange(size)
+            for key, array in self.data.variables.items():
+                values = array.values
+                file[str(key)] = values.astype(object) if values.dtype.kind == "U" else values
+                file[str(key)].attrs.update(array.attrs)
+            for dim in self.data.sizes:
+                file[str(dim)].make_scale(str(dim))
+            for key, array in self.data.variables.items():
+                for i, dim in enumerate(array.dims if key not in self.data.sizes else ()):
+                    file[str(key)].dims[i].attach_scale(file[str(dim)])
+        write(name, content.getvalue())
+
+    def to_netcdf(self, path: Path, **options: Any) -> None:
+        """Writes all arrays, as xarray does."""
+        self.data.to_netcdf(path, **options)
+
+    # ---- pictures ----
+
+    def _plane(self, name: str, channel: int, i: int) -> tuple[Any, Any]:
+        """Values in the plane of incidence, by the signed angle [degrees]: negative on the side that the light comes from."""
+        values, theta = self._each(name)[channel, i], self.data["theta"].values
+        back = self.data.sizes["phi"] // 2
+        return np.concatenate([-theta[::-1], theta]), np.concatenate([values[::-1, back], values[:, 0]])
+
+    def plot(self, path: Path, channel: int = 0) -> None:
+        """Draws f_r in the plane of incidence for some angles, with bands of one standard error and the fit dashed."""
+        name = picture_path(path)
+        errors.whole("channel", channel, 0, max(len(self.channels()), 1) - 1)
+        angles = self.data["theta_i"].values
+        shown = np.unique(np.linspace(0, len(angles) - 1, min(PLOTTED, len(angles))).round().astype(int))
+        with drawing():
+            from matplotlib.figure import Figure
+            figure = Figure(figsize=(7.2, 4.4), layout="constrained")
+            axes = figure.subplots()
+            for colour, i in zip(COLOURS, shown):
+                x, f = self._plane("f_r", channel, i)
+                error = self._plane("f_r_se", channel, i)[1]
+                axes.fill_between(x, f - error, f + error, color=colour, alpha=0.25, lw=0)
+                axes.plot(x, f, color=colour, label=f"light from {angles[i]:g}")
+                if self.data.attrs["half"] == "none":
+                    axes.plot(x, self._plane("f_fit", channel, i)[1], color=colour, ls="--", lw=0.9)
+            _scale(axes, self._each("f_r")[channel])
+            axes.set(xlim=(-90, 90), xticks=range(-90, 91, 30), xlabel="exit angle, light comes from the left [degrees]", ylabel="f_r [1/sr]")
+            axes.legend(fontsize="small")
+            save(figure, name)
+
+
+def _steps(angles: Any) -> Any:
+    """The angles, and others between them, at most STEP apart.
+
+    >>> _steps([0, 10, 13]).tolist()
+    [0.0, 5.0, 10.0, 13.0]
+    """
+    parts = [np.linspace(low, high, int(np.ceil((high - low) / STEP)), endpoint=False) for low, high in zip(angles[:-1], angles[1:])]
+    return np.concatenate([*parts, [float(angles[-1])]])
+
+
+def read_material(path: Path) -> Material:
+    """The material in a file NAME.brdf.h5."""
+    import xarray as xr
+    name = errors.existing_file("path", path)
+    try:
+        with xr.open_dataset(name, engine="h5netcdf") as file:
+            data = file.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise errors.unreadable(name, "an .h5 file of a material", error) from error
+    if "fit" not in data or "half" not in data.attrs:
+        raise errors.refuse("path", name, "a file that `brdf` has written")
+    return Material(data)
+
+
+def _scale(axes: Any, values: Any) -> None:
+    """Logarithmic where a lobe stands far above the rest."""
+    middle = float(np.median(values[values > 0])) if (values > 0).any() else 0.0
+    if middle > 0 and values.max() > 30 * middle:
+        axes.set(yscale="log", ylim=(middle / 30, 1.5 * values.max()))
+    else:
+        axes.set_ylim(0, None)

@@ -13,7 +13,7 @@ OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mca", "--mpi", "--quick"}
 
 
-PACKAGE = ("plot", "compare", "view")  # whose options are those of the Python package
+PACKAGE = ("brdf", "plot", "compare", "view")  # whose options are those of the Python package
 
 
 def options_of(topic):
@@ -73,7 +73,7 @@ for path in ["README.md", *sorted(glob.glob("samples/*.md"))]:
     with open(path, encoding="utf-8") as file:
         texts[path] = file.read()
 every = options_of("options").union(*map(options_of, PACKAGE))
-complaints = check(texts, {name: options_of(name) for name in names}, every)
+complaints = check(texts, {name: options_of(name) for name in {*names, *PACKAGE}}, every)
 print("\n".join(complaints) or f"{len(every)} options in {len(texts)} texts")
 sys.exit(1 if complaints or len(every) < 35 or len(names) < 10 else 0)
 END_OF_CHECK

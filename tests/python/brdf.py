@@ -81,6 +81,7 @@ class Tables(unittest.TestCase):
             self.assertLess(sums(material), 1e-12)
             self.assertGreaterEqual(min(float(material.f_r.min()), float(material.f_t.min())), 0)
             self.assertEqual(material.f_r.dims, ("theta_i", "theta", "phi"))
+            self.assertEqual(material.f_r.sel(theta=[30, 85], phi=[0, 180, 350]).shape, (4, 2, 3))
             exact = material.albedo_R + material.albedo_T + material.A
             self.assertLess(float(abs(exact - 1).max()), 1e-3)  # but for roulette
 

@@ -169,7 +169,7 @@ def _lobes(setup: Setup, channels: Sequence[Mapping[str, Any]], poor: bool) -> A
 
 def _dataset(setup: Setup, labels: Sequence[Any], channels: Sequence[Mapping[str, Any]], half: Any, bins: Bins) -> xr.Dataset:
     import xarray as xr
-    axes = {"theta_i": setup.angles, "theta": np.degrees(bins.middles()), "phi": np.degrees(bins.azimuths())}
+    axes = {"theta_i": setup.angles, "theta": np.degrees(bins.middles()).round(9), "phi": np.degrees(bins.azimuths()).round(9)}
     lead, area = (["channel"] if labels else []), bins.projected()[:, None]
 
     def stacked(values: Any, dims: Sequence[str], units: str, text: str) -> Any:

@@ -16,5 +16,5 @@ results=$root/build/quickstart
 mkdir -p "$results"
 cd "$results"
 "$root/build/clustermcml" "$root/samples/skinmap.mci" --photons 2e6
-"$root/build/clustermcml" plot skinmap.h5 --of Rd --percentile 99.9 --title "Ridged skin in grazing light" -o skinmap.png --quiet
+"$root/build/clustermcml" plot skinmap.h5 --of Rd --percentile 99.9 --label "Ridged skin in grazing light" -o skinmap.png --quiet
 echo "the picture: $results/skinmap.png"

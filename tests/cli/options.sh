@@ -13,7 +13,7 @@ OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mca", "--mpi", "--quick"}
 
 
-PACKAGE = ("brdf", "plot", "compare", "view")  # whose options are those of the Python package
+PACKAGE = ("brdf", "plot", "compare", "profile", "view")  # whose options are those of the Python package
 
 
 def options_of(topic):

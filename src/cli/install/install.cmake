@@ -33,7 +33,7 @@ install(FILES README.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
 # without the scripts that build from source, and those that make what is here
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
-        FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md"
+        FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md" PATTERN "*.png"
         PATTERN "*.txt" PATTERN "*.csv" PATTERN "*.ipynb")
 # The package, for plot, compare and view; a wheel has it above its program.
 if(NOT SKBUILD)

@@ -5,7 +5,6 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
-import csv
 import os
 import warnings
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike
 from . import errors
 from .brdf_fit import Fitted, fit_bins, reciprocity
 from .brdf_flight import CONE, Bins, Setup, fly_angles, fly_packets, kind_of
+from .channels import channel_rows, channel_table
 from .command_line import Parser, print_text, shown_path
 from .gloss import CELLS, cells_of
 from .material import Material
@@ -53,31 +53,6 @@ def _bins(bins: Any) -> tuple[int, int]:
     if across % 2:
         raise errors.refuse("bins[1]", across, "an even number")
     return nt, across
-
-
-def _channels(channels: Any) -> tuple[list[Any], list[dict[str, float]]]:
-    """Labels, and what is set in each channel. The column nm has wavelengths, the column channel r, g and b."""
-    if channels is None:
-        return [], [{}]
-    try:
-        columns = {str(name): list(channels[name]) for name in channels}
-    except TypeError:
-        raise errors.refuse("channels", channels, "a dict of columns or a DataFrame") from None
-    label = next((name for name in ("nm", "channel") if name in columns), "")
-    labels = columns.pop(label, [])
-    if not labels or not columns or any(len(values) != len(labels) for values in columns.values()):
-        raise errors.refuse("channels", channels, "a column nm, or channel with r, g and b, and columns as long of what is set: layer1.mua ...")
-    if label == "nm":
-        labels = [errors.number("channels['nm']", value, 1, 1e7, "wavelengths [nm]") for value in labels]
-        if len(labels) < 2 or (np.diff(labels) <= 0).any():
-            raise errors.refuse("channels['nm']", labels, "at least two rising wavelengths [nm]")
-    elif labels != ["r", "g", "b"]:
-        raise errors.refuse("channels['channel']", labels, "['r', 'g', 'b']")
-    numbers = {name: [errors.finite(f"channels[{name!r}]", value) for value in values] for name, values in columns.items()}
-    for name in numbers:
-        if name in ("photons", "seed") or name.startswith(("beam", "detector")):
-            raise errors.refuse("channels", name, "numbers of the material")
-    return labels, [{name: values[i] for name, values in numbers.items()} for i in range(len(labels))]
 
 
 # ---- one channel ----
@@ -217,7 +192,7 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
     ...
     clustermcml.errors.InputError: angles = [0, 95] (expected rising angles from 0 to 89 degrees)
     """
-    values, sides, (labels, sets) = _angles(angles), Bins(*_bins(bins)), _channels(channels)
+    values, sides, (labels, sets) = _angles(angles), Bins(*_bins(bins)), channel_rows(channels)
     errors.flag("back", back)
     photons = None if photons is None else errors.whole("photons", photons, 1, MOST_PHOTONS)
     target_error = None if target_error is None else errors.number("target_error", target_error, 1e-9, 1, "a number from 1e-9 to 1, or None")
@@ -248,21 +223,6 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
 
 
 # ---- command ----
-
-def _table(word: str) -> dict[str, Any]:
-    """The columns of --label NAME=TABLE.csv."""
-    label, _, path = word.partition("=")
-    name = errors.existing_file("--label", path, "NAME=TABLE.csv, NAME a column nm, or channel with r, g and b")
-    with open(name, encoding="utf-8-sig", newline="") as file:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(line.partition("#")[0] for line in file) if any(cell.strip() for cell in row)]
-    if len(rows) < 2 or label not in rows[0] or len(set(rows[0])) < len(rows[0]):
-        raise errors.InputError(f"{shown_path(path)}: no table with a column {label} (expected a first line of names, then numbers)")
-    for number, row in enumerate(rows[1:], 1):
-        if len(row) != len(rows[0]) or not all(NUMERAL.fullmatch(cell) for column, cell in zip(rows[0], row) if column != "channel"):
-            raise errors.InputError(f"{shown_path(path)}: row {number} = {','.join(row)} (expected {len(rows[0])} numbers)")
-    columns = {column: [row[i] if column == "channel" else float(row[i]) for row in rows[1:]] for i, column in enumerate(rows[0])}
-    return {("nm" if column == label and label != "channel" else column): values for column, values in columns.items()}
-
 
 def _said(material: Material) -> list[str]:
     """What the command prints of a material."""
@@ -318,7 +278,7 @@ def main(words: list[str]) -> int:
     stem = os.path.splitext(given.scene)[0] if given.output is None else given.output
     if not os.path.isdir(os.path.dirname(os.path.abspath(stem))):
         raise errors.InputError(f"--output {shown_path(stem)} (expected a name in a folder that is there)")
-    material = brdf(given.scene, angles, given.photons, given.target_error, given.back, channels=_table(given.label) if given.label else None,
+    material = brdf(given.scene, angles, given.photons, given.target_error, given.back, channels=channel_table(given.label) if given.label else None,
                     seed=int(given.seed), threads=int(given.threads) if given.threads else None)
     names = _write_all(material, stem)
     if material.mirror_note():

@@ -18,10 +18,10 @@ from .command_line import Parser, picture_path, print_text, shown_path, write
 from .options import Path
 from .pictures import COLOURS, drawing, save
 from .profile_fits import Curve, Shares, fit_burley, fit_sum, scaled, single_albedo
-from .profile_flight import BINS, LIGHT, OTHER_SEED, Flight, Target, bin_width, fly_profile
+from .profile_flight import BINS, LIGHT, Flight, Target, bin_width, fly_profile
 from .program import scratch_folder
 from .relit import scene_path, told_of
-from .scene import Backing, Layer, Scene
+from .scene import Layer, Scene
 
 if TYPE_CHECKING:
     import pandas as pd

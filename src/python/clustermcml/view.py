@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from typing import Any, Iterable, Optional, Union
 
 import numpy as np
@@ -253,7 +252,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style) as matplotlib:
+    with drawing(style):
         from matplotlib.figure import Figure
         figure = Figure(figsize=(8.6, 5.2), layout="constrained")
         axes = figure.subplots()

@@ -232,7 +232,7 @@ class Sweep:
         raise errors.InputError(f"{shown_path(self.path)}: rows with the same {over} (expected --by, a column that tells them apart)")
 
     def unit(self, name: str) -> str:
-        units = {"mua": "1/cm", "mus": "1/cm", "d": "cm", "angle": "degree", "azimuth": "degree"}
+        units = {"mua": "1/cm", "mus": "1/cm", "angle": "degree", "azimuth": "degree", **dict.fromkeys(("d", "radius", "x", "y", "z", "r1", "r2", "w", "h", "dx", "dy"), "cm")}
         return f"{name}  [{units.get(name.rpartition('.')[2], '-')}]" if "." in name or name in ("Rsp", "Rd", "A", "Tt") else name
 
 

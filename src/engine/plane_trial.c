@@ -61,7 +61,7 @@ struct verdict {
 /* Lists the series of all values that cml_tally_bring brings. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(grid);
+    const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
     const struct series profiles[] = {
         {"Rd_r", at.Rd_r, nr},
@@ -82,7 +82,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 /* As in the output: what lies beyond the grid counts in its first and last bins. */
 static void fold_profiles(struct cml_tally *tally)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
+    const struct cml_layout at = tally->profile;
     const size_t nr = (size_t)tally->grid.nr, nz = (size_t)tally->grid.nz;
     uint64_t *Rd_r = tally->brought + at.Rd_r, *Tt_r = tally->brought + at.Tt_r,
              *A_z = tally->brought + at.A_z;

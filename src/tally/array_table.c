@@ -4,7 +4,7 @@
 enum { CML_BALANCE_none = CML_NO_TERM };
 
 const struct cml_array_info cml_arrays[CML_NUM_ARRAYS] = {
-#define ROW(name, first, second, spread, when, term)                                                         \
+#define ROW(name, first, second, spread, when, term, ...)                                                    \
     {#name, {CML_CELLS_##first, CML_CELLS_##second}, CML_KEPT_##spread, CML_IF_##when, CML_BALANCE_##term},
     CML_ARRAYS(ROW)};
 

@@ -56,46 +56,72 @@ enum cml_array_when {
 };
 
 /* clang-format off */
-/* name, axes (slowest first), how often it is kept, when it exists, the term of the balance that all its
- * cells add up to. The row behind an array over gates has what is later. */
+/* name, axes of cells (slowest first), how often it is kept, when it exists, the term of the balance that all
+ * its cells add up to. The row behind an array over gates has what is later.
+ * Then, as a quantity of results (result/quantity.h): estimator, units, axes, where it is written, what it is.
+ * Checkpoints, files and JSON have the names; .h5 and JSON keep the order of these rows. */
+#define CML_QUANTITY_ARRAYS(A) \
+    A(A_l, medium, none, BY_BATCH, ANY, ABSORBED, LAYERS, "1", OVER1(layer), H5 | JSON, "absorption by layer") \
+    A(A_z, z, none, BY_BATCH, DEPTHS, none, ARRAY, "1/cm", OVER1(z), H5, \
+      "absorption by depth; what lies outside is in the outermost bins") \
+    A(Rd_r, r, none, BY_BATCH, ANY, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "diffuse reflectance by radius; the last bin holds what lies beyond") \
+    A(Rd_a, alpha, none, BY_BATCH, ANY, none, ARRAY, "sr-1", OVER1(alpha), H5, "diffuse reflectance by angle") \
+    A(Tt_r, r, none, BY_BATCH, ANY, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "transmittance by radius; the last bin holds what lies beyond") \
+    A(Tt_a, alpha, none, BY_BATCH, ANY, none, ARRAY, "sr-1", OVER1(alpha), H5, "transmittance by angle") \
+    A(A_rz, r, z, BY_GROUP, ABSORPTION, ABSORBED, ARRAY, "1/cm3", OVER2(r, z), H5, \
+      "absorption by radius and depth") \
+    A(Rd_ra, r, alpha, BY_GROUP, ANY, REFLECTED, ARRAY, "1/(cm2 sr)", OVER2(r, alpha), H5, \
+      "diffuse reflectance by radius and angle") \
+    A(Tt_ra, r, alpha, BY_GROUP, ANY, TRANSMITTED, ARRAY, "1/(cm2 sr)", OVER2(r, alpha), H5, \
+      "transmittance by radius and angle") \
+    A(Rd_t, gate, none, BY_BATCH, ANY, REFLECTED, ARRAY, "1/ps", OVER1(gate), H5, "diffuse reflectance by time") \
+    A(Rd_t_later, none, none, BY_BATCH, GATES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "diffuse reflectance later than all gates") \
+    A(Tt_t, gate, none, BY_BATCH, ANY, TRANSMITTED, ARRAY, "1/ps", OVER1(gate), H5, "transmittance by time") \
+    A(Tt_t_later, none, none, BY_BATCH, GATES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "transmittance later than all gates") \
+    A(A_t, gate, none, BY_BATCH, TIMES, ABSORBED, ARRAY, "1/ps", OVER1(gate), H5, "absorption by time") \
+    A(A_t_later, none, none, BY_BATCH, TIMES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "absorption later than all gates") \
+    A(phi_z, z, none, BY_BATCH, FLUENCE, none, ARRAY, "1", OVER1(z), H5, "fluence by depth, over all radii") \
+    A(phi_rz, r, z, AS_BATCHES, FLUENCE, none, ARRAY, "1/cm2", OVER2(r, z), H5, "fluence by radius and depth") \
+    A(Rd_dir, theta, phi, ONCE, OWNER, REFLECTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "diffuse reflectance by direction") \
+    A(Tt_dir, theta, phi, ONCE, OWNER, TRANSMITTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "transmittance by direction") \
+    A(Rsp_dir, theta, phi, ONCE, OWNER, SPECULAR, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "specular reflectance by direction") \
+    A(detector, detector, none, BY_BATCH, ANY, none, ARRAY, "1", OVER1(detector), H5 | JSON, "detected") \
+    A(detector_t, detector, gate, BY_BATCH, ANY, none, ARRAY, "1/ps", OVER2(detector, gate), H5, \
+      "detected by time") \
+    A(detector_t_later, detector, none, BY_BATCH, GATES, none, ARRAY, "1", OVER1(detector), H5 | JSON, \
+      "detected later than all gates") \
+    A(detector_path, detector, medium, BY_BATCH, ANY, none, MEANS, "cm", OVER2(detector, medium), H5, \
+      "mean path of detected light by medium") \
+    A(detector_interactions, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
+      "mean interactions of detected light by medium") \
+    A(detector_deepest, detector, none, BY_BATCH, ANY, none, MEANS, "cm", OVER1(detector), H5 | JSON, \
+      "mean largest depth of detected light") \
+    A(detector_map, detector_pixel, none, ONCE, OWNER, none, FIELD, "1/cm2", OVER1(detector), 0, \
+      "detected by pixel") \
+    A(Rd_xya, pixel, map_alpha, ONCE, OWNER, REFLECTED, FIELD, "1/(cm2 sr)", OVER3(y, x, alpha), 0, \
+      "diffuse reflectance by angle") \
+    A(Tt_xya, pixel, map_alpha, ONCE, OWNER, TRANSMITTED, FIELD, "1/(cm2 sr)", OVER3(y, x, alpha), 0, \
+      "transmittance by angle") \
+    A(A_xyz, voxel, none, BY_GROUP, OWNER, ABSORBED, FIELD, "1/cm3", OVER3(z_volume, y, x), 0, "absorption") \
+    A(phi_xyz, inner_voxel, group, WHOLE, OWNER, none, FIELD, "1/cm2", OVER3(z_volume, y, x), 0, "fluence")
+
+/* The others are parts of quantities. */
 #define CML_ARRAYS(A) \
-    A(totals, total, none, BY_BATCH, ANY, none) \
-    A(terms, term, none, BY_BATCH, ANY, none) \
-    A(A_l, medium, none, BY_BATCH, ANY, ABSORBED) \
-    A(A_z, z, none, BY_BATCH, DEPTHS, none) \
-    A(Rd_r, r, none, BY_BATCH, ANY, none) \
-    A(Rd_a, alpha, none, BY_BATCH, ANY, none) \
-    A(Tt_r, r, none, BY_BATCH, ANY, none) \
-    A(Tt_a, alpha, none, BY_BATCH, ANY, none) \
-    A(A_rz, r, z, BY_GROUP, ABSORPTION, ABSORBED) \
-    A(Rd_ra, r, alpha, BY_GROUP, ANY, REFLECTED) \
-    A(Tt_ra, r, alpha, BY_GROUP, ANY, TRANSMITTED) \
-    A(Rd_t, gate, none, BY_BATCH, ANY, REFLECTED) \
-    A(Rd_t_later, none, none, BY_BATCH, GATES, none) \
-    A(Tt_t, gate, none, BY_BATCH, ANY, TRANSMITTED) \
-    A(Tt_t_later, none, none, BY_BATCH, GATES, none) \
-    A(A_t, gate, none, BY_BATCH, TIMES, ABSORBED) \
-    A(A_t_later, none, none, BY_BATCH, TIMES, none) \
-    A(phi_z, z, none, BY_BATCH, FLUENCE, none)     /* weight of the marks in a cell (P14) */ \
-    A(phi_rz, r, z, AS_BATCHES, FLUENCE, none) \
-    A(Rd_dir, theta, phi, ONCE, OWNER, REFLECTED) \
-    A(Tt_dir, theta, phi, ONCE, OWNER, TRANSMITTED) \
-    A(Rsp_dir, theta, phi, ONCE, OWNER, SPECULAR) \
-    A(detector, detector, none, BY_BATCH, ANY, none) \
-    A(detector_t, detector, gate, BY_BATCH, ANY, none) \
-    A(detector_t_later, detector, none, BY_BATCH, GATES, none) \
-    A(detector_path, detector, medium, BY_BATCH, ANY, none) \
-    A(detector_interactions, detector, medium, BY_BATCH, ANY, none) \
-    A(detector_deepest, detector, none, BY_BATCH, ANY, none) \
-    A(moments, detector, moment, BY_BATCH, MEANS, none) /* of which a result makes the three above */ \
-    A(expected, expected, none, BY_BATCH, ANY, none) /* a result has units of CML_EXPECTED_UNIT */ \
-    A(Rd_xya, pixel, map_alpha, ONCE, OWNER, REFLECTED) \
-    A(Tt_xya, pixel, map_alpha, ONCE, OWNER, TRANSMITTED) \
-    A(A_xyz, voxel, none, BY_GROUP, OWNER, ABSORBED) \
-    A(phi_xyz, inner_voxel, group, WHOLE, OWNER, none) \
-    A(facets, facet, facet_score, BY_GROUP, OWNER, none) /* what escapes from them is kept once */ \
-    A(detector_map, detector_pixel, none, ONCE, OWNER, none) \
-    A(rows, row, none, WHOLE, ANY, none)
+    CML_QUANTITY_ARRAYS(A) \
+    A(totals, total, none, BY_BATCH, ANY, none, "of the launched weight") \
+    A(terms, term, none, BY_BATCH, ANY, none, "of the balance, of rows") \
+    A(moments, detector, moment, BY_BATCH, MEANS, none, "of which a result makes detector_path and the like") \
+    A(expected, expected, none, BY_BATCH, ANY, none, "values, in a result in units of CML_EXPECTED_UNIT") \
+    A(facets, facet, facet_score, BY_GROUP, OWNER, none, "scores; what escapes is kept once") \
+    A(rows, row, none, WHOLE, ANY, none, "of a sweep, or scores (row_cells.h)")
 /* clang-format on */
 
 enum cml_cell_axis {

@@ -374,6 +374,23 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
 }
 
+double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i)
+{
+    const size_t step = result->layout.once[array].step;
+    const int parts = step ? (int)result->layout.parts[array] : 1;
+    return cml_result_cell_sum(result->array[array] + i, parts, step);
+}
+
+double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i)
+{
+    const struct cml_once once = result->layout.once[array];
+    const cml_u128 *cell = result->array[array] + i;
+    const int parts = (int)result->layout.parts[array];
+    if (parts == 1) return NAN;
+    if (!once.step) return cml_result_square_error(result, *cell, cell[once.squares]);
+    return error_by_groups(result, parts, cell, once.step);
+}
+
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step)
 {
     cml_u128 sum = 0;

@@ -119,6 +119,11 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
 
+/* Cell i of an array: the sum over its groups or batches, units of weight; and its standard error, as that of
+ * a bin, by batches or groups or from squares. NaN where there is but one array. */
+double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i);
+double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i);
+
 /* A cell that each group of photons has, `step` apart, of which this is the first: the sum of so many of
  * them; and the error by CML_NUM_GROUPS. */
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step);

@@ -40,46 +40,58 @@ static size_t bin_of(struct cml_extent axis, size_t i)
     return i - axis.before < axis.bins ? i - axis.before : axis.bins - 1;
 }
 
+/* Where the cells of an array go. */
+struct target {
+    const struct cml_array_info *info;
+    struct cml_extent axis[CML_ARRAY_AXES];
+    size_t columns; /* cells along the second axis, or the only one */
+    cml_u128 *to, *later;
+    cml_u128 *balance;
+};
+
 /* What of a grid lies beyond its bins. Arrays over radius alone are margins of grids, which count. */
-static void book(struct cml_result *result, const struct cml_array_info *info, struct cml_extent *axis,
-                 const size_t at[2], cml_u128 cell)
+static void book(const struct target *t, size_t row, size_t column, cml_u128 cell)
 {
-    cml_u128 *balance = result->summary.balance;
-    if (info->spread != CML_KEPT_BY_GROUP) return;
-    if (at[0] == axis[0].bins) balance[CML_BALANCE_OVERFLOW_R] += cell;
-    if (at[1] < axis[1].before) balance[CML_BALANCE_ABOVE] += cell;
-    if (at[1] >= axis[1].before + axis[1].bins) balance[CML_BALANCE_OVERFLOW_Z] += cell;
+    if (row == t->axis[0].bins) t->balance[CML_BALANCE_OVERFLOW_R] += cell;
+    if (column < t->axis[1].before) t->balance[CML_BALANCE_ABOVE] += cell;
+    if (column >= t->axis[1].before + t->axis[1].bins) t->balance[CML_BALANCE_OVERFLOW_Z] += cell;
+}
+
+static void add_cell(const struct target *t, size_t i, cml_u128 cell)
+{
+    const size_t row = i / t->columns, column = i % t->columns;
+    if (t->later && column == t->axis[1].bins)
+        t->later[row] += cell;
+    else
+        t->to[bin_of(t->axis[0], row) * t->axis[1].bins + bin_of(t->axis[1], column)] += cell;
+    if (t->info->spread == CML_KEPT_BY_GROUP) book(t, row, column, cell);
+}
+
+static struct target target_of(struct cml_result *result, enum cml_array array, size_t part)
+{
+    const struct cml_array_info *info = &cml_arrays[array];
+    const size_t *size = result->layout.size;
+    const bool one = info->axis[1] == CML_CELLS_none, gates = info->axis[one ? 0 : 1] == CML_CELLS_gate;
+    struct target t = {
+        .info = info, .to = result->array[array] + part * size[array], .balance = result->summary.balance};
+    t.axis[0] = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES);
+    t.axis[1] = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
+    t.columns = cml_extent_cells(t.axis[1]);
+    if (gates) t.later = result->array[array + 1] + part * size[array + 1];
+    return t;
 }
 
 /* Most groups get nothing in one range. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
-    const struct cml_array_info *info = &cml_arrays[array];
-    const size_t *size = result->layout.size;
-    struct cml_extent axis[2];
-    size_t at[2], i = 0;
-    if (!size[array]) return;
-    for (int k = 0; k < 2; k++) axis[k] = cml_extent_of(&result->grid, info->axis[k], CML_OF_PROFILES);
-    const bool gates = info->axis[0] == CML_CELLS_gate || info->axis[1] == CML_CELLS_gate;
-    cml_u128 *const to = result->array[array] + part * size[array], *const later =
-                                                                        gates ? result->array[array + 1] +
-                                                                                    part * size[array + 1]
-                                                                              : NULL;
-    if (info->axis[1] == CML_CELLS_none) {
-        axis[1] = axis[0];
-        axis[0] = (struct cml_extent){1, 0, 0};
-    }
-    for (at[0] = 0; at[0] < cml_extent_cells(axis[0]); at[0]++)
-        for (at[1] = 0; at[1] < cml_extent_cells(axis[1]); at[1]++, i += from->stride) {
-            const cml_u128 cell = from->wide ? from->unit * from->wide[i] : from->narrow[i];
-            if (!cell) continue;
-            if (later && at[1] == axis[1].bins)
-                later[at[0]] += cell;
-            else
-                to[bin_of(axis[0], at[0]) * axis[1].bins + bin_of(axis[1], at[1])] += cell;
-            book(result, info, axis, at, cell);
-        }
+    if (!result->layout.size[array]) return;
+    const struct target t = target_of(result, array, part);
+    const size_t cells = cml_extent_cells(t.axis[0]) * t.columns;
+    const uint64_t *const narrow = from->narrow;
+    for (size_t i = 0; narrow && i < cells; i++)
+        if (narrow[i]) add_cell(&t, i, narrow[i]);
+    for (size_t i = 0; !narrow && i < cells; i++) add_cell(&t, i, from->unit * from->wide[i * from->stride]);
 }
 
 /* A moment from the parts of which tallies keep it (CML_MOMENT_CELLS). */
@@ -120,8 +132,7 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     for (int i = 0; i < order.count; i++) {
         const enum cml_array array = order.array[i];
         if (array == CML_ARRAY_moments || array == CML_ARRAY_expected) continue;
-        cml_result_add_cells(result, array, b,
-                             &(struct cml_cell_source){.narrow = brought + at->at[array], .stride = 1});
+        cml_result_add_cells(result, array, b, &(struct cml_cell_source){.narrow = brought + at->at[array]});
     }
     for (size_t k = 0; k < (size_t)result->grid.detectors; k++)
         add_moments(result, b, k, brought + at->moments + k * moments);
@@ -172,7 +183,7 @@ static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
 static void add_grid(struct cml_result *result, enum cml_array array, const struct cml_tally *tally)
 {
     const size_t size = tally->layout.size[array];
-    struct cml_cell_source from = {.narrow = tally->array[array], .stride = 1};
+    struct cml_cell_source from = {.narrow = tally->array[array]};
     for (size_t g = 0; size && g < tally->layout.parts[array]; g++, from.narrow += size)
         cml_result_add_cells(result, array, g, &from);
 }

@@ -25,6 +25,7 @@ enum cml_estimator {
     CML_FROM_MUS,      /* by mus */
     CML_FROM_INPUT,    /* a number of the scene */
     CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
+    CML_FROM_FACET,    /* a score of facets, piece by piece: enum cml_facet_score */
     CML_FROM_FIELD,    /* cells of an array, computed piece by piece and never held whole */
 };
 
@@ -94,6 +95,8 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(book_above, "1", BALANCE, CML_BALANCE_ABOVE, NUMBER, H5, "absorbed above z = 0") \
     Q(residue, "1", RESIDUE, 0, NUMBER, H5, "launched + gained - all fates, in 2^-31 packets") \
     Q(lost, "1", LOST, 0, NUMBER, H5, "packets lost to numerical failure") \
+    Q(Rd_xy, "1/cm2", FIELD, CML_ARRAY_Rd_xya, OVER2(y, x), 0, "diffuse reflectance") \
+    Q(Tt_xy, "1/cm2", FIELD, CML_ARRAY_Tt_xya, OVER2(y, x), 0, "transmittance") \
     Q(layer_n, "1", INPUT, 0, OVER1(layer), H5, "refractive index") \
     Q(layer_mua, "1/cm", INPUT, 0, OVER1(layer), H5, "absorption coefficient") \
     Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient") \
@@ -120,23 +123,21 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     CML_DERIVATIVES(Q, mus, MUS) \
     Q(flux_body, "1", FACETS, 0, OVER2(body, side), H5 | JSON, \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside") \
-    Q(Rd_xy, "1/cm2", FIELD, CML_ARRAY_Rd_xya, OVER2(y, x), 0, "diffuse reflectance") \
-    Q(Tt_xy, "1/cm2", FIELD, CML_ARRAY_Tt_xya, OVER2(y, x), 0, "transmittance") \
     Q(Rd_outside, "1", FIELD, CML_ARRAY_Rd_xya, NUMBER, 0, "diffuse reflectance outside the map") \
     Q(Tt_outside, "1", FIELD, CML_ARRAY_Tt_xya, NUMBER, 0, "transmittance outside the map") \
     Q(A_outside, "1", FIELD, CML_ARRAY_A_xyz, NUMBER, 0, "absorbed fraction outside the volume") \
     Q(body_of_facet, "1", INPUT, 0, OVER1(body_facet), 0, "body, from 1") \
     Q(body_area, "cm2", INPUT, 0, OVER1(body_facet), 0, "area of the facet") \
-    Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body") \
-    Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body") \
-    Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body") \
-    Q(body_exitance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance into the body") \
-    Q(irradiance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium above") \
-    Q(irradiance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium below") \
-    Q(exitance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium above") \
-    Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below") \
-    Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last") \
-    Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last") \
+    Q(body_irradiance_outside, "1/cm2", FACET, CML_FACET_IRRADIANCE_ABOVE, OVER1(body_facet), 0, "irradiance from outside the body") \
+    Q(body_irradiance_inside, "1/cm2", FACET, CML_FACET_IRRADIANCE_BELOW, OVER1(body_facet), 0, "irradiance from inside the body") \
+    Q(body_exitance_outside, "1/cm2", FACET, CML_FACET_EXITANCE_ABOVE, OVER1(body_facet), 0, "radiant exitance out of the body") \
+    Q(body_exitance_inside, "1/cm2", FACET, CML_FACET_EXITANCE_BELOW, OVER1(body_facet), 0, "radiant exitance into the body") \
+    Q(irradiance_above, "1/cm2", FACET, CML_FACET_IRRADIANCE_ABOVE, OVER1(facet), 0, "irradiance from the medium above") \
+    Q(irradiance_below, "1/cm2", FACET, CML_FACET_IRRADIANCE_BELOW, OVER1(facet), 0, "irradiance from the medium below") \
+    Q(exitance_above, "1/cm2", FACET, CML_FACET_EXITANCE_ABOVE, OVER1(facet), 0, "radiant exitance into the medium above") \
+    Q(exitance_below, "1/cm2", FACET, CML_FACET_EXITANCE_BELOW, OVER1(facet), 0, "radiant exitance into the medium below") \
+    Q(Rd_facet, "1/cm2", FACET, CML_FACET_ESCAPED, OVER1(facet), 0, "diffuse reflectance by what it touched last") \
+    Q(Tt_facet, "1/cm2", FACET, CML_FACET_ESCAPED, OVER1(facet), 0, "transmittance by what it touched last") \
     Q(area, "cm2", INPUT, 0, OVER1(facet), 0, "area of the facet")
 /* clang-format on */
 

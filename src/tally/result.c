@@ -316,18 +316,18 @@ double cml_result_total(const struct cml_result *result, enum cml_total total)
 
 double cml_result_error(const struct cml_result *result, enum cml_total total)
 {
-    return cml_result_bin_error(result, result->totals, CML_NUM_TOTALS, (int)total);
+    return cml_result_sum_error(result, CML_ARRAY_totals, (size_t)total);
 }
 
 double cml_result_absorbed(const struct cml_result *result, int medium)
 {
-    const int media = (int)cml_tally_media(&result->grid);
-    return cml_result_bin_sum(result->A_l, media, medium) * (CML_WEIGHT_UNIT / (double)result->photons);
+    return cml_result_sum(result, CML_ARRAY_A_l, (size_t)medium) *
+           (CML_WEIGHT_UNIT / (double)result->photons);
 }
 
 double cml_result_absorbed_error(const struct cml_result *result, int medium)
 {
-    return cml_result_bin_error(result, result->A_l, (int)cml_tally_media(&result->grid), medium);
+    return cml_result_sum_error(result, CML_ARRAY_A_l, (size_t)medium);
 }
 
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,

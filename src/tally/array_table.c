@@ -48,11 +48,15 @@ static struct cml_extent bins(size_t n)
     return (struct cml_extent){n, 0, 0};
 }
 
+static size_t pixels_of(const struct cml_tally_grid *grid)
+{
+    return (size_t)grid->nx * (size_t)grid->ny;
+}
+
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {
-    const size_t beyond = holder != CML_OF_RESULT, pixels = (size_t)grid->nx * (size_t)grid->ny,
-                 voxels = pixels * (size_t)grid->nz,
+    const size_t beyond = holder != CML_OF_RESULT,
                  parts = holder == CML_OF_ROW_BINS ? CML_ROW_MOMENT_CELLS : CML_MOMENT_CELLS;
     switch (axis) {
     case CML_CELLS_none: return bins(1);
@@ -68,10 +72,10 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     case CML_CELLS_detector: return bins((size_t)grid->detectors);
     case CML_CELLS_moment: return bins(parts * cml_tally_moments(grid));
     case CML_CELLS_expected: return bins((size_t)grid->scores);
-    case CML_CELLS_pixel: return bins(grid->nx > 0 ? pixels + 1 : 0);
+    case CML_CELLS_pixel: return bins(grid->nx > 0 ? pixels_of(grid) + 1 : 0);
     case CML_CELLS_map_alpha: return bins((size_t)grid->map_na);
-    case CML_CELLS_voxel: return bins(grid->volume ? voxels + 1 : 0);
-    case CML_CELLS_inner_voxel: return bins(grid->phi_volume ? voxels : 0);
+    case CML_CELLS_voxel: return bins(grid->volume ? pixels_of(grid) * (size_t)grid->nz + 1 : 0);
+    case CML_CELLS_inner_voxel: return bins(grid->phi_volume ? pixels_of(grid) * (size_t)grid->nz : 0);
     case CML_CELLS_group: return bins(CML_NUM_GROUPS);
     case CML_CELLS_facet: return bins(grid->facets);
     case CML_CELLS_facet_score: return bins(CML_FACET_SCORES);

@@ -40,58 +40,41 @@ static size_t bin_of(struct cml_extent axis, size_t i)
     return i - axis.before < axis.bins ? i - axis.before : axis.bins - 1;
 }
 
-/* Where the cells of an array go. */
-struct target {
-    const struct cml_array_info *info;
-    struct cml_extent axis[CML_ARRAY_AXES];
-    size_t columns; /* cells along the second axis, or the only one */
-    cml_u128 *to, *later;
-    cml_u128 *balance;
-};
-
 /* What of a grid lies beyond its bins. Arrays over radius alone are margins of grids, which count. */
-static void book(const struct target *t, size_t row, size_t column, cml_u128 cell)
+static void book(struct cml_result *result, struct cml_extent rows, struct cml_extent columns, size_t row,
+                 size_t column, cml_u128 cell)
 {
-    if (row == t->axis[0].bins) t->balance[CML_BALANCE_OVERFLOW_R] += cell;
-    if (column < t->axis[1].before) t->balance[CML_BALANCE_ABOVE] += cell;
-    if (column >= t->axis[1].before + t->axis[1].bins) t->balance[CML_BALANCE_OVERFLOW_Z] += cell;
+    cml_u128 *balance = result->summary.balance;
+    if (row == rows.bins) balance[CML_BALANCE_OVERFLOW_R] += cell;
+    if (column < columns.before) balance[CML_BALANCE_ABOVE] += cell;
+    if (column >= columns.before + columns.bins) balance[CML_BALANCE_OVERFLOW_Z] += cell;
 }
 
-static void add_cell(const struct target *t, size_t i, cml_u128 cell)
-{
-    const size_t row = i / t->columns, column = i % t->columns;
-    if (t->later && column == t->axis[1].bins)
-        t->later[row] += cell;
-    else
-        t->to[bin_of(t->axis[0], row) * t->axis[1].bins + bin_of(t->axis[1], column)] += cell;
-    if (t->info->spread == CML_KEPT_BY_GROUP) book(t, row, column, cell);
-}
-
-static struct target target_of(struct cml_result *result, enum cml_array array, size_t part)
-{
-    const struct cml_array_info *info = &cml_arrays[array];
-    const size_t *size = result->layout.size;
-    const bool one = info->axis[1] == CML_CELLS_none, gates = info->axis[one ? 0 : 1] == CML_CELLS_gate;
-    struct target t = {
-        .info = info, .to = result->array[array] + part * size[array], .balance = result->summary.balance};
-    t.axis[0] = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES);
-    t.axis[1] = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
-    t.columns = cml_extent_cells(t.axis[1]);
-    if (gates) t.later = result->array[array + 1] + part * size[array + 1];
-    return t;
-}
-
-/* Most groups get nothing in one range. */
+/* The only axis of an array is that of columns. Most cells are 0: most groups get nothing in one range. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
-    if (!result->layout.size[array]) return;
-    const struct target t = target_of(result, array, part);
-    const size_t cells = cml_extent_cells(t.axis[0]) * t.columns;
-    const uint64_t *const narrow = from->narrow;
-    for (size_t i = 0; narrow && i < cells; i++)
-        if (narrow[i]) add_cell(&t, i, narrow[i]);
-    for (size_t i = 0; !narrow && i < cells; i++) add_cell(&t, i, from->unit * from->wide[i * from->stride]);
+    const struct cml_array_info *info = &cml_arrays[array];
+    const size_t *size = result->layout.size;
+    if (!size[array]) return;
+    const bool one = info->axis[1] == CML_CELLS_none, grid = info->spread == CML_KEPT_BY_GROUP;
+    const struct cml_extent rows = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES),
+                            columns = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
+    const size_t num_rows = cml_extent_cells(rows), num_columns = cml_extent_cells(columns),
+                 gates = info->axis[one ? 0 : 1] == CML_CELLS_gate ? columns.bins : num_columns;
+    const struct cml_cell_source source = *from;
+    cml_u128 *const to = result->array[array] + part * size[array];
+    for (size_t row = 0, i = 0; row < num_rows; row++)
+        for (size_t column = 0; column < num_columns; column++, i++) {
+            if (source.narrow ? !source.narrow[i] : !source.wide[i * source.stride]) continue;
+            const cml_u128 cell =
+                source.narrow ? source.narrow[i] : source.unit * source.wide[i * source.stride];
+            if (column >= gates)
+                result->array[array + 1][part * size[array + 1] + row] += cell;
+            else
+                to[bin_of(rows, row) * columns.bins + bin_of(columns, column)] += cell;
+            if (grid) book(result, rows, columns, row, column, cell);
+        }
 }
 
 /* A moment from the parts of which tallies keep it (CML_MOMENT_CELLS). */

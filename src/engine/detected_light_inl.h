@@ -31,7 +31,7 @@ static inline size_t cml_num_media(const struct cml_world *world)
     return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
 }
 
-/* What weights of moments are multiplied by (struct cml_profile_offsets) but for interactions: a length, and
+/* What weights of moments are multiplied by (cml_tally_moments) but for interactions: a length, and
  * the largest depth, cm, in units. */
 static inline uint64_t cml_length_in_units(const struct cml_world *world, double length)
 {
@@ -178,7 +178,7 @@ static inline void cml_add_to_pixel(const struct cml_light_out *light, const str
 }
 
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
- * NULL. sums: where `detected` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
+ * NULL. sums: where `detector` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
  * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
  */
 static inline int cml_score_light(const struct cml_world *world, const struct cml_light_out *light,

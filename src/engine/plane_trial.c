@@ -61,20 +61,18 @@ struct verdict {
 /* Lists the series of all values that cml_tally_bring brings. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(grid);
-    const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
-    const struct series profiles[] = {
-        {"Rd_r", at.Rd_r, nr},
-        {"Tt_r", at.Tt_r, nr},
-        {"Rd_a", at.Rd_a, na},
-        {"Tt_a", at.Tt_a, na},
-        {"A_z", at.A_z, nz},
-        {"A_l", at.A_l + 1, (size_t)grid->num_layers},
-        {"A_body", at.A_l + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
+    const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
+    static const enum cml_array profiles[] = {CML_ARRAY_Rd_r, CML_ARRAY_Tt_r, CML_ARRAY_Rd_a, CML_ARRAY_Tt_a,
+                                              CML_ARRAY_A_z};
+    enum { PROFILES = sizeof profiles / sizeof *profiles };
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         series[i] = (struct series){cml_quantities[cml_quantity_of_total(i)].name, (size_t)i,
                                     i != CML_TOTAL_BACKING || grid->backed};
-    memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
+    series += CML_NUM_TOTALS;
+    for (int i = 0; i < PROFILES; i++, series++)
+        *series = (struct series){cml_arrays[profiles[i]].name, at.at[profiles[i]], at.size[profiles[i]]};
+    series[0] = (struct series){"A_l", at.A_l + 1, (size_t)grid->num_layers};
+    series[1] = (struct series){"A_body", at.A_l + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies};
 }
 
 /* ---- flying ---- */
@@ -82,7 +80,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 /* As in the output: what lies beyond the grid counts in its first and last bins. */
 static void fold_profiles(struct cml_tally *tally)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
+    const struct cml_layout at = tally->profile;
     const size_t nr = (size_t)tally->grid.nr, nz = (size_t)tally->grid.nz;
     uint64_t *Rd_r = tally->brought + at.Rd_r, *Tt_r = tally->brought + at.Tt_r,
              *A_z = tally->brought + at.A_z;

@@ -14,16 +14,16 @@
 
 /* What a flight's rows have in common, and where they are summed. */
 struct cml_row_sums {
-    int count;  /* 0: there are no rows */
-    int scores; /* they are scores */
-    int timed;  /* they have A_t */
-    int means;  /* they have means of detectors */
-    struct cml_row_bins at;
+    int count;             /* 0: there are no rows */
+    int scores;            /* they are scores */
+    int timed;             /* they have A_t */
+    int means;             /* they have means of detectors */
+    struct cml_layout at;  /* of a batch, in bins */
     size_t batch;          /* cells of a batch */
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
     uint64_t *rz;          /* A_rz, where rows have one */
-    uint64_t *dir;         /* Rd_dir, then Tt_dir, as row_cells.h has them; NULL: there are none */
+    uint64_t *dir;         /* Rd_dir, then Tt_dir; NULL: there are none */
     struct cml_once once;  /* of these, in bins of all rows */
 };
 
@@ -36,14 +36,16 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.scores = world->rows.hits != NULL;
     sums.timed = grid->row_times;
     sums.means = grid->row_means;
-    sums.at = cml_row_bins(grid);
+    const struct cml_layout grids = cml_layout_of(grid, CML_OF_ROW_GRIDS);
+    const size_t stride = cml_row_stride(grid);
+    sums.at = cml_layout_of(grid, CML_OF_ROW_BINS);
     sums.batch = cml_row_batch(grid, 1);
     sums.cells = tally->rows;
     sums.ra = tally->rows + cml_row_batch(grid, CML_NUM_BATCHES);
-    sums.transmitted_ra = cml_row_cells_ra(grid);
-    sums.rz = sums.ra + 2 * sums.transmitted_ra;
-    if (world->setup.directions.nt && !sums.scores) sums.dir = sums.rz + cml_row_cells_rz(grid);
-    sums.once = cml_row_once(grid);
+    sums.transmitted_ra = (grids.Tt_ra - grids.Rd_ra) * stride;
+    sums.rz = sums.ra + grids.A_rz * stride;
+    if (grids.size[CML_ARRAY_Rd_dir]) sums.dir = sums.ra + grids.Rd_dir * stride;
+    sums.once = grids.once[CML_ARRAY_Rd_dir];
     return sums;
 }
 
@@ -456,7 +458,7 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
                                         size_t k)
 {
     const struct cml_trail *trail = of->light->trail;
-    const size_t media = cml_num_media(world), first = of->rows->sums->at.moment + 2 * k * (2 * media + 1);
+    const size_t media = cml_num_media(world), first = of->rows->sums->at.moments + 2 * k * (2 * media + 1);
     const uint64_t deepest = cml_deepest_in_units(world, trail);
     for (size_t m = 0; trail && m < media; m++) {
         const uint64_t count = trail->count[m];
@@ -469,7 +471,7 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
 
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
-    const struct cml_row_bins *at = &of->rows->sums->at;
+    const struct cml_layout *at = &of->rows->sums->at;
     const size_t gates = (size_t)world->setup.gates.count;
     struct cml_seeing seeing = cml_seeing_of(world, &of->light->ray);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {

@@ -274,7 +274,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
         struct cml_packet packet;
         cml_walk(&traced, &to, first + i, &packet);
         records[i] = record_of(world, &packet);
-        if (tally.detected) trace_detectors(&tracing, &packet, tally.detected);
+        if (tally.detector) trace_detectors(&tracing, &packet, tally.detector);
     }
     cml_tally_free(&tally);
     return CML_OK;

@@ -105,9 +105,9 @@ static inline void cml_terminated_add_split_off(const struct cml_world *world,
                                                 uint64_t count, struct cml_tally *tally)
 {
     const cml_u32 specular = world->setup.specular;
-    const int detected = tally->detected && world->detection.split == CML_SPLIT_ALIKE;
+    const int detected = tally->detector && world->detection.split == CML_SPLIT_ALIKE;
     uint64_t of_group[CML_NUM_GROUPS] = {0};
-    if (detected && !tally->detector_map) cml_score_split_off(world, 0, count, tally->detected, tally);
+    if (detected && !tally->detector_map) cml_score_split_off(world, 0, count, tally->detector, tally);
     if (!(tally->Rsp_dir && specular) && !(detected && tally->detector_map)) return;
     for (int i = 0; i < terminated->count; i++) {
         const int branch = terminated->branches && cml_is_branch(cml_terminated_index(terminated, i));
@@ -118,7 +118,7 @@ static inline void cml_terminated_add_split_off(const struct cml_world *world,
         if (tally->Rsp_dir && specular)
             cml_add_once(tally->Rsp_dir, tally->grid.direction_once, g, specular, of_group[g]);
         if (detected && tally->detector_map)
-            cml_score_split_off(world, g, of_group[g], tally->detected, tally);
+            cml_score_split_off(world, g, of_group[g], tally->detector, tally);
     }
 }
 
@@ -325,10 +325,10 @@ static inline void cml_tally_places(const struct cml_world *world, const struct 
 {
     const struct cml_setup *setup = &world->setup;
     int detector = 0;
-    if (tally->detected) {
+    if (tally->detector) {
         if (world->detection.split == CML_SPLIT_APART)
-            cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detected, tally);
-        detector = cml_tally_detectors(world, terminated, i, trail, tally->detected, tally);
+            cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detector, tally);
+        detector = cml_tally_detectors(world, terminated, i, trail, tally->detector, tally);
     }
     if (rows) cml_tally_row_places(world, terminated, i, trail, rows);
     if (tally->saved) cml_save_packet(world, terminated, i, detector, trail, tally->saved);
@@ -342,7 +342,7 @@ static inline void cml_tally_places(const struct cml_world *world, const struct 
  * every packet must be looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected || tally->saved ||
+    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved ||
            (tally->rows && tally->Rd_t);
 }
 
@@ -423,7 +423,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
                                     .A_xyz = tally->A_xyz,
                                     .expected = tally->expected,
                                     .facets = tally->facets,
-                                    .phi = tally->phi,
+                                    .phi = tally->phi_rz,
                                     .phi_is_shared = !(tally->grid.marks > 0),
                                     .phi_xyz = tally->phi_xyz,
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],

@@ -1,4 +1,5 @@
-/* Tallies as fields: names, units, axes, and the arithmetic from weights to densities.
+/* Tallies as fields: rows of the table of quantities whose values are computed while they are written. Cells
+ * of maps, volumes and detectors, and scores of the facets of boundaries and bodies, become densities here.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 #include "result/scaling.h"
@@ -7,7 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where values come from ---- */
+/* Where a field gets its values. Value i is the sum of `count` cells from number k * apart on, divided by its
+ * measure; k is i, or the facet that it stands for. */
+struct cml_field_source {
+    const struct cml_report *report;
+    double number;
+    const cml_u128 *cells;
+    size_t apart, count;
+    struct cml_once once; /* how the array is kept; its squares count where a packet adds to a value once */
+    double scale;         /* from share of the launched weight to what is written */
+    double (*measure)(const struct cml_field_source *source, size_t i); /* NULL: 1 */
+    const struct cml_surface_def *surface;
+    size_t per_facet; /* successive values that belong to one facet */
+    const struct cml_body_face *face;
+};
+
+/* ---- values ---- */
 
 /* There is one value, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
@@ -16,47 +32,84 @@ static void number_value(const void *context, size_t begin, size_t count, double
     *out = ((const struct cml_field_source *)context)->number;
 }
 
+static const cml_u128 *cells_of(const struct cml_field_source *source, size_t i)
+{
+    return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->apart;
+}
+
+static double measure_of(const struct cml_field_source *source, size_t i)
+{
+    return source->measure ? source->measure(source, i) : 1;
+}
+
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const double k = CML_WEIGHT_UNIT / (double)source->report->sums->photons * source->scale;
-    for (size_t i = 0; i < count; i++) {
-        const struct cml_field_cells at = source->where(source, begin + i);
-        out[i] = cml_result_once_sum(source->cells + at.first, at.count, source->once) * k / at.per;
-    }
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ =
+            cml_result_once_sum(cells_of(source, i), source->count, source->once) * k / measure_of(source, i);
 }
 
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const struct cml_result *result = source->report->sums;
-    for (size_t i = 0; i < count; i++) {
-        const struct cml_field_cells at = source->where(source, begin + i);
-        out[i] = cml_result_once_error(result, source->cells + at.first, at.count, source->once) *
-                 source->scale / at.per;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ =
+            cml_result_once_error(source->report->sums, cells_of(source, i), source->count, source->once) *
+            source->scale / measure_of(source, i);
+}
+
+/* Bins of pixel and angle, per projected solid angle. */
+static double solid_angle(const struct cml_field_source *source, size_t i)
+{
+    const int n = source->report->sums->grid.map_na;
+    return cml_projected_solid_angle(cml_angle_width(n), (int)(i % (size_t)n));
+}
+
+/* A triangle, a ring or a pixel of the map. */
+static double facet_area(const struct cml_field_source *source, size_t i)
+{
+    return cml_surface_facet_area(source->surface, &source->report->scene->map, i / source->per_facet);
+}
+
+/* The body of a facet among those of all. */
+static int body_of(const struct cml_report *report, size_t facet)
+{
+    const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
+    int first = 0, last = bodies->count - 1;
+    while (first < last) {
+        const int middle = last - (last - first) / 2;
+        if (bodies->item[middle].first <= facet)
+            first = middle;
+        else
+            last = middle - 1;
     }
+    return first;
 }
 
-/* All angle bins of a pixel. Pixels and voxels are of one size, which is in the scale. */
-static struct cml_field_cells at_pixel(const struct cml_field_source *source, size_t i)
+/* A face of a drawing stands for a whole facet. */
+static double body_facet_area(const struct cml_field_source *source, size_t i)
 {
-    return (struct cml_field_cells){i * source->na, source->na, 1};
+    if (source->face) return source->face[i].area;
+    const int k = body_of(source->report, i);
+    const struct cml_body_surface *body = &source->report->surfaces->bodies.item[k];
+    return cml_body_facet_area(body, &source->report->scene->bodies[k], i - body->first);
 }
 
-static struct cml_field_cells at_voxel(const struct cml_field_source *source, size_t i)
+static void measures(const void *context, size_t begin, size_t count, double *out)
 {
-    return (struct cml_field_cells){i * source->na, 1, 1};
+    for (size_t i = begin; i < begin + count; i++) *out++ = measure_of(context, i);
 }
 
-/* Bins of pixel and angle, per projected solid angle; they are those of the run. */
-static struct cml_field_cells at_angle(const struct cml_field_source *source, size_t i)
+static void body_numbers(const void *context, size_t begin, size_t count, double *out)
 {
-    const int n = (int)source->na;
-    return (struct cml_field_cells){i, 1,
-                                    cml_projected_solid_angle(cml_angle_width(n), (int)(i % source->na))};
+    const struct cml_field_source *source = context;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = 1 + (source->face ? source->face[i].body : body_of(source->report, i));
 }
 
-/* ---- the list ---- */
+/* ---- axes ---- */
 
 /* Middles of bins. x and y are centred on the axis of the beam, as the map is; angles count from 0. */
 static void set_axes(struct cml_field_list *c)
@@ -77,28 +130,21 @@ static void set_axes(struct cml_field_list *c)
             cml_quantity_axis(axes[i].kind, (size_t)axes[i].n, axes[i].first, axes[i].step);
 }
 
-/* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
-static void set_facet_axes(struct cml_field_list *c)
+/* Numbers of facets and of radii differ from boundary to boundary. The last facet, the plane around a
+ * boundary, is not among them. */
+static void set_boundary_axes(struct cml_field_list *c)
 {
     for (int b = 0; b < c->report->surfaces->count; b++) {
         const size_t facets = cml_surface_facets(&c->report->surfaces->item[b], &c->report->scene->map);
-        struct cml_named_axis *axis = &c->facet[b];
-        snprintf(axis->name, sizeof axis->name, "boundary%d_facet", b);
-        axis->axis = cml_quantity_axis(CML_AXIS_facet, facets > 0 ? facets - 1 : 0, 0, 1);
-        axis->axis.name = axis->name;
-    }
-}
-
-/* One for each radial shape. */
-static void set_radius_axes(struct cml_field_list *c)
-{
-    for (int b = 0; b <= c->report->scene->num_layers; b++) {
         const struct cml_radial *radial = &c->report->scene->boundaries[b].radial;
-        struct cml_named_axis *axis = &c->radius[b];
-        snprintf(axis->name, sizeof axis->name, "boundary%d_radius", b);
-        axis->axis = cml_quantity_axis(CML_AXIS_radius, (size_t)radial->n, 0, 0);
-        axis->axis.values = radial->r;
-        axis->axis.name = axis->name;
+        struct cml_named_axis *facet = &c->facet[b], *radius = &c->radius[b];
+        snprintf(facet->name, sizeof facet->name, "boundary%d_facet", b);
+        facet->axis = cml_quantity_axis(CML_AXIS_facet, facets > 0 ? facets - 1 : 0, 0, 1);
+        facet->axis.name = facet->name;
+        snprintf(radius->name, sizeof radius->name, "boundary%d_radius", b);
+        radius->axis = cml_quantity_axis(CML_AXIS_radius, (size_t)radial->n, 0, 0);
+        radius->axis.values = radial->r;
+        radius->axis.name = radius->name;
     }
 }
 
@@ -121,8 +167,9 @@ static void set_pixel_axes(struct cml_field_list *c)
     }
 }
 
-/* Room for the map's twelve fields, fourteen of bodies, nineteen for every boundary and two for every
- * detector. */
+/* ---- the list ---- */
+
+/* Room for all quantities, nineteen fields of every boundary and two of every detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -141,8 +188,7 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
                                "a list of fields");
     }
     set_axes(c);
-    set_facet_axes(c);
-    set_radius_axes(c);
+    set_boundary_axes(c);
     set_pixel_axes(c);
     return CML_OK;
 }
@@ -157,18 +203,21 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
-struct cml_field *cml_last_field(const struct cml_field_list *c)
+static struct cml_field *last_field(const struct cml_field_list *c)
 {
     return &c->fields[c->num_fields - 1];
 }
 
-struct cml_field_source *cml_add_field(struct cml_field_list *c, enum cml_quantity quantity,
-                                       cml_field_values *values)
+/* Adds a field under the name and along the axes of the quantity, and returns its source to be filled in. No
+ * array grows, so that a field may point to its source. */
+static struct cml_field_source *add_field(struct cml_field_list *c, enum cml_quantity quantity,
+                                          cml_field_values *values)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
-    *source = (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .na = 1};
+    *source =
+        (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .apart = 1, .count = 1};
     cml_quantity_name(field, quantity);
     for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
         field->axis[field->num_axes++] = &c->axis[axis[i]];
@@ -177,25 +226,21 @@ struct cml_field_source *cml_add_field(struct cml_field_list *c, enum cml_quanti
     return source;
 }
 
-void cml_add_number_field(struct cml_field_list *c, enum cml_quantity quantity, double number)
+/* Sums of cells. 32-bit floats: a cell of the largest maps has fewer packets than these have digits. */
+static struct cml_field_source *add_sums(struct cml_field_list *c, enum cml_quantity quantity,
+                                         const cml_u128 *cells, struct cml_once once)
 {
-    cml_add_field(c, quantity, number_value)->number = number;
-}
-
-/* 32-bit floats: a cell of the largest maps has fewer packets than these have digits. */
-struct cml_field_source *cml_add_sums(struct cml_field_list *c, enum cml_quantity quantity,
-                                      cml_field_where *where, const cml_u128 *cells)
-{
-    struct cml_field_source *source = cml_add_field(c, quantity, sums);
-    source->where = where;
+    struct cml_field_source *source = add_field(c, quantity, sums);
     source->cells = cells;
-    cml_last_field(c)->single = true;
+    source->once = once;
+    last_field(c)->single = true;
     return source;
 }
 
-void cml_add_error_field(struct cml_field_list *c)
+/* The standard errors of the field of sums added last, NAME_se. */
+static void add_errors(struct cml_field_list *c)
 {
-    struct cml_field *of = cml_last_field(c), *field = of + 1;
+    struct cml_field *of = last_field(c), *field = of + 1;
     struct cml_field_source *source = &c->sources[c->num_fields++];
     *source = source[-1];
     cml_quantity_name_errors(field, of);
@@ -204,91 +249,265 @@ void cml_add_error_field(struct cml_field_list *c)
     field->context = source;
 }
 
+/* A share of the launched weight, without axes. */
+static void add_share(struct cml_field_list *c, enum cml_quantity quantity, double share)
+{
+    add_field(c, quantity, number_value)->number = share;
+    last_field(c)->num_axes = 0;
+    last_field(c)->units = "1";
+}
+
 /* ---- maps and volume ---- */
 
-static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells)
+/* What lies outside map and volume is in the last cells of their arrays: with it sums are the totals, which
+ * is how a reader can check them. */
+static void add_outside(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
 {
+    const struct cml_result *r = c->report->sums;
+    const size_t na = array == CML_ARRAY_A_xyz ? 1 : (size_t)r->grid.map_na;
+    const cml_u128 *last = r->array[array] + r->layout.size[array] - na;
+    add_share(c, quantity,
+              cml_result_once_sum(last, na, r->layout.once[array]) * (CML_WEIGHT_UNIT / (double)r->photons));
+}
+
+/* Pixels and voxels are of one size, which is in the scale. A pixel without its angles is the sum of them.
+ * Groups of phi_xyz are neighbours. */
+static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
+{
+    const struct cml_result *r = c->report->sums;
     const struct cml_map_def *map = &c->report->scene->map;
-    const bool angles = cml_quantities[quantity].axis[2] == CML_AXIS_alpha;
-    struct cml_field_source *source = cml_add_sums(c, quantity, angles ? at_angle : at_pixel, cells);
-    source->once = c->report->sums->grid.map_once;
-    source->na = (size_t)c->report->sums->grid.map_na;
-    source->scale = 1 / (map->dx * map->dy);
-    cml_add_error_field(c);
+    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
+    const bool volume = axis[0] == CML_AXIS_z_volume, angles = axis[2] == CML_AXIS_alpha,
+               groups = cml_arrays[array].axis[1] == CML_CELLS_group;
+    struct cml_field_source *source = add_sums(c, quantity, r->array[array], r->layout.once[array]);
+    source->scale = (quantity == CML_QUANTITY_phi_xyz ? r->grid.marks : 1) /
+                    (map->dx * map->dy * (volume ? c->report->scene->dz : 1));
+    if (groups) source->apart = CML_NUM_GROUPS;
+    if (groups) source->once.step = 1;
+    if (angles) source->measure = solid_angle;
+    if (!angles && !volume) source->apart = source->count = (size_t)r->grid.map_na;
+    if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
-/* Adds the fields of the map. With angles there is both, the sum and its parts: most users look at the sum.
- */
-void cml_add_map_fields(struct cml_field_list *c)
+void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
 {
-    const struct cml_result *r = c->report->sums;
-    if (!r->Rd_xya) return;
-    add_pixels(c, CML_QUANTITY_Rd_xy, r->Rd_xya);
-    add_pixels(c, CML_QUANTITY_Tt_xy, r->Tt_xya);
-    if (!c->report->scene->map.angles) return;
-    add_pixels(c, CML_QUANTITY_Rd_xya, r->Rd_xya);
-    add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya);
-}
-
-/* apart: from a voxel to the next; step: to what the next group of photons has in it, 0: there is one for
- * all. Squares of what a packet leaves in a voxel would need a volume per packet. */
-static void add_voxels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
-                       size_t apart, size_t step, double scale)
-{
-    const struct cml_scene *scene = c->report->scene;
-    struct cml_field_source *source = cml_add_sums(c, quantity, at_voxel, cells);
-    source->na = apart;
-    source->once.step = step;
-    source->scale = scale / (scene->map.dx * scene->map.dy * scene->dz);
-    if (step) cml_add_error_field(c);
-}
-
-void cml_add_volume_fields(struct cml_field_list *c)
-{
-    const struct cml_result *r = c->report->sums;
-    if (r->A_xyz) add_voxels(c, CML_QUANTITY_A_xyz, r->A_xyz, 1, r->grid.voxel_step, 1);
-    if (r->phi_xyz) add_voxels(c, CML_QUANTITY_phi_xyz, r->phi_xyz, CML_NUM_GROUPS, 1, r->grid.marks);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const struct cml_quantity_info *info = &cml_quantities[i];
+        const enum cml_array array = (enum cml_array)info->sums;
+        const bool angles = info->axis[2] == CML_AXIS_alpha;
+        if (info->estimator != CML_FROM_FIELD || info->axis[0] != first || !c->report->sums->array[array] ||
+            (angles && !c->report->scene->map.angles))
+            continue;
+        if (first == CML_AXIS_NONE)
+            add_outside(c, (enum cml_quantity)i, array);
+        else
+            add_cells(c, (enum cml_quantity)i, array);
+    }
 }
 
 void cml_add_detector_fields(struct cml_field_list *c, int only)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_result *r = c->report->sums;
-    size_t first = 0, next = 0;
+    const cml_u128 *next = r->detector_map;
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->shape != CML_DETECTOR_MAP) continue;
-        first = next;
+        const cml_u128 *cells = next;
         next += (size_t)detector->nx * (size_t)detector->ny;
         if (only >= 0 && only != k) continue;
-        struct cml_field_source *source =
-            cml_add_sums(c, CML_QUANTITY_detector_map, at_pixel, r->detector_map + first);
-        struct cml_field *field = cml_last_field(c);
-        source->once = r->grid.pixel_once;
-        source->scale = 1 / (detector->size[0] * detector->size[1]);
+        add_sums(c, CML_QUANTITY_detector_map, cells, r->layout.once[CML_ARRAY_detector_map])->scale =
+            1 / (detector->size[0] * detector->size[1]);
+        struct cml_field *field = last_field(c);
         snprintf(field->name, sizeof field->name, "detector_%s_map", detector->name);
         field->num_axes = 2;
         for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i].axis;
-        cml_add_error_field(c);
+        add_errors(c);
     }
 }
 
-/* Adds what lies outside map and volume: with that their sums are the totals, which is how a reader can check
- * them. */
-void cml_add_outside_fields(struct cml_field_list *c)
+/* ---- facets ---- */
+
+/* How many facets boundary b has, with the last one, the plane around it. */
+static size_t num_facets(const struct cml_report *report, int b)
+{
+    return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
+}
+
+/* The scores of the first facet of boundary b, or behind the last boundary of the first body. */
+static const cml_u128 *facets_of(const struct cml_report *report, int b)
+{
+    size_t first = 0;
+    for (int i = 0; i < b; i++) first += num_facets(report, i);
+    return report->sums->facets + first * CML_FACET_SCORES;
+}
+
+/* Adds a score of facets, whose first scores are given. What escapes is kept once. */
+static struct cml_field_source *add_score(struct cml_field_list *c, enum cml_quantity quantity,
+                                          const cml_u128 *first)
+{
+    struct cml_field_source *source =
+        add_sums(c, quantity, first + cml_quantities[quantity].sums, cml_facet_once(&c->report->sums->grid));
+    source->apart = CML_FACET_SCORES;
+    return source;
+}
+
+static bool is_score(int quantity, enum cml_axis_kind axis)
+{
+    return cml_quantities[quantity].estimator == CML_FROM_FACET && cml_quantities[quantity].axis[0] == axis;
+}
+
+/* Facets of planes are the pixels of the map. */
+static bool is_plane(const struct cml_report *report, int b)
+{
+    return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
+}
+
+/* Whether a boundary has the score: reflectance and transmittance only where anything can escape and no map
+ * has it. */
+static bool has_score(const struct cml_report *report, int b, int quantity)
+{
+    if (!is_score(quantity, CML_AXIS_facet)) return false;
+    if (cml_quantities[quantity].sums != CML_FACET_ESCAPED) return true;
+    if (is_plane(report, b)) return false;
+    return quantity == CML_QUANTITY_Rd_facet ? b == 0 : b > 0 && b == report->scene->num_layers;
+}
+
+/* Names the field added last; reflectance and transmittance by facet are Rd and Tt of the boundary. */
+static void name_field(const struct cml_field_list *c, const char *prefix, const char *outer,
+                       enum cml_quantity quantity)
+{
+    struct cml_field *field = last_field(c);
+    const char *name = cml_quantities[quantity].name, *end = strstr(name, "_facet");
+    snprintf(field->name, sizeof field->name, "%s%s%.*s", prefix, outer,
+             (int)(end ? (size_t)(end - name) : strlen(name)), name);
+}
+
+/* Axes of the field added last. */
+static void along_facets(struct cml_field_list *c, int b)
+{
+    struct cml_field *field = last_field(c);
+    field->axis[0] = is_plane(c->report, b) ? &c->axis[CML_AXIS_y] : &c->facet[b].axis;
+    field->axis[1] = &c->axis[CML_AXIS_x];
+    field->num_axes = is_plane(c->report, b) ? 2 : 1;
+}
+
+/* The axis is as long as the drawing has faces, in which tables and pictures differ. */
+void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
+{
+    const size_t facets = num_facets(c->report, b);
+    if (!c->report->sums->facets || facets == 0) return;
+    c->facet[b].axis.n = (facets - 1) * per_facet;
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        if (!has_score(c->report, b, i)) continue;
+        struct cml_field_source *source = add_score(c, (enum cml_quantity)i, facets_of(c->report, b));
+        source->measure = facet_area;
+        source->surface = &c->report->surfaces->item[b];
+        source->per_facet = per_facet;
+        name_field(c, prefix, "", (enum cml_quantity)i);
+        along_facets(c, b);
+        if (cml_quantities[i].sums == CML_FACET_ESCAPED || source->once.step) add_errors(c);
+    }
+}
+
+/* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
+void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;
-    const struct cml_tally_grid *grid = &r->grid;
-    const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
-    const double per = CML_WEIGHT_UNIT / (double)r->photons;
-    if (!r->Rd_xya) return;
-    cml_add_number_field(c, CML_QUANTITY_Rd_outside,
-                         cml_result_once_sum(r->Rd_xya + pixels * na, na, grid->map_once) * per);
-    cml_add_number_field(c, CML_QUANTITY_Tt_outside,
-                         cml_result_once_sum(r->Tt_xya + pixels * na, na, grid->map_once) * per);
-    if (r->A_xyz)
-        cml_add_number_field(c, CML_QUANTITY_A_outside,
-                             cml_result_cell_sum(r->A_xyz + pixels * (size_t)grid->nz,
-                                                 (int)cml_groups_of(grid->voxel_step), grid->voxel_step) *
-                                 per);
+    const size_t facets = num_facets(c->report, b);
+    if (!r->facets || facets == 0) return;
+    const cml_u128 *outer = facets_of(c->report, b) + (facets - 1) * CML_FACET_SCORES;
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        if (!has_score(c->report, b, i)) continue;
+        add_share(c, (enum cml_quantity)i,
+                  cml_result_once_sum(outer + cml_quantities[i].sums, 1, r->layout.once[CML_ARRAY_facets]) *
+                      CML_WEIGHT_UNIT / (double)r->photons);
+        name_field(c, prefix, "outer_", (enum cml_quantity)i);
+    }
+    if (is_plane(c->report, b)) return;
+    struct cml_field_source *source = add_field(c, CML_QUANTITY_area, measures);
+    source->measure = facet_area;
+    source->surface = &c->report->surfaces->item[b];
+    name_field(c, prefix, "", CML_QUANTITY_area);
+    along_facets(c, b);
+}
+
+void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
+{
+    const struct cml_boundary *boundary = &c->report->scene->boundaries[b];
+    const int most = 10000;
+    if (boundary->form != CML_FORM_RADIAL || boundary->radial.n > most) return;
+    add_field(c, CML_QUANTITY_height, cml_field_array_values);
+    last_field(c)->context = boundary->radial.h;
+    last_field(c)->axis[0] = &c->radius[b].axis;
+    name_field(c, prefix, "", CML_QUANTITY_height);
+}
+
+/* ---- bodies ---- */
+
+/* Scores of facets, or, without the word body in their names, of faces that stand for them. */
+static void add_body_scores(struct cml_field_list *c, const struct cml_body_face *face)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        if (!is_score(i, CML_AXIS_body_facet)) continue;
+        struct cml_field_source *source =
+            add_score(c, (enum cml_quantity)i, facets_of(c->report, c->report->surfaces->count));
+        source->measure = body_facet_area;
+        source->face = face;
+        if (face)
+            snprintf(last_field(c)->name, sizeof last_field(c)->name, "%s",
+                     cml_quantities[i].name + strlen("body_"));
+        if (source->once.step) add_errors(c);
+    }
+}
+
+void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
+{
+    c->axis[CML_AXIS_body_facet] = cml_quantity_axis(CML_AXIS_face, drawn->faces.num_faces, 0, 1);
+    add_field(c, CML_QUANTITY_body_of_facet, body_numbers)->face = drawn->face;
+    snprintf(last_field(c)->name, sizeof last_field(c)->name, "body");
+    add_body_scores(c, drawn->face);
+}
+
+void cml_add_body_fields(struct cml_field_list *c)
+{
+    const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;
+    if (c->report->scene->num_bodies == 0) return;
+    const struct cml_body_surface *last = &bodies->item[bodies->count - 1];
+    c->axis[CML_AXIS_body_facet] =
+        cml_quantity_axis(CML_AXIS_body_facet, last->first + last->primitives, 0, 1);
+    if (!c->report->sums->facets) return;
+    add_field(c, CML_QUANTITY_body_of_facet, body_numbers);
+    add_field(c, CML_QUANTITY_body_area, measures)->measure = body_facet_area;
+    add_body_scores(c, NULL);
+}
+
+enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
+
+/* One of a body's fluxes, over all its facets. */
+static void set_flux(const struct cml_report *report, const struct cml_body_surface *of, int side, size_t at,
+                     struct cml_outcome *o)
+{
+    const cml_u128 *scores = facets_of(report, report->surfaces->count) + of->first * CML_FACET_SCORES + side;
+    const struct cml_result *sums = report->sums;
+    const size_t step = sums->grid.facet_step, groups = cml_groups_of(step);
+    cml_u128 group[CML_NUM_GROUPS] = {0};
+    for (size_t g = 0; g < groups; g++)
+        for (uint64_t i = 0; i < of->primitives; i++) group[g] += scores[g * step + i * CML_FACET_SCORES];
+    o->value[CML_QUANTITY_flux_body][at] =
+        cml_result_cell_sum(group, (int)groups, 1) * CML_WEIGHT_UNIT / (double)sums->photons;
+    if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
+}
+
+cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
+                                  struct cml_error *err)
+{
+    const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
+    if (!report->sums->facets || bodies->count == 0) return CML_OK;
+    const size_t step = report->sums->grid.facet_step;
+    CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, false, err));
+    if (step) CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, true, err));
+    for (int at = 0; at < bodies->count * SIDES; at++)
+        set_flux(report, &bodies->item[at / SIDES], at % SIDES, (size_t)at, o);
+    return CML_OK;
 }

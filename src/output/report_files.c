@@ -5,7 +5,6 @@
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "output/report_faces.h"
 #include "result/h5.h"
 #include "result/mco.h"
 
@@ -141,9 +140,9 @@ static void name_boundary(int b, char prefix[PREFIX])
 static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];
-    cml_add_map_fields(list);
-    cml_add_volume_fields(list);
-    cml_add_outside_fields(list);
+    cml_add_fields(list, CML_AXIS_y);
+    cml_add_fields(list, CML_AXIS_z_volume);
+    cml_add_fields(list, CML_AXIS_NONE);
     cml_add_detector_fields(list, -1);
     cml_add_body_fields(list);
     for (int b = 0; b <= list->report->scene->num_layers; b++) {
@@ -174,7 +173,7 @@ static void fill_map(struct cml_field_list *list)
 {
     const struct cml_surface_set *surfaces = list->report->surfaces;
     char prefix[PREFIX];
-    cml_add_map_fields(list);
+    cml_add_fields(list, CML_AXIS_y);
     for (int b = 0; b < surfaces->count; b++) {
         if (surfaces->item[b].kind != CML_SURFACE_PLANE) continue;
         name_boundary(b, prefix);
@@ -206,7 +205,7 @@ static cml_status write_image(const struct cml_report *report, const struct cml_
     CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
     CML_TRY(cml_field_list_create(report, &list, err));
     if (file->content == CML_FILE_MAP) fill_map(&list);
-    if (file->content == CML_FILE_VOLUME) cml_add_volume_fields(&list);
+    if (file->content == CML_FILE_VOLUME) cml_add_fields(&list, CML_AXIS_z_volume);
     if (file->content == CML_FILE_DETECTOR) cml_add_detector_fields(&list, file->of);
     return cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
 }

@@ -6,6 +6,12 @@
 #include "output/files/vtk.h"
 #include "output/report.h"
 
+/* The facets but the last one, of a surface that is no plane, as faces in the scene's coordinates (z down);
+ * for each facet `per_facet` of them one behind the other, because a ring is drawn as quadrangles. The caller
+ * frees what they point to. */
+CML_NODISCARD cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces,
+                                          size_t *per_facet, struct cml_error *err);
+
 /* Bodies drawn as triangles in the scene's coordinates (z down), and what each of these stands for. */
 struct cml_body_face {
     int body;
@@ -38,29 +44,6 @@ void cml_report_reach(const struct cml_body_surface *body, double *least, double
 const char *cml_beam_word(enum cml_beam_shape kind);
 const char *cml_light_word(enum cml_light_kind kind);
 
-struct cml_field_source;
-
-/* Of which cells value i of a field is the sum, and what it is divided by: an area, a solid angle, or 1. */
-struct cml_field_cells {
-    size_t first, count;
-    double per;
-};
-typedef struct cml_field_cells cml_field_where(const struct cml_field_source *source, size_t i);
-
-/* Where a field gets its values; which members count is the affair of its functions. */
-struct cml_field_source {
-    const struct cml_report *report;
-    double number;
-    cml_field_where *where;
-    const cml_u128 *cells;
-    size_t na;            /* cells of a pixel, or from a voxel to the next */
-    struct cml_once once; /* how the array is kept; its squares count where a packet adds to a value once */
-    double scale;         /* from share of the launched weight to what is written */
-    const struct cml_surface_def *surface;
-    size_t per_facet; /* successive values that belong to one facet */
-    const struct cml_body_face *face;
-};
-
 /* An axis with a name of its own. */
 struct cml_named_axis {
     struct cml_axis axis;
@@ -72,7 +55,7 @@ struct cml_field_list {
     const struct cml_report *report;
     int num_fields;
     struct cml_field *fields;
-    struct cml_field_source *sources; /* of the field of the same number */
+    struct cml_field_source *sources; /* of the field of the same number (report_fields.c) */
     struct cml_axis axis[CML_NUM_AXES];
     struct cml_named_axis *facet, *radius; /* [L + 1] of every boundary */
     struct cml_named_axis *pixel;          /* [num_detectors][2] of maps: x and y */
@@ -82,37 +65,14 @@ CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_field_list_free(struct cml_field_list *list);
 
-/* Adds a field under the name and along the axes of the quantity, and returns its source to be filled in. No
- * array grows, so that a field may point to its source. */
-struct cml_field_source *cml_add_field(struct cml_field_list *list, enum cml_quantity quantity,
-                                       cml_field_values *values);
-
-/* The field added last. */
-struct cml_field *cml_last_field(const struct cml_field_list *list);
-
-/* A field without axes. */
-void cml_add_number_field(struct cml_field_list *list, enum cml_quantity quantity, double number);
-
-/* A field of sums of cells, in single precision. */
-struct cml_field_source *cml_add_sums(struct cml_field_list *list, enum cml_quantity quantity,
-                                      cml_field_where *where, const cml_u128 *cells);
-
-/* The standard errors of the field of sums added last, NAME_se. */
-void cml_add_error_field(struct cml_field_list *list);
-
-/* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
-void cml_add_map_fields(struct cml_field_list *list);
-
-/* A_xyz, with standard errors where it has few voxels, and phi_xyz with them; nothing where they are not
- * tallied. */
-void cml_add_volume_fields(struct cml_field_list *list);
+/* The fields whose first axis is this one: of y Rd_xy, Tt_xy and, with angles, Rd_xya, Tt_xya; of z_volume
+ * A_xyz and phi_xyz; of none what lies outside map and volume. With standard errors where these are known;
+ * nothing that is not tallied. */
+void cml_add_fields(struct cml_field_list *list, enum cml_axis_kind first);
 
 /* detector_NAME_map of all detectors that are maps, or of number `only` if that is not below 0, with standard
  * errors. */
 void cml_add_detector_fields(struct cml_field_list *list, int only);
-
-/* What lies outside map and volume. */
-void cml_add_outside_fields(struct cml_field_list *list);
 
 /* Fields of what bodies receive and send, with `facets` also of all their facets; nothing without bodies. */
 void cml_add_body_fields(struct cml_field_list *list);

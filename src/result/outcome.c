@@ -149,14 +149,6 @@ double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 
 /* ---- from sums ---- */
 
-/* A member of the sums: the first cell, NULL where it is not tallied. */
-static const cml_u128 *cells_of(const struct cml_result *sums, const struct cml_quantity_info *info)
-{
-    const cml_u128 *cells = NULL;
-    memcpy(&cells, (const char *)sums + info->sums, sizeof cells);
-    return cells;
-}
-
 /* The order of the operations is part of the results: .h5 files hold every bit of the quotients. What is over
  * depth is divided last. */
 static double density(const struct cml_outcome *o, enum cml_quantity quantity, double measure, double sum)
@@ -170,29 +162,16 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, d
 /* Number i of `size`. Sums by medium begin with the one above; media outside absorb nothing. Fluence is of
  * weight times length (P14). */
 static double of_cells(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
-                       int size, int i, double *error)
+                       int i, double *error)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const cml_u128 *cells = cells_of(sums, info);
     const double measure = measure_of(o, quantity, (size_t)i),
                  length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
-                                                           : 0,
-              n = first > 0 ? (int)cml_tally_media(&sums->grid) : size;
-    double sum;
-    if (info->estimator == CML_FROM_ONCE) {
-        sum = cml_result_once_sum(cells + i, 1, sums->grid.direction_once);
-        *error = cml_result_once_error(sums, cells + i, 1, sums->grid.direction_once);
-    } else if (info->estimator == CML_FROM_GROUPS) {
-        const int groups = cml_cell_groups(&sums->grid);
-        sum = cml_result_cell_sum(cells + i, groups, (size_t)size);
-        *error = groups > 1 ? cml_result_cell_error(sums, cells + i, (size_t)size) : NAN;
-    } else {
-        sum = length * cml_result_bin_sum(cells, n, first + i);
-        *error = length * cml_result_bin_error(sums, cells, n, first + i);
-    }
-    *error /= measure;
+                                                           : 0;
+    const double sum = length * cml_result_sum(sums, (enum cml_array)info->sums, (size_t)(first + i));
+    *error = length * cml_result_sum_error(sums, (enum cml_array)info->sums, (size_t)(first + i)) / measure;
     return density(o, quantity, measure, sum);
 }
 
@@ -208,7 +187,7 @@ static double rounding_of(double length, double unit)
 static double mean_of(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                       int size, int i, double *error)
 {
-    const cml_u128 *moments = cells_of(sums, &cml_quantities[quantity]);
+    const cml_u128 *moments = sums->array[cml_quantities[quantity].sums];
     const int detector = i / (int)cml_outcome_part_size(o, quantity);
     const bool counts = quantity == CML_QUANTITY_detector_interactions;
     const double unit = counts ? 1 : sums->grid.path_unit,
@@ -252,7 +231,7 @@ static double number_of(const struct cml_outcome *o, const struct cml_result *su
     case CML_FROM_EXPECTED:
         return expected_of(sums, quantity, i, error);
     default:
-        return of_cells(o, sums, quantity, size, i, error);
+        return of_cells(o, sums, quantity, i, error);
     }
 }
 
@@ -262,15 +241,15 @@ static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sum
     if (info->estimator <= CML_FROM_LOST) return quantity != CML_QUANTITY_A_backing || o->backed;
     if (info->estimator == CML_FROM_EXPECTED)
         return sums->grid.scores >= (info->axis[0] == CML_AXIS_layer ? 2 : 1);
-    return cells_of(sums, info) != NULL;
+    return sums->array[info->sums] != NULL;
 }
 
 static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        struct cml_error *err)
 {
-    const enum cml_estimator estimator = cml_quantities[quantity].estimator;
-    const bool known = estimator != CML_FROM_GROUPS || cml_cell_groups(&sums->grid) > 1,
-               errors = estimator == CML_FROM_TOTAL || (estimator > CML_FROM_LOST && known);
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const bool alone = info->estimator == CML_FROM_ARRAY && sums->layout.parts[info->sums] == 1,
+               errors = info->estimator == CML_FROM_TOTAL || (info->estimator > CML_FROM_LOST && !alone);
     const int size = (int)cml_outcome_size(o, quantity);
     if (size == 0 || !is_tallied(o, sums, quantity)) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));

@@ -22,12 +22,13 @@
     {                                                                                                        \
         CML_AXIS_##a, CML_AXIS_##b, CML_AXIS_##c                                                             \
     }
-#define IN(member) offsetof(struct cml_result, member)
 enum { H5 = CML_IN_H5, JSON = CML_IN_JSON };
 
 #define ROW(name, units, estimator, sums, axes, where, long_name)                                            \
     {#name, units, long_name, CML_FROM_##estimator, sums, axes, where},
-const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {CML_QUANTITIES(ROW)};
+#define ROW_OF_ARRAY(name, first, second, spread, when, term, estimator, units, axes, where, long_name)      \
+    {#name, units, long_name, CML_FROM_##estimator, CML_ARRAY_##name, axes, where},
+const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {CML_QUANTITIES(ROW, ROW_OF_ARRAY)};
 
 _Static_assert((int)CML_TOTALS == (int)CML_TOTAL_BACKING && CML_TOTALS + 1 == (int)CML_NUM_TOTALS,
                "a row for every total");

@@ -4,32 +4,29 @@
 #pragma once
 
 #include "output/files/field.h"
+#include "tally/array_table.h"
 
 /* How a quantity comes of a run's sums (tally/result.h). Where values are divided by bins, scaling.h says by
  * what. */
 enum cml_estimator {
-    CML_FROM_TOTAL,    /* share of the launched weight, with an error: enum cml_total */
-    CML_FROM_BALANCE,  /* share of the launched weight: enum cml_balance_term */
-    CML_FROM_COUNT,    /* sum over packets: enum cml_count */
-    CML_FROM_RESIDUE,  /* by how much the weight does not balance */
-    CML_FROM_LOST,     /* packets */
-    CML_FROM_LAYERS,   /* share of the launched weight by layer, of sums by batch and medium, with errors: a
-                          member of struct cml_result */
-    CML_FROM_BODIES,   /* by body, of the same sums */
-    CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
-    CML_FROM_GROUPS,   /* cells over two axes, of sums by group, with errors where groups are kept apart: a
-                          member */
-    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors by group or from squares:
-                          directions, a member */
-    CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
-                          nothing */
+    CML_FROM_TOTAL,   /* share of the launched weight, with an error: enum cml_total */
+    CML_FROM_BALANCE, /* share of the launched weight: enum cml_balance_term */
+    CML_FROM_COUNT,   /* sum over packets: enum cml_count */
+    CML_FROM_RESIDUE, /* by how much the weight does not balance */
+    CML_FROM_LOST,    /* packets */
+    CML_FROM_LAYERS,  /* share of the launched weight by layer, of sums by medium, with errors: an array */
+    CML_FROM_BODIES,  /* by body, of the same sums */
+    CML_FROM_ARRAY,   /* cells of an array, with errors where it is kept by batch or group, or with squares */
+    CML_FROM_MEANS,   /* of moments of detectors over what these have seen, with errors: an array; NaN of
+                         nothing */
     CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
     CML_FROM_MUA,      /* derivative by mua of each medium inside, of scores (P17), with errors; NaN where it
                           is not known: enum cml_quantity, of what */
     CML_FROM_MUS,      /* by mus */
     CML_FROM_INPUT,    /* a number of the scene */
     CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
-    CML_FROM_FIELD,    /* computed or read piece by piece, never held whole */
+    CML_FROM_FACET,    /* a score of facets, piece by piece: enum cml_facet_score */
+    CML_FROM_FIELD,    /* cells of an array, computed piece by piece and never held whole */
 };
 
 /* Where a quantity is written beside the .mco, which has MCML's arrays (mco.h): a data set of an .h5, a key
@@ -76,8 +73,9 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(detector_d##x, "cm", by, CML_QUANTITY_detector, OVER2(detector, inside), H5, \
       "derivative of detected by " #x)
 
-/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is */
-#define CML_QUANTITIES(Q) \
+/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is. OF_ARRAY: what
+ * becomes of rows of arrays, which have these columns, too. */
+#define CML_QUANTITIES(Q, OF_ARRAY) \
     Q(Rsp, "1", TOTAL, CML_TOTAL_SPECULAR, NUMBER, H5 | JSON, "specular reflectance") \
     Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance") \
     Q(A, "1", TOTAL, CML_TOTAL_ABSORBED, NUMBER, H5 | JSON, "absorbed fraction") \
@@ -97,41 +95,14 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(book_above, "1", BALANCE, CML_BALANCE_ABOVE, NUMBER, H5, "absorbed above z = 0") \
     Q(residue, "1", RESIDUE, 0, NUMBER, H5, "launched + gained - all fates, in 2^-31 packets") \
     Q(lost, "1", LOST, 0, NUMBER, H5, "packets lost to numerical failure") \
+    Q(Rd_xy, "1/cm2", FIELD, CML_ARRAY_Rd_xya, OVER2(y, x), 0, "diffuse reflectance") \
+    Q(Tt_xy, "1/cm2", FIELD, CML_ARRAY_Tt_xya, OVER2(y, x), 0, "transmittance") \
     Q(layer_n, "1", INPUT, 0, OVER1(layer), H5, "refractive index") \
     Q(layer_mua, "1/cm", INPUT, 0, OVER1(layer), H5, "absorption coefficient") \
     Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient") \
     Q(layer_g, "1", INPUT, 0, OVER1(layer), H5, "anisotropy of scattering") \
     Q(layer_d, "cm", INPUT, 0, OVER1(layer), H5, "thickness") \
-    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5 | JSON, "absorption by layer") \
-    Q(A_z, "1/cm", BATCHES, IN(A_z), OVER1(z), H5, \
-      "absorption by depth; what lies outside is in the outermost bins") \
-    Q(Rd_r, "1/cm2", BATCHES, IN(Rd_r), OVER1(r), H5, \
-      "diffuse reflectance by radius; the last bin holds what lies beyond") \
-    Q(Rd_a, "sr-1", BATCHES, IN(Rd_a), OVER1(alpha), H5, "diffuse reflectance by angle") \
-    Q(Tt_r, "1/cm2", BATCHES, IN(Tt_r), OVER1(r), H5, \
-      "transmittance by radius; the last bin holds what lies beyond") \
-    Q(Tt_a, "sr-1", BATCHES, IN(Tt_a), OVER1(alpha), H5, "transmittance by angle") \
-    Q(A_rz, "1/cm3", GROUPS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth") \
-    Q(Rd_ra, "1/(cm2 sr)", GROUPS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle") \
-    Q(Tt_ra, "1/(cm2 sr)", GROUPS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle") \
-    Q(Rd_t, "1/ps", BATCHES, IN(Rd_t), OVER1(gate), H5, "diffuse reflectance by time") \
-    Q(Rd_t_later, "1", BATCHES, IN(Rd_t_later), NUMBER, H5 | JSON, "diffuse reflectance later than all gates") \
-    Q(Tt_t, "1/ps", BATCHES, IN(Tt_t), OVER1(gate), H5, "transmittance by time") \
-    Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, H5 | JSON, "transmittance later than all gates") \
-    Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), H5, "absorption by time") \
-    Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, H5 | JSON, "absorption later than all gates") \
-    Q(phi_z, "1", BATCHES, IN(phi_z), OVER1(z), H5, "fluence by depth, over all radii") \
-    Q(phi_rz, "1/cm2", BATCHES, IN(phi_rz), OVER2(r, z), H5, "fluence by radius and depth") \
-    Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), H5, "diffuse reflectance by direction") \
-    Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), H5, "transmittance by direction") \
-    Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), H5, "specular reflectance by direction") \
-    Q(detector, "1", BATCHES, IN(detector), OVER1(detector), H5 | JSON, "detected") \
-    Q(detector_t, "1/ps", BATCHES, IN(detector_t), OVER2(detector, gate), H5, "detected by time") \
-    Q(detector_t_later, "1", BATCHES, IN(detector_t_later), OVER1(detector), H5 | JSON, "detected later than all gates") \
-    Q(detector_path, "cm", MEANS, IN(detector_path), OVER2(detector, medium), H5, "mean path of detected light by medium") \
-    Q(detector_interactions, "1", MEANS, IN(detector_interactions), OVER2(detector, medium), H5, "mean interactions of detected light by medium") \
-    Q(detector_deepest, "cm", MEANS, IN(detector_deepest), OVER1(detector), H5 | JSON, "mean largest depth of detected light") \
-    Q(detector_map, "1/cm2", FIELD, 0, OVER1(detector), 0, "detected by pixel") \
+    CML_QUANTITY_ARRAYS(OF_ARRAY) \
     Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index") \
     Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient") \
     Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient") \
@@ -143,7 +114,7 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(body_r_min, "cm", INPUT, 0, OVER1(body), H5, "least distance of the box around the body from the z axis") \
     Q(body_r_max, "cm", INPUT, 0, OVER1(body), H5, "largest distance of the box around the body from the z axis") \
     Q(height, "cm", FIELD, 0, OVER1(radius), 0, "height of the shape, up from the depth of its boundary; linear in between") \
-    Q(A_body, "1", BODIES, IN(A_l), OVER1(body), H5, "absorption by body") \
+    Q(A_body, "1", BODIES, CML_ARRAY_A_l, OVER1(body), H5, "absorption by body") \
     Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, H5 | JSON, "kept by the backing") \
     Q(Tt_expected, "1", EXPECTED, 0, NUMBER, H5 | JSON, "transmittance, by what flat layers let through") \
     Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), H5 | JSON, \
@@ -152,27 +123,21 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     CML_DERIVATIVES(Q, mus, MUS) \
     Q(flux_body, "1", FACETS, 0, OVER2(body, side), H5 | JSON, \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside") \
-    Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance") \
-    Q(Tt_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "transmittance") \
-    Q(Rd_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "diffuse reflectance by angle") \
-    Q(Tt_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "transmittance by angle") \
-    Q(A_xyz, "1/cm3", FIELD, 0, OVER3(z_volume, y, x), 0, "absorption") \
-    Q(phi_xyz, "1/cm2", FIELD, 0, OVER3(z_volume, y, x), 0, "fluence") \
-    Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map") \
-    Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map") \
-    Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume") \
+    Q(Rd_outside, "1", FIELD, CML_ARRAY_Rd_xya, NUMBER, 0, "diffuse reflectance outside the map") \
+    Q(Tt_outside, "1", FIELD, CML_ARRAY_Tt_xya, NUMBER, 0, "transmittance outside the map") \
+    Q(A_outside, "1", FIELD, CML_ARRAY_A_xyz, NUMBER, 0, "absorbed fraction outside the volume") \
     Q(body_of_facet, "1", INPUT, 0, OVER1(body_facet), 0, "body, from 1") \
     Q(body_area, "cm2", INPUT, 0, OVER1(body_facet), 0, "area of the facet") \
-    Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body") \
-    Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body") \
-    Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body") \
-    Q(body_exitance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance into the body") \
-    Q(irradiance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium above") \
-    Q(irradiance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium below") \
-    Q(exitance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium above") \
-    Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below") \
-    Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last") \
-    Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last") \
+    Q(body_irradiance_outside, "1/cm2", FACET, CML_FACET_IRRADIANCE_ABOVE, OVER1(body_facet), 0, "irradiance from outside the body") \
+    Q(body_irradiance_inside, "1/cm2", FACET, CML_FACET_IRRADIANCE_BELOW, OVER1(body_facet), 0, "irradiance from inside the body") \
+    Q(body_exitance_outside, "1/cm2", FACET, CML_FACET_EXITANCE_ABOVE, OVER1(body_facet), 0, "radiant exitance out of the body") \
+    Q(body_exitance_inside, "1/cm2", FACET, CML_FACET_EXITANCE_BELOW, OVER1(body_facet), 0, "radiant exitance into the body") \
+    Q(irradiance_above, "1/cm2", FACET, CML_FACET_IRRADIANCE_ABOVE, OVER1(facet), 0, "irradiance from the medium above") \
+    Q(irradiance_below, "1/cm2", FACET, CML_FACET_IRRADIANCE_BELOW, OVER1(facet), 0, "irradiance from the medium below") \
+    Q(exitance_above, "1/cm2", FACET, CML_FACET_EXITANCE_ABOVE, OVER1(facet), 0, "radiant exitance into the medium above") \
+    Q(exitance_below, "1/cm2", FACET, CML_FACET_EXITANCE_BELOW, OVER1(facet), 0, "radiant exitance into the medium below") \
+    Q(Rd_facet, "1/cm2", FACET, CML_FACET_ESCAPED, OVER1(facet), 0, "diffuse reflectance by what it touched last") \
+    Q(Tt_facet, "1/cm2", FACET, CML_FACET_ESCAPED, OVER1(facet), 0, "transmittance by what it touched last") \
     Q(area, "cm2", INPUT, 0, OVER1(facet), 0, "area of the facet")
 /* clang-format on */
 
@@ -180,7 +145,7 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
 enum cml_axis_kind { CML_AXIS_NONE, CML_AXES(CML_ENUMERATOR) CML_NUM_AXES };
 #undef CML_ENUMERATOR
 #define CML_ENUMERATOR(name, ...) CML_QUANTITY_##name,
-enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR) CML_NUM_QUANTITIES };
+enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_QUANTITIES };
 #undef CML_ENUMERATOR
 
 /* The totals of every run are the first quantities, in the order of enum cml_total; the terms of the balance,

@@ -15,32 +15,20 @@ struct cml_summary {
     struct cml_lost_list lost;
 };
 
-/* Arrays as in struct cml_tally, without cells beyond the grid but for those of maps and volume. */
+/* Arrays have no cells beyond their axes but for those of maps and volume. */
 struct cml_result {
     struct cml_tally_grid grid;
-    uint64_t photons;                              /* asked for */
-    cml_u128 *A_rz;                                /* [cml_cell_groups][nr][nz] or NULL */
-    cml_u128 *rows;                                /* as in a tally, or NULL */
-    cml_u128 *Rd_ra, *Tt_ra;                       /* [cml_cell_groups][nr][na] */
-    cml_u128 *totals;                              /* [64][CML_NUM_TOTALS] */
-    cml_u128 *Rd_r, *Tt_r;                         /* [64][nr] */
-    cml_u128 *Rd_a, *Tt_a;                         /* [64][na] */
-    cml_u128 *A_z;                                 /* [64][nz] or NULL */
-    cml_u128 *A_l;                                 /* [64][cml_tally_media] by medium */
-    cml_u128 *Rd_t, *Tt_t, *A_t;                   /* [64][gates] or NULL */
-    cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later; /* [64] or NULL */
-    cml_u128 *phi_rz, *phi_z;                      /* [64][nr][nz], [64][nz], or NULL */
-    cml_u128 *phi_xyz;                             /* as in a tally, or NULL */
-    cml_u128 *expected;                            /* [64][scores] in units of
-                                                    * CML_EXPECTED_UNIT, or NULL */
-    cml_u128 *Rd_xya, *Tt_xya, *A_xyz, *facets;    /* as in a tally, or NULL */
-    cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir;           /* the same */
-    cml_u128 *detector_map;                        /* the same */
-    cml_u128 *detector_path, *detector_interactions,
-        *detector_deepest;                              /* moments by medium [64][detectors][media], and
-                                                           [64][detectors]; or NULL */
-    cml_u128 *detector, *detector_t, *detector_t_later; /* [64][detectors], the second [64][detectors][gates],
-                                                           or NULL */
+    uint64_t photons; /* asked for */
+    cml_u128 *cells;  /* of all arrays */
+    union {
+        cml_u128 *array[CML_NUM_ARRAYS];
+        struct { /* NULL: it has none */
+#define CML_POINTER(name, ...) cml_u128 *name;
+            CML_ARRAYS(CML_POINTER)
+#undef CML_POINTER
+        };
+    };
+    struct cml_layout layout; /* of arrays in `cells` */
     struct cml_summary summary;
     struct cml_saved *saved; /* packets one by one, or NULL */
 };
@@ -65,6 +53,21 @@ void cml_result_add_brought(struct cml_result *result, int batch, const struct c
 
 /* Adds all but the totals and profiles of a tally; what it borrowed is for its owner to add. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally);
+
+/* Where cells of an array with its cells beyond the axes come from: a tally's (`narrow`), or a row's of a
+ * flight (`wide`), which are `stride` apart, and so many units of weight each. */
+struct cml_cell_source {
+    const uint64_t *narrow;
+    const cml_u128 *wide;
+    size_t stride;
+    cml_u128 unit;
+};
+
+/* Adds the cells of one array to part number `part` of that of a result, if it has one: what lies beyond an
+ * axis goes into the outermost bins, and into the books where it is of a grid. What is later than all gates
+ * goes into the array behind. */
+void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
+                          const struct cml_cell_source *from);
 
 /* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */
 cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);
@@ -115,6 +118,11 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
  * alone has none: NaN. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
+
+/* Cell i of an array: the sum over its groups or batches, units of weight; and its standard error, as that of
+ * a bin, by batches or groups or from squares. NaN where there is but one array. */
+double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i);
+double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i);
 
 /* A cell that each group of photons has, `step` apart, of which this is the first: the sum of so many of
  * them; and the error by CML_NUM_GROUPS. */

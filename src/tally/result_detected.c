@@ -6,17 +6,16 @@
 
 void cml_result_detected(const struct cml_result *result, int k, double *value, double *error)
 {
-    const int n = result->grid.detectors;
-    *value = cml_result_bin_sum(result->detector, n, k) * (CML_WEIGHT_UNIT / (double)result->photons);
-    *error = cml_result_bin_error(result, result->detector, n, k);
+    *value =
+        cml_result_sum(result, CML_ARRAY_detector, (size_t)k) * (CML_WEIGHT_UNIT / (double)result->photons);
+    *error = cml_result_sum_error(result, CML_ARRAY_detector, (size_t)k);
 }
 
 void cml_result_expected(const struct cml_result *result, int score, double *value, double *error)
 {
-    const int n = result->grid.scores;
-    *value = cml_result_bin_sum(result->expected, n, score) * (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) /
-             (double)result->photons;
-    *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
+    *value = cml_result_sum(result, CML_ARRAY_expected, (size_t)score) *
+             (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) / (double)result->photons;
+    *error = cml_result_sum_error(result, CML_ARRAY_expected, (size_t)score) * CML_EXPECTED_UNIT;
 }
 
 void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)

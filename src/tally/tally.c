@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/tally.h"
 
-#include "tally/tally_cells.h"
-
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -18,30 +16,21 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* A tally has cells of its own for what lies beyond the grid (P7), so that scoring needs no branch for it:
- * one more row of r, one more depth above and one below. */
-static size_t tally_cells_A(const struct cml_tally_grid *grid)
+/* Of all groups or batches. */
+static size_t cells_of(const struct cml_layout *layout, enum cml_array array)
 {
-    return grid->absorption ? (size_t)cml_cell_groups(grid) * cml_rz_cells(grid) : 0;
-}
-
-static size_t tally_cells_phi(const struct cml_tally_grid *grid)
-{
-    return grid->marks > 0 ? CML_NUM_BATCHES * ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
+    return layout->size[array] * layout->parts[array];
 }
 
 /* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
-    small.nx = small.ny = small.map_na = 0;
-    small.volume = small.phi_volume = false;
-    small.facets = 0;
-    small.nt = small.np = 0;
-    small.detector_pixels = 0;
-    small.depths = tally_cells_A(grid) > CML_THREAD_CELLS;
+    const struct cml_layout whole = cml_layout_of(grid, CML_OF_TALLY);
+    small.of_thread = true;
+    small.depths = cells_of(&whole, CML_ARRAY_A_rz) > CML_THREAD_CELLS;
     if (small.depths) small.absorption = false;
-    if (tally_cells_phi(grid) > CML_THREAD_FLUENCE) small.marks = 0;
+    if (cells_of(&whole, CML_ARRAY_phi_rz) > CML_THREAD_FLUENCE) small.marks = 0;
     return small;
 }
 
@@ -51,30 +40,6 @@ bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
     return small.depths || small.marks != grid->marks;
 }
 
-/* Angles have no cells beyond the grid: all directions are within it. */
-static size_t tally_cells_ra(const struct cml_tally_grid *grid)
-{
-    return (size_t)cml_cell_groups(grid) * cml_ra_cells(grid);
-}
-
-/* Cells of each of Rd_t, Tt_t and A_t. */
-static size_t tally_cells_t(const struct cml_tally_grid *grid)
-{
-    return grid->gates ? (size_t)grid->gates + 1 : 0;
-}
-
-/* How many of Rd_t, Tt_t and A_t there are. */
-static size_t num_t(const struct cml_tally_grid *grid)
-{
-    return cml_tally_has_A_t(grid) ? 3 : 2;
-}
-
-/* Cells of what detectors have seen: sums, gates, and moments. */
-static size_t tally_cells_detected(const struct cml_tally_grid *grid)
-{
-    return (size_t)grid->detectors * (1 + tally_cells_t(grid) + CML_MOMENT_CELLS * cml_tally_moments(grid));
-}
-
 /* Media of all packets that a thread has in flight. */
 static size_t trail_cells(const struct cml_tally_grid *grid)
 {
@@ -82,42 +47,34 @@ static size_t trail_cells(const struct cml_tally_grid *grid)
     return grid->detectors || grid->saved.limit || timed ? CML_TRAILS * cml_tally_media(grid) : 0;
 }
 
-/* Cells of the arrays that every tally has, in the same order in all. */
-static size_t cells_in_common(const struct cml_tally_grid *grid)
-{
-    return 2 * tally_cells_ra(grid) + cml_tally_media(grid) + num_t(grid) * tally_cells_t(grid) +
-           tally_cells_detected(grid) + (size_t)grid->scores + grid->row_cells;
-}
-
 size_t cml_tally_cells(const struct cml_tally_grid *grid)
 {
-    return cells_in_common(grid) + tally_cells_A(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) +
-           tally_cells_phi(grid) + cml_cells_all_maps(grid);
+    return cml_layout_of(grid, CML_OF_TALLY).cells;
 }
 
-uint64_t *cml_tally_maps(const struct cml_tally *tally)
+size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
 {
-    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_all_maps(&tally->grid);
+    return cml_layout_of(grid, CML_OF_PROFILES).cells;
 }
 
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
     const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */
-    return ((double)cml_tally_cells(grid) + profiles * (double)tally_cells_detected(grid)) *
+    const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
+    return ((double)cml_tally_cells(grid) + profiles * (double)(at.expected - at.detector)) *
                sizeof(uint64_t) +
            (double)trail_cells(grid) * (sizeof(double) + sizeof(uint32_t));
 }
 
-/* What of profiles comes of cells: Rd_r to A_z, which are neighbours (cml_tally_profiles). */
-static size_t bins_of_cells(const struct cml_tally_grid *grid)
+/* What of profiles comes of cells: Rd_r to A_z, which are neighbours. */
+static size_t bins_of_cells(const struct cml_tally *tally)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(grid);
-    return at.A_l - at.Rd_r;
+    return tally->profile.A_l - tally->profile.Rd_r;
 }
 
-static size_t grouped_bins(const struct cml_tally_grid *grid)
+static size_t grouped_bins(const struct cml_tally *tally)
 {
-    return (size_t)cml_cell_groups(grid) * bins_of_cells(grid);
+    return (size_t)cml_cell_groups(&tally->grid) * bins_of_cells(tally);
 }
 
 /* Where bins of all rows are scattered over more than a processor keeps addresses of, looking those up would
@@ -133,14 +90,16 @@ static void prefer_large_pages(void *block, size_t bytes)
 #endif
 }
 
-/* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
+/* All arrays of a tally lie in one block, so that merging and clearing are one loop. */
 cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
-    *tally = (struct cml_tally){.grid = *grid};
-    const size_t bins = cml_tally_profile_bins(grid);
-    tally->A_l = cml_arrays_add(&tally->arrays, cml_tally_cells(grid), sizeof *tally->A_l);
-    if (tally->A_l && grid->rows) prefer_large_pages(tally->A_l, cml_tally_cells(grid) * sizeof *tally->A_l);
-    tally->grouped = cml_arrays_add(&tally->arrays, grouped_bins(grid), sizeof *tally->grouped);
+    *tally = (struct cml_tally){.grid = *grid,
+                                .layout = cml_layout_of(grid, CML_OF_TALLY),
+                                .profile = cml_layout_of(grid, CML_OF_PROFILES)};
+    const size_t cells = tally->layout.cells, bins = tally->profile.cells;
+    tally->cells = cml_arrays_add(&tally->arrays, cells, sizeof *tally->cells);
+    if (tally->cells && grid->rows) prefer_large_pages(tally->cells, cells * sizeof *tally->cells);
+    tally->grouped = cml_arrays_add(&tally->arrays, grouped_bins(tally), sizeof *tally->grouped);
     tally->summed = cml_arrays_add(&tally->arrays, bins, sizeof *tally->summed);
     tally->brought = cml_arrays_add(&tally->arrays, bins, sizeof *tally->brought);
     tally->late.rows = cml_arrays_add(&tally->arrays, CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
@@ -152,21 +111,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
-    const size_t gates = tally_cells_t(grid);
-    if (gates) tally->Rd_t = tally->A_l + cml_tally_media(grid);
-    if (gates) tally->Tt_t = tally->Rd_t + gates;
-    if (gates && num_t(grid) > 2) tally->A_t = tally->Tt_t + gates;
-    uint64_t *const detected = tally->A_l + cml_tally_media(grid) + num_t(grid) * gates,
-                    *const expected = detected + tally_cells_detected(grid);
-    if (grid->detectors) tally->detected = detected;
-    if (grid->scores) tally->expected = expected;
-    tally->Rd_ra = expected + grid->scores;
-    tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
-    if (grid->absorption) tally->A_rz = tally->A_l + cells_in_common(grid);
-    if (grid->rows) tally->rows = tally->A_l + cells_in_common(grid) - grid->row_cells;
-    if (grid->depths) tally->A_z = tally->A_l + cells_in_common(grid);
-    if (grid->marks > 0) tally->phi = cml_tally_maps(tally) - tally_cells_phi(grid);
-    CML_SET_MAPS(tally, cml_tally_maps(tally));
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (tally->layout.size[i]) tally->array[i] = tally->cells + tally->layout.at[i];
     const cml_status status = cml_saved_part_create(&grid->saved, &tally->saved, err);
     if (status != CML_OK) cml_tally_free(tally);
     return status;
@@ -175,28 +121,19 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
 /* Only what a thread has none of itself; NULL stays NULL where the owner has none either. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
-    if (!tally->grid.absorption) tally->A_rz = owner->A_rz;
-    if (!(tally->grid.marks > 0)) tally->phi = owner->phi;
-    tally->Rd_xya = owner->Rd_xya;
-    tally->Tt_xya = owner->Tt_xya;
-    tally->A_xyz = owner->A_xyz;
-    tally->phi_xyz = owner->phi_xyz;
-    tally->facets = owner->facets;
-    tally->Rd_dir = owner->Rd_dir;
-    tally->Tt_dir = owner->Tt_dir;
-    tally->Rsp_dir = owner->Rsp_dir;
-    tally->detector_map = owner->detector_map;
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (!tally->layout.size[i]) tally->array[i] = owner->array[i];
 }
 
 /* Not what is borrowed: others score there meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
-    memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);
+    memset(tally->cells, 0, tally->layout.cells * sizeof *tally->cells);
     memset(tally->balance, 0, sizeof tally->balance);
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
-    memset(tally->grouped, 0, grouped_bins(&tally->grid) * sizeof *tally->grouped);
-    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
+    memset(tally->grouped, 0, grouped_bins(tally) * sizeof *tally->grouped);
+    memset(tally->summed, 0, tally->profile.cells * sizeof *tally->summed);
     cml_tally_drop_late(tally);
 }
 
@@ -231,41 +168,15 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
 
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
-    const struct cml_tally_grid *grid = &from->grid;
-    add_cells(to->A_l, from->A_l, cells_in_common(grid));
-    add_cells(to->A_rz, from->A_rz, tally_cells_A(grid));
-    add_cells(to->phi, from->phi, tally_cells_phi(grid));
-    add_cells(cml_tally_maps(to), cml_tally_maps(from), cml_cells_all_maps(grid));
+    const struct cml_layout *own = &from->layout;
+    add_cells(to->cells, from->cells, own->A_rz); /* what is before it, all have alike */
+    if (own->size[CML_ARRAY_A_rz]) add_cells(to->A_rz, from->A_rz, cells_of(own, CML_ARRAY_A_rz));
+    if (own->size[CML_ARRAY_phi_rz]) add_cells(to->phi_rz, from->phi_rz, cells_of(own, CML_ARRAY_phi_rz));
+    add_cells(to->cells + to->layout.Rd_xya, from->cells + own->Rd_xya, own->cells - own->Rd_xya);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
     cml_lost_list_merge(&to->lost, &from->lost);
     cml_tally_zero(from);
-}
-
-struct cml_profile_offsets cml_tally_profiles(const struct cml_tally_grid *grid)
-{
-    const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na;
-    const size_t z = grid->absorption || grid->depths ? (size_t)grid->nz + 2 : 0;
-    struct cml_profile_offsets at = {.Rd_r = CML_NUM_TOTALS};
-    at.Tt_r = at.Rd_r + r;
-    at.Rd_a = at.Tt_r + r;
-    at.Tt_a = at.Rd_a + a;
-    at.A_z = at.Tt_a + a;
-    at.A_l = at.A_z + z;
-    at.Rd_t = at.A_l + cml_tally_media(grid);
-    at.Tt_t = at.Rd_t + tally_cells_t(grid);
-    at.A_t = at.Tt_t + tally_cells_t(grid);
-    at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
-    at.detector_t = at.detector + (size_t)grid->detectors;
-    at.moments = at.detector_t + (size_t)grid->detectors * tally_cells_t(grid);
-    at.expected = at.detector + tally_cells_detected(grid);
-    at.bins = at.expected + (size_t)grid->scores;
-    return at;
-}
-
-size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
-{
-    return cml_tally_profiles(grid).bins;
 }
 
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
@@ -276,13 +187,13 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
         late->row_of[batch] = late->count;
         late->batch[late->count++] = batch;
     }
-    return late->rows + (size_t)late->row_of[batch] * cml_tally_profile_bins(&tally->grid);
+    return late->rows + (size_t)late->row_of[batch] * tally->profile.cells;
 }
 
 /* Rows are taken from the first one on, so that memory of those that are never needed is never touched. */
 void cml_tally_drop_late(struct cml_tally *tally)
 {
-    const size_t cells = (size_t)tally->late.count * cml_tally_profile_bins(&tally->grid);
+    const size_t cells = (size_t)tally->late.count * tally->profile.cells;
     memset(tally->late.rows, 0, cells * sizeof *tally->late.rows);
     tally->late.count = 0;
 }
@@ -315,15 +226,15 @@ static void add_exits(const uint64_t *cells, size_t rows, size_t na, uint64_t *b
 /* Profiles of the cells of a group, where each has its own, into their places behind those of totals. */
 static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bins)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
+    const struct cml_layout *at = &tally->profile;
     const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
     const size_t first = group * rows * na;
-    memset(bins, 0, bins_of_cells(&tally->grid) * sizeof *bins);
-    add_exits(tally->Rd_ra + first, rows, na, bins, bins + at.Rd_a - at.Rd_r);
-    add_exits(tally->Tt_ra + first, rows, na, bins + at.Tt_r - at.Rd_r, bins + at.Tt_a - at.Rd_r);
+    memset(bins, 0, bins_of_cells(tally) * sizeof *bins);
+    add_exits(tally->Rd_ra + first, rows, na, bins, bins + at->Rd_a - at->Rd_r);
+    add_exits(tally->Tt_ra + first, rows, na, bins + at->Tt_r - at->Rd_r, bins + at->Tt_a - at->Rd_r);
     if (tally->grid.absorption)
         add_columns(tally->A_rz + group * cml_rz_cells(&tally->grid), rows, (size_t)tally->grid.nz + 2,
-                    bins + at.A_z - at.Rd_r);
+                    bins + at->A_z - at->Rd_r);
 }
 
 /* Late packets add what they bring to those of their groups, whose cells are many; those of the group of this
@@ -331,11 +242,11 @@ static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bin
 static void sum_groups(const struct cml_tally *tally, int batch)
 {
     const int groups = cml_cell_groups(&tally->grid);
-    const size_t first = cml_tally_profiles(&tally->grid).Rd_r, cells = bins_of_cells(&tally->grid);
+    const size_t first = tally->profile.Rd_r, cells = bins_of_cells(tally);
     for (int row = 0; row < tally->late.count; row++) {
         const int g = tally->late.batch[row] % groups;
         if (g == batch % groups) continue;
-        add_columns(tally->late.rows + (size_t)row * cml_tally_profile_bins(&tally->grid) + first, 1, cells,
+        add_columns(tally->late.rows + (size_t)row * tally->profile.cells + first, 1, cells,
                     tally->grouped + (size_t)g * cells);
     }
     for (int g = 0; g < groups; g++)
@@ -345,22 +256,21 @@ static void sum_groups(const struct cml_tally *tally, int batch)
 /* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
-    const struct cml_profile_offsets at = cml_tally_profiles(&tally->grid);
-    memset(sums, 0, at.bins * sizeof *sums);
+    const struct cml_layout *at = &tally->profile;
+    memset(sums, 0, at->cells * sizeof *sums);
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
-    add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(&tally->grid),
-                sums + at.Rd_r);
-    if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
+    add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(tally), sums + at->Rd_r);
+    if (tally->grid.depths) memcpy(sums + at->A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
     /* gates, detectors and expected values lie behind it in both */
-    memcpy(sums + at.A_l, tally->A_l, (at.bins - at.A_l) * sizeof *sums);
+    memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
  * than its grids: the difference to the last sums is what came since. */
 void cml_tally_bring(struct cml_tally *tally, int batch)
 {
-    const size_t bins = cml_tally_profile_bins(&tally->grid);
+    const size_t bins = tally->profile.cells;
     sum_groups(tally, batch);
     sum_profiles(tally, tally->brought);
     for (size_t i = 0; i < bins; i++) {

@@ -19,7 +19,7 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
 /* Of weight times score as much comes to an end as began, which is nothing (P17), in every batch. */
 static void expect_balanced_scores(const struct cml_tally *t)
 {
-    const struct cml_row_bins at = cml_row_bins(&t->grid);
+    const struct cml_layout at = cml_layout_of(&t->grid, CML_OF_ROW_BINS);
     const size_t stride = cml_row_stride(&t->grid), media = cml_tally_media(&t->grid);
     for (int b = 0; b < CML_NUM_BATCHES; b++)
         for (int i = 0; i < t->grid.rows; i++) {

@@ -2,7 +2,7 @@
  * boundary. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "output/report_faces.h"
+#include "output/report_parts.h"
 #include "surface/surface_facets.h"
 
 #include <math.h>

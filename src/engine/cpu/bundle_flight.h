@@ -72,11 +72,10 @@ struct cml_flight {
     cml_u32 rounds;               /* passes, and rounds over boundaries within them */
     int given_up;
     /* batches */
-    struct cml_profile_offsets profiles; /* of the tally */
-    int batch;                           /* under way: packets of it are launched; -1 before the first */
-    cml_u32 first_cell;                  /* of A_rz of that batch's group */
-    uint64_t late;                       /* mask: lanes whose packets are of batches before it */
-    uint64_t *late_profiles[CML_LANES];  /* of such a lane: its batch's row (cml_tally_late) */
+    int batch;                          /* under way: packets of it are launched; -1 before the first */
+    cml_u32 first_cell;                 /* of A_rz of that batch's group */
+    uint64_t late;                      /* mask: lanes whose packets are of batches before it */
+    uint64_t *late_profiles[CML_LANES]; /* of such a lane: its batch's row (cml_tally_late) */
     /* photons on their way in and out */
     uint64_t next, left; /* photons in hand, beyond the queue: first index, and number */
     struct cml_launch_queue queue;

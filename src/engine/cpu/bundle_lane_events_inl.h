@@ -64,7 +64,8 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
 static void cml_expect_of_lane(struct cml_flight *f, int i)
 {
     if (f->to.expected)
-        f->to.expected_late = f->late & CML_LANE_BIT(i) ? f->late_profiles[i] + f->profiles.expected : NULL;
+        f->to.expected_late =
+            f->late & CML_LANE_BIT(i) ? f->late_profiles[i] + f->tally->profile.expected : NULL;
 }
 
 /* Back into the lane a packet that is in the material again, or else its end into the collection. */

@@ -103,8 +103,8 @@ __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, 
     if (f->factors) cml_fly_lane_rows(f, i, deposited);
     if (f->to.A_t) f->to.A_t[gate] += deposited;
     if (!(f->late & CML_LANE_BIT(i))) return;
-    f->late_profiles[i][f->profiles.A_l + (size_t)f->b->medium[i]] += deposited;
-    if (f->to.A_t) f->late_profiles[i][f->profiles.A_t + (size_t)gate] += deposited;
+    f->late_profiles[i][f->tally->profile.A_l + (size_t)f->b->medium[i]] += deposited;
+    if (f->to.A_t) f->late_profiles[i][f->tally->profile.A_t + (size_t)gate] += deposited;
 }
 
 /* The backing leaves w of the lane's packet, whose deposits have been booked. */
@@ -287,26 +287,26 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
 {
     const struct cml_setup *setup = &f->world->setup;
     const struct cml_terminated *terminated = &f->terminated;
-    const struct cml_profile_offsets begin = f->profiles;
+    const struct cml_layout *begin = &f->tally->profile;
     const int fate = terminated->fate[at], up = fate == CML_FATE_REFLECTED;
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
     const cml_u64 index = cml_lane_index(f->b, i);
     row[CML_TOTAL_SPECULAR] +=
         (cml_is_branch(index) ? 0u : setup->specular) + (fate == CML_FATE_SPECULAR ? w : 0u);
-    if (f->tally->detected) {
-        cml_score_split_off(f->world, index, 1, row + begin.detector, NULL);
-        cml_tally_detectors(f->world, terminated, at, trail, row + begin.detector, NULL);
+    if (f->tally->detector) {
+        cml_score_split_off(f->world, index, 1, row + begin->detector, NULL);
+        cml_tally_detectors(f->world, terminated, at, trail, row + begin->detector, NULL);
     }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
-    row[begin.A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
+    row[begin->A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
     if (!up && fate != CML_FATE_TRANSMITTED) return;
     row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
-    row[(up ? begin.Rd_r : begin.Tt_r) +
+    row[(up ? begin->Rd_r : begin->Tt_r) +
         (size_t)cml_radial_bin(setup, terminated->exit_x[at], terminated->exit_y[at])] += w;
-    row[(up ? begin.Rd_a : begin.Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
+    row[(up ? begin->Rd_a : begin->Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
     if (setup->gates.count)
-        row[(up ? begin.Rd_t : begin.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
+        row[(up ? begin->Rd_t : begin->Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
 }
 
 /* P16: the rows of a lane's packet, whose deposits have been booked, end with it. */

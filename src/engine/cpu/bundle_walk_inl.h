@@ -412,7 +412,7 @@ static void cml_scatter_late(struct cml_flight *f)
     const cml_u32 columns = (cml_u32)f->tally->grid.nz + 2;
     for (uint64_t rest = f->late; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);
-        f->late_profiles[i][f->profiles.A_z + (cml_u32)b->cell[i] % columns] += b->dw[i];
+        f->late_profiles[i][f->tally->profile.A_z + (cml_u32)b->cell[i] % columns] += b->dw[i];
         b->cell[i] += (int)(cml_first_cell(&f->to, b->index_low[i]) - f->first_cell);
     }
 }
@@ -546,7 +546,6 @@ static void cml_flight_begin(struct cml_flight *f)
     f->b->trail_count = f->tally->trail_count;
     f->b->num_media = setup->num_layers + 2 + setup->num_bodies;
     f->batch = -1;
-    f->profiles = cml_tally_profiles(&f->tally->grid);
     f->rows = cml_row_sums_of(f->world, f->tally);
     f->books_more = f->to.A_t || f->factors;
     for (int i = 0; i < CML_LANES; i++) {

@@ -223,7 +223,7 @@ static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, 
 static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
     const size_t group = (size_t)(batch % cml_cell_groups(&tally->grid)), exits = cml_ra_cells(&tally->grid),
-                 others = (size_t)(tally->Rd_ra - tally->A_l);
+                 others = tally->layout.Rd_ra;
     const uint64_t *const reflected = cells + CML_CELL_LAYER + others, *const transmitted = reflected + exits;
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];

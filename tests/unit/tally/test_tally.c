@@ -1,5 +1,5 @@
 /* Tallies: their cells, and how those of threads come together. SPDX-License-Identifier: MIT */
-#include "tally/tally_cells.h"
+#include "tally/array_table.h"
 
 #include "unit/tally/tally_cases.h"
 
@@ -63,7 +63,7 @@ static void moving_takes_every_cell_once(void **state)
 #define MAPS 6
 static int map_cells(const struct cml_tally *t, uint64_t **cells)
 {
-    const int parts = (int)cml_once_parts(t->grid.map_once);
+    const int parts = (int)t->layout.parts[CML_ARRAY_Rd_xya];
     uint64_t *const arrays[MAPS] = {t->Rd_xya, t->A_xyz, t->phi_xyz, t->facets, t->detector_map, t->Rd_dir};
     const int counts[MAPS] = {2 * 6 * parts,        9,         8 * CML_NUM_GROUPS,
                               2 * CML_FACET_SCORES, 5 * parts, 3 * 2 * parts};
@@ -92,7 +92,7 @@ static void assert_maps_have_cells_of_their_own(const struct cml_tally_grid *of)
     struct cml_tally a = make_tally(of);
     struct cml_result result = make_result(of, 64);
     uint64_t *cells[1024];
-    const int n = map_cells(&a, cells), pixels = 12 * (int)cml_once_parts(of->map_once);
+    const int n = map_cells(&a, cells), pixels = 12 * (int)a.layout.parts[CML_ARRAY_Rd_xya];
     assert_true(a.Tt_xya == a.Rd_xya + 6 && a.Tt_dir == a.Rd_dir + 2 && a.Rsp_dir == a.Tt_dir + 2);
     assert_int_equal(cml_tally_cells(of), cml_tally_cells(&grid) + (size_t)n);
     for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
@@ -210,7 +210,7 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
 static void late_packets_are_noted_in_their_own_batches(void **state)
 {
     (void)state;
-    const struct cml_profile_offsets at = cml_tally_profiles(&grid);
+    const struct cml_layout at = cml_layout_of(&grid, CML_OF_PROFILES);
     struct cml_tally tally = make_tally(&grid);
     struct cml_result result = make_result(&grid, 1000);
     static const int late[] = {3, 63, 3, 0};
@@ -233,7 +233,7 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
         assert_true(result.Rd_r[b * grid.nr + 1] == noted[b]);
         assert_true(result.A_z[b * grid.nz + 1] == noted[b]);
     }
-    for (size_t i = 0; i < CML_NUM_BATCHES * at.bins; i++) assert_int_equal(tally.late.rows[i], 0);
+    for (size_t i = 0; i < CML_NUM_BATCHES * at.cells; i++) assert_int_equal(tally.late.rows[i], 0);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }
@@ -245,7 +245,7 @@ static void groups_have_cells_each(void **state)
     struct cml_tally_grid apart = grid;
     apart.cell_errors = true;
     const size_t cells = cml_rz_cells(&apart), exits = cml_ra_cells(&apart);
-    const struct cml_profile_offsets at = cml_tally_profiles(&apart);
+    const struct cml_layout at = cml_layout_of(&apart, CML_OF_PROFILES);
     struct cml_tally tally = make_tally(&apart);
     struct cml_result result = make_result(&apart, 1000);
     tally.A_rz[5 * cells + 2] += 100;  /* z bin 1 */

@@ -1,0 +1,196 @@
+/* The ledger: one row for every array of sums. Sizes and places of arrays follow from it: in the tally of a
+ * thread, in the result of a run, in the profiles that a thread brings, and among the rows of a sweep or the
+ * scores of derivatives (row_cells.h). A new array is a row here, its place in the orders of array_table.c,
+ * and a line that scores into it.
+ * SPDX-License-Identifier: MIT */
+#pragma once
+
+#include "tally/tally_grid.h"
+
+/* Axes of arrays. A tally has cells of its own beyond some of them, so that scoring needs no branch for what
+ * lies there (P7): one radius and one depth behind the last, one depth above the first, one gate for all that
+ * is later. A result has none: the outermost bins take it, and what is later has an array of its own. */
+#define CML_CELL_AXES(X)                                                                                     \
+    X(r)                                                                                                     \
+    X(z)                                                                                                     \
+    X(alpha)                                                                                                 \
+    X(medium) /* the one above, layers, the one below, bodies */                                             \
+    X(gate)                                                                                                  \
+    X(theta)                                                                                                 \
+    X(phi)                                                                                                   \
+    X(total) /* enum cml_total */                                                                            \
+    X(term)  /* enum cml_balance_term */                                                                     \
+    X(detector)                                                                                              \
+    X(moment)         /* lengths and interactions by medium, then the depth, each in several cells */        \
+    X(expected)       /* expected values (P15) */                                                            \
+    X(pixel)          /* of the map, and one for what lies outside */                                        \
+    X(map_alpha)      /* angles of a pixel */                                                                \
+    X(voxel)          /* and one for what lies outside */                                                    \
+    X(inner_voxel)    /* without that one */                                                                 \
+    X(group)          /* of packets, CML_NUM_GROUPS */                                                       \
+    X(facet)          /* of all boundaries and bodies */                                                     \
+    X(facet_score)    /* enum cml_facet_score */                                                             \
+    X(detector_pixel) /* of all detectors that are maps */                                                   \
+    X(row)            /* cells of all rows together */
+
+/* How often an array is kept, so that its values have standard errors. */
+enum cml_spread {
+    CML_KEPT_WHOLE,     /* one for all packets */
+    CML_KEPT_BY_GROUP,  /* one of each of CML_NUM_GROUPS groups of packets, or one for all if it is large */
+    CML_KEPT_ONCE,      /* a packet adds to a cell at most once: by group, or if it is large sums and squares.
+                         * Neighbours with the same axes are kept together, group by group */
+    CML_KEPT_BY_BATCH,  /* one of each of CML_NUM_BATCHES batches in a result; a thread brings its batch */
+    CML_KEPT_AS_BATCHES /* one of each batch in a tally, too */
+};
+
+/* When an array exists, besides that all its axes have bins. */
+enum cml_array_when {
+    CML_IF_ANY,
+    CML_IF_GATES,
+    CML_IF_ABSORPTION, /* absorption by radius and depth; of rows of a sweep where they have depths */
+    CML_IF_DEPTHS,     /* the same by depth alone: a tally has it instead where threads share A_rz */
+    CML_IF_TIMES,      /* absorption by time */
+    CML_IF_MEANS,      /* all detectors have moments, of rows of a sweep only if asked for */
+    CML_IF_FLUENCE,
+    CML_IF_OWNER /* all threads share one, which the tally of the first owns */
+};
+
+/* clang-format off */
+/* name, axes of cells (slowest first), how often it is kept, when it exists, the term of the balance that all
+ * its cells add up to. The row behind an array over gates has what is later.
+ * Then, as a quantity of results (result/quantity.h): estimator, units, axes, where it is written, what it is.
+ * Checkpoints, files and JSON have the names; .h5 and JSON keep the order of these rows. */
+#define CML_QUANTITY_ARRAYS(A) \
+    A(A_l, medium, none, BY_BATCH, ANY, ABSORBED, LAYERS, "1", OVER1(layer), H5 | JSON, "absorption by layer") \
+    A(A_z, z, none, BY_BATCH, DEPTHS, none, ARRAY, "1/cm", OVER1(z), H5, \
+      "absorption by depth; what lies outside is in the outermost bins") \
+    A(Rd_r, r, none, BY_BATCH, ANY, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "diffuse reflectance by radius; the last bin holds what lies beyond") \
+    A(Rd_a, alpha, none, BY_BATCH, ANY, none, ARRAY, "sr-1", OVER1(alpha), H5, "diffuse reflectance by angle") \
+    A(Tt_r, r, none, BY_BATCH, ANY, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "transmittance by radius; the last bin holds what lies beyond") \
+    A(Tt_a, alpha, none, BY_BATCH, ANY, none, ARRAY, "sr-1", OVER1(alpha), H5, "transmittance by angle") \
+    A(A_rz, r, z, BY_GROUP, ABSORPTION, ABSORBED, ARRAY, "1/cm3", OVER2(r, z), H5, \
+      "absorption by radius and depth") \
+    A(Rd_ra, r, alpha, BY_GROUP, ANY, REFLECTED, ARRAY, "1/(cm2 sr)", OVER2(r, alpha), H5, \
+      "diffuse reflectance by radius and angle") \
+    A(Tt_ra, r, alpha, BY_GROUP, ANY, TRANSMITTED, ARRAY, "1/(cm2 sr)", OVER2(r, alpha), H5, \
+      "transmittance by radius and angle") \
+    A(Rd_t, gate, none, BY_BATCH, ANY, REFLECTED, ARRAY, "1/ps", OVER1(gate), H5, "diffuse reflectance by time") \
+    A(Rd_t_later, none, none, BY_BATCH, GATES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "diffuse reflectance later than all gates") \
+    A(Tt_t, gate, none, BY_BATCH, ANY, TRANSMITTED, ARRAY, "1/ps", OVER1(gate), H5, "transmittance by time") \
+    A(Tt_t_later, none, none, BY_BATCH, GATES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "transmittance later than all gates") \
+    A(A_t, gate, none, BY_BATCH, TIMES, ABSORBED, ARRAY, "1/ps", OVER1(gate), H5, "absorption by time") \
+    A(A_t_later, none, none, BY_BATCH, TIMES, none, ARRAY, "1", NUMBER, H5 | JSON, \
+      "absorption later than all gates") \
+    A(phi_z, z, none, BY_BATCH, FLUENCE, none, ARRAY, "1", OVER1(z), H5, "fluence by depth, over all radii") \
+    A(phi_rz, r, z, AS_BATCHES, FLUENCE, none, ARRAY, "1/cm2", OVER2(r, z), H5, "fluence by radius and depth") \
+    A(Rd_dir, theta, phi, ONCE, OWNER, REFLECTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "diffuse reflectance by direction") \
+    A(Tt_dir, theta, phi, ONCE, OWNER, TRANSMITTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "transmittance by direction") \
+    A(Rsp_dir, theta, phi, ONCE, OWNER, SPECULAR, ARRAY, "1/sr", OVER2(theta, phi), H5, \
+      "specular reflectance by direction") \
+    A(detector, detector, none, BY_BATCH, ANY, none, ARRAY, "1", OVER1(detector), H5 | JSON, "detected") \
+    A(detector_t, detector, gate, BY_BATCH, ANY, none, ARRAY, "1/ps", OVER2(detector, gate), H5, \
+      "detected by time") \
+    A(detector_t_later, detector, none, BY_BATCH, GATES, none, ARRAY, "1", OVER1(detector), H5 | JSON, \
+      "detected later than all gates") \
+    A(detector_path, detector, medium, BY_BATCH, ANY, none, MEANS, "cm", OVER2(detector, medium), H5, \
+      "mean path of detected light by medium") \
+    A(detector_interactions, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
+      "mean interactions of detected light by medium") \
+    A(detector_deepest, detector, none, BY_BATCH, ANY, none, MEANS, "cm", OVER1(detector), H5 | JSON, \
+      "mean largest depth of detected light") \
+    A(detector_map, detector_pixel, none, ONCE, OWNER, none, FIELD, "1/cm2", OVER1(detector), 0, \
+      "detected by pixel") \
+    A(Rd_xya, pixel, map_alpha, ONCE, OWNER, REFLECTED, FIELD, "1/(cm2 sr)", OVER3(y, x, alpha), 0, \
+      "diffuse reflectance by angle") \
+    A(Tt_xya, pixel, map_alpha, ONCE, OWNER, TRANSMITTED, FIELD, "1/(cm2 sr)", OVER3(y, x, alpha), 0, \
+      "transmittance by angle") \
+    A(A_xyz, voxel, none, BY_GROUP, OWNER, ABSORBED, FIELD, "1/cm3", OVER3(z_volume, y, x), 0, "absorption") \
+    A(phi_xyz, inner_voxel, group, WHOLE, OWNER, none, FIELD, "1/cm2", OVER3(z_volume, y, x), 0, "fluence")
+
+/* The others are parts of quantities. */
+#define CML_ARRAYS(A) \
+    CML_QUANTITY_ARRAYS(A) \
+    A(totals, total, none, BY_BATCH, ANY, none, "of the launched weight") \
+    A(terms, term, none, BY_BATCH, ANY, none, "of the balance, of rows") \
+    A(moments, detector, moment, BY_BATCH, MEANS, none, "of which a result makes detector_path and the like") \
+    A(expected, expected, none, BY_BATCH, ANY, none, "values, in a result in units of CML_EXPECTED_UNIT") \
+    A(facets, facet, facet_score, BY_GROUP, OWNER, none, "scores; what escapes is kept once") \
+    A(rows, row, none, WHOLE, ANY, none, "of a sweep, or scores (row_cells.h)")
+/* clang-format on */
+
+enum cml_cell_axis {
+    CML_CELLS_none,
+#define CML_CELL_AXIS(name) CML_CELLS_##name,
+    CML_CELL_AXES(CML_CELL_AXIS)
+#undef CML_CELL_AXIS
+};
+
+enum cml_array {
+#define CML_ENUMERATOR(name, ...) CML_ARRAY_##name,
+    CML_ARRAYS(CML_ENUMERATOR)
+#undef CML_ENUMERATOR
+        CML_NUM_ARRAYS
+};
+
+enum { CML_ARRAY_AXES = 2, CML_NO_TERM = -1 };
+
+struct cml_array_info {
+    const char *name;
+    enum cml_cell_axis axis[CML_ARRAY_AXES]; /* slowest first */
+    enum cml_spread spread;
+    enum cml_array_when when;
+    int term; /* enum cml_balance_term, CML_NO_TERM: none */
+};
+extern const struct cml_array_info cml_arrays[CML_NUM_ARRAYS];
+
+/* Who has arrays. */
+enum cml_holder {
+    CML_OF_TALLY,
+    CML_OF_RESULT,
+    CML_OF_PROFILES, /* what a thread brings of a batch */
+    CML_OF_ROW_BINS, /* of a batch, and of a row of a sweep or a score; in bins */
+    CML_OF_ROW_GRIDS /* behind those of all batches */
+};
+
+/* Where arrays begin in the block of cells of a holder, and how many cells there are. */
+struct cml_layout {
+    union {
+        size_t at[CML_NUM_ARRAYS];
+        struct {
+#define CML_PLACE(name, ...) size_t name;
+            CML_ARRAYS(CML_PLACE)
+#undef CML_PLACE
+        };
+    };
+    size_t size[CML_NUM_ARRAYS];          /* cells of one array, of a group or a batch; 0: there is none */
+    size_t parts[CML_NUM_ARRAYS];         /* groups, batches, or sums and squares */
+    struct cml_once once[CML_NUM_ARRAYS]; /* how far these are apart */
+    size_t cells;                         /* of all arrays */
+};
+struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder);
+
+/* The arrays of a holder in the order of its cells. */
+struct cml_array_order {
+    int count;
+    const enum cml_array *array;
+};
+struct cml_array_order cml_order_of(enum cml_holder holder);
+
+/* Bins along an axis, and cells before the first and behind the last. */
+struct cml_extent {
+    size_t bins, before, behind;
+};
+struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
+                                enum cml_holder holder);
+
+/* How many cells there are along an axis. */
+static inline size_t cml_extent_cells(struct cml_extent extent)
+{
+    return extent.before + extent.bins + extent.behind;
+}

@@ -93,17 +93,13 @@ static cml_status refuse(const char *name, struct cml_error *err)
                     name);
 }
 
-cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
-{
-    return refuse(cml_commands[options->which].name, err);
-}
-
-cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
-{
-    return refuse(cml_commands[options->which].name, err);
-}
-
-cml_status cml_command_view(const struct cml_options *options, struct cml_error *err)
-{
-    return refuse(cml_commands[options->which].name, err);
-}
+#define REFUSED(of)                                                                                          \
+    cml_status cml_command_##of(const struct cml_options *options, struct cml_error *err)                    \
+    {                                                                                                        \
+        return refuse(cml_commands[options->which].name, err);                                               \
+    }
+REFUSED(brdf)
+REFUSED(compare)
+REFUSED(plot)
+REFUSED(profile)
+REFUSED(view)

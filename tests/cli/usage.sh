@@ -96,7 +96,7 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run plan check exact mesh trace crosscheck furnace compare plot view devices help options input output fit 'exit codes' 75; do
+for word in run plan check exact mesh trace crosscheck furnace compare plot view brdf profile devices help options input output fit 'exit codes' 75; do
     grep -q -e "^ *\\[*$word" "$work/out" || complain "--help does not mention $word"
 done
 cp "$work/out" "$work/list"

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Of plot, compare and view. */
+/* Of compare, plot, view, brdf and profile. */
 #define OF_PACKAGE "The Python package does it: needs python3, h5py, matplotlib and xarray; clustermcml "
 
 const struct cml_command_def cml_commands[] = {
@@ -93,6 +93,18 @@ const struct cml_command_def cml_commands[] = {
          "rays at their sides, detectors, the ends of the map. Flies no photons. " OF_PACKAGE
          "view --help lists its options.",
          "clustermcml view samples/mixed.mci -o mixed.svg\n"},
+    [CML_COMMAND_BRDF] =
+        {"brdf", "scene.mci", 1, 1, "reflection and transmission by directions, for renderers",
+         "Flies the scene in parallel light from several angles. Writes tables with errors "
+         "(.brdf.h5, .brdf.txt) and files for Mitsuba 3 and pbrt-v4 (.bsdf, .rgb.bsdf); help appearance "
+         "tells what the numbers are. " OF_PACKAGE "brdf --help lists its options.",
+         "clustermcml brdf samples/paint_gloss.mci -o paint --photons 1e6\n"},
+    [CML_COMMAND_PROFILE] =
+        {"profile", "scene.mci", 1, 1, "how far from its entry light leaves, for renderers",
+         "Flies a pencil of light, and tells how much leaves at which distance: a table (.csv), curves "
+         "for shaders and parameters of random walks (.json), a picture (.svg). Also needs scipy; help "
+         "appearance tells what the numbers are. " OF_PACKAGE "profile --help lists its options.",
+         "clustermcml profile samples/skin7.mci -o skin\n"},
     [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
                              "Lists what photons can be flown on: cores and their vector instructions, "
                              "OpenCL devices with the numbers that "

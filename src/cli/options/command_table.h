@@ -19,6 +19,8 @@
     C(MERGE, merge, false)                                                                                   \
     C(PLOT, plot, false)                                                                                     \
     C(VIEW, view, false)                                                                                     \
+    C(BRDF, brdf, false)                                                                                     \
+    C(PROFILE, profile, false)                                                                               \
     C(DEVICES, devices, false)                                                                               \
     C(HELP, help, false)
 

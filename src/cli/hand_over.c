@@ -10,19 +10,25 @@
 #include <string.h>
 #include <unistd.h>
 
-#define CURE "apt-get install python3-h5py python3-matplotlib python3-xarray, or pip install clustermcml"
+#define CURE                                                                                                 \
+    "apt-get install python3-h5py python3-matplotlib python3-xarray python3-scipy, or pip install "          \
+    "clustermcml"
 
-/* What Python runs. Modules are imported where they are needed, so that any may turn out to be missing.
- * A module of the current folder must not take the place of one of the libraries. */
+/* What Python runs, in words that any version knows. Modules are imported where they are needed, so that any
+ * may turn out to be missing. A module of the current folder must not take the place of one of the libraries.
+ */
 static const char start[] = "import sys\n"
                             "if sys.path[0] == '': del sys.path[0]\n"
+                            "def lacks(what):\n"
+                            "    sys.stderr.write('clustermcml: %s: %s %s (expected it: " CURE ")\\n'\n"
+                            "                     % (sys.argv[1], sys.executable, what))\n"
+                            "    sys.exit(5)\n"
+                            "if sys.version_info < (3, 9): lacks('is older than Python 3.9')\n"
                             "try:\n"
                             "    from clustermcml.__main__ import main\n"
                             "    code = main()\n"
                             "except ImportError as error:\n"
-                            "    print(f'clustermcml: {sys.argv[1]}: {sys.executable} has no module "
-                            "{error.name or error} (expected it: " CURE ")', file=sys.stderr)\n"
-                            "    sys.exit(5)\n"
+                            "    lacks('has no module %s' % (error.name or error))\n"
                             "sys.exit(code)\n";
 
 /* The commands of the package. */
@@ -61,7 +67,7 @@ static cml_status set_environment(struct cml_error *err)
     int failed = setenv("CLUSTERMCML", program, 1);
     *strrchr(program, '/') = '\0';
     if (find_package(program, package)) {
-        snprintf(all, sizeof all, "%s%s%s", package, others ? ":" : "", others ? others : "");
+        snprintf(all, sizeof all, "%s%s%s", package, others && *others ? ":" : "", others ? others : "");
         failed |= setenv("PYTHONPATH", all, 1);
     }
     return failed ? cml_fail_memory(err, sizeof all, "the environment") : CML_OK;

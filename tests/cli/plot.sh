@@ -93,16 +93,28 @@ lacks() { # PYTHON LINE [FILE [PATH]]
 lacks "$work/none" "plot: $work/none cannot be started"
 mkdir "$work/empty"
 lacks "" "plot: python3 cannot be started" fig5.mco "$work/empty"
-without() { # MODULE
-    printf 'import sys\nsys.modules["%s"] = None\nsys.argv = sys.argv[1:]\ncode = sys.argv.pop(1)\nexec(code)\n' "$1" >"$work/without.py"
+with() { # STATEMENT that is run first
+    printf 'import sys\n%s\nsys.argv = sys.argv[1:]\ncode = sys.argv.pop(1)\nexec(code)\n' "$1" >"$work/without.py"
     printf '#!/bin/sh\nshift\nexec "%s" "%s" -c "$@"\n' "$python" "$work/without.py" >"$work/bare"
     chmod +x "$work/bare"
 }
 touch "$work/bare.h5"
-without numpy
+with 'sys.modules["numpy"] = None'
 lacks "$work/bare" "plot: .* has no module numpy"
-without h5py
+with 'sys.modules["h5py"] = None'
 lacks "$work/bare" "plot: .* has no module h5py" bare.h5
-without matplotlib
+with 'sys.modules["matplotlib"] = None'
 lacks "$work/bare" "plot: .* has no module matplotlib"
+with 'sys.version_info = (3, 8, 18)'
+lacks "$work/bare" "plot: .* is older than Python 3.9"
+
+# An empty PYTHONPATH does not let modules of the current folder in; what a library refuses is one line.
+mkdir "$work/evil"
+echo 'raise ValueError("of the current folder")' >"$work/evil/matplotlib.py"
+(cd "$work/evil" && PYTHONPATH='' "$program" plot "$work/fig5.mco" -o good.svg >/dev/null 2>"$work/err") || complain "a module of the folder: $(cat "$work/err")"
+code=0
+PYTHONPATH=$work/evil "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
+# the package stands first on the path, what it imports does not
+test $code -eq 2 && test "$(cat "$work/err")" = "clustermcml: plot: ValueError: of the current folder (set CLUSTERMCML_TRACEBACK=1 to see where)" ||
+    complain "a library's error: $code $(cat "$work/err")"
 finish

@@ -111,7 +111,7 @@ while read -r command; do
     cp "$work/out" "$work/text"
     grep -q "^usage: clustermcml $command " "$work/text" || complain "help $command shows no usage"
     grep -A1 '^examples$' "$work/text" | grep -q "^  clustermcml " || complain "help $command has no example"
-    case $command in plot | compare | view) continue ;; esac # the package has their options
+    case $command in brdf | compare | plot | profile | view) continue ;; esac # the package has their options
     expect_code 0 "$command" --help
     cmp -s "$work/text" "$work/out" || complain "$command --help and help $command are two things"
 done <"$work/commands"
@@ -124,7 +124,7 @@ expect_code 0 help options
 test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
 
 # texts are those of the sources
-for text in samples/input samples/output samples/cluster src/cli/options/fit; do
+for text in samples/input samples/output samples/cluster samples/appearance src/cli/options/fit; do
     expect_code 0 help "${text##*/}"
     cmp -s $text.md "$work/out" || complain "help is not $text.md"
 done

@@ -154,6 +154,16 @@ def main() -> int:
     except errors.ClustermcmlError as error:
         print(f"clustermcml: {error}", file=sys.stderr)
         return error.exit_code
+    except KeyboardInterrupt:
+        return 130
+    except (ImportError, MemoryError):
+        raise
+    except Exception as error:  # pylint: disable=broad-except  # a library refuses what the package let pass
+        if os.environ.get("CLUSTERMCML_TRACEBACK"):
+            raise
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        print(f"clustermcml: {sys.argv[1]}: {words} (set CLUSTERMCML_TRACEBACK=1 to see where)", file=sys.stderr)
+        return 2
 
 
 def fit_main() -> int:

@@ -85,10 +85,10 @@ MATERIALS = [
 ]
 
 
-def encoded(A):
+def encoded(Rd):
     """A colour for a picture: linear shares as sRGB has them."""
-    A = np.clip(A, 0, 1)
-    return np.where(A <= 0.0031308, 12.92 * A, 1.055 * A ** (1 / 2.4) - 0.055)
+    Rd = np.clip(Rd, 0, 1)
+    return np.where(Rd <= 0.0031308, 12.92 * Rd, 1.055 * Rd ** (1 / 2.4) - 0.055)
 
 
 def draw(made, path):
@@ -97,7 +97,7 @@ def draw(made, path):
     for axes, (material, profile) in zip(figure.subplots(4, 3).flat, made):
         r = profile.r.values
         for c, colour in enumerate(("#D55E00", "#009E73", "#0072B2")):
-            light = 2 * np.pi * r[c] * profile.S.values[c] / float(profile.A[c])
+            light = 2 * np.pi * r[c] * profile.S.values[c] / float(profile.Rd[c])
             light = light.reshape(-1, 4).mean(axis=1)
             middle = 10 * r[c].reshape(-1, 4).mean(axis=1)
             seen = middle < 30 * float(profile.mean_r.max())
@@ -107,7 +107,7 @@ def draw(made, path):
         axes.set_ylim(0, None)
         axes.tick_params(labelsize=8)
         axes.set_xlabel("distance [mm]", fontsize=8)
-        patch = axes.inset_axes([0.62, 0.45, 0.33, 0.47], facecolor=encoded(profile.A.values))
+        patch = axes.inset_axes([0.62, 0.45, 0.33, 0.47], facecolor=encoded(profile.Rd.values))
         patch.set(xticks=[], yticks=[])
     figure.supylabel("light that leaves per distance [1/mm], of all that leaves", fontsize=9)
     figure.savefig(path, metadata={"Date": None, "Creator": None})
@@ -117,7 +117,7 @@ def row(material, profile):
     def three(values, form):
         return " ".join(form % value for value in values)
     errors = [profile.fit(kind).L1.values.max() for kind in ("exponentials", "burley", "openpbr")]
-    return f"| `{material.name}` | {three(profile.A.values, '%.3f')} | {three(10 * profile.mean_r.values, '%.3g')} | {profile.noise.values.max():.3f} | {' | '.join('%.3f' % one for one in errors)} |"
+    return f"| `{material.name}` | {three(profile.Rd.values, '%.3f')} | {three(10 * profile.mean_r.values, '%.3g')} | {profile.noise.values.max():.3f} | {' | '.join('%.3f' % one for one in errors)} |"
 
 
 def properties(material):
@@ -132,10 +132,10 @@ def page(made, picture):
     seconds = ["# Twelve materials", "", "`samples/materials.py` has written this page. It flies each material in diffuse light and leaves the files that renderers read.",
                "`samples/materials.py DIR` makes them again. Change a row of its table for a material of your own.", "",
                f"![Light per distance, and colours in diffuse light]({picture})", "",
-               "Patches are A of the three channels, as sRGB. Curves are `2 pi r S / A`: how far light comes out from where it went in, in red, green and blue.", "",
+               "Patches are Rd of the three channels, as sRGB. Curves are `2 pi r S / Rd`: how far light comes out from where it went in, in red, green and blue.", "",
                "## What comes out", "",
-               "A is the diffuse reflectance, by r g b; r the mean distance. Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
-               "| material | A | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
+               "Rd is the diffuse reflectance, by r g b; r the mean distance. Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
+               "| material | Rd | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
                "## What goes in", "", "Three numbers are of r, g and b.", "",
                "| material | layer | n | mua [1/cm] | mus [1/cm] | g | d [cm] |", "|---|---|---|---|---|---|---|", *(line for material, _ in made for line in properties(material)), "",
                "`white_paint` lies on a lambertian ground that sends back 0.3. All half spaces go on below with their own n.", "", "## Sources", "",

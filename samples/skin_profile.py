@@ -19,7 +19,7 @@ def main(folder, error):
     profile.to_json(stem + ".json")
     profile.to_csv(stem + ".csv")
     profile.plot(stem + ".svg")
-    print(f"A {float(profile.A):.4f} +- {float(profile.A_se):.4f}, mean r {10 * float(profile.mean_r):.3f} mm, noise {float(profile.noise):.4f}")
+    print(f"Rd {float(profile.Rd):.4f} +- {float(profile.Rd_se):.4f}, mean r {10 * float(profile.mean_r):.3f} mm, noise {float(profile.noise):.4f}")
     for kind in ("exponentials", "gaussians", "burley", "openpbr"):
         print(f"{kind}: L1 {float(profile.fit(kind).L1):.4f}")
     print(stem + ".svg")

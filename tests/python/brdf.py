@@ -6,6 +6,7 @@
 With the argument `long`: reciprocity of raw bins at 1e7 packets, the ground to 1e-3, and errors of 20 random materials against other seeds."""
 import csv
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -339,13 +340,29 @@ class Command(unittest.TestCase):
             SLAB.write(os.path.join(folder, "slab.mci"))
             done = self.run_command(folder, "slab.mci", "-o", "paint", "--angles", "0,60", "--photons", "1e4")
             self.assertEqual((done.returncode, sorted(os.listdir(folder))), (0, ["paint.brdf.h5", "paint.brdf.txt", "paint.bsdf", "paint.rgb.bsdf", "slab.mci"]), done.stderr)
-            self.assertRegex(done.stdout, r"(?m)^ *60 degrees: R 0\.\d{5} \+- 0\.\d{5}, T 0\.\d{5}, A 0\.\d{5}; mirror image 0\.\d{5}, straight through 0\.\d{5}\nfit of")
+            self.assertRegex(done.stdout, r"(?m)^ *60 degrees: R 0\.\d{5} \+- 0\.\d{5}, T 0\.\d{5}, A 0\.\d{5}; gloss 0\.00000, mirror image 0\.\d{5}, straight through 0\.\d{5}\nfit of")
             self.assertRegex(done.stderr, r"^clustermcml: note: \d\.\d % of the light at 0 degrees is a mirror image and not in the \.bsdf: put .*\n$")
             with open(os.path.join(folder, "t.csv"), "w", encoding="utf-8") as file:
                 csv.writer(file).writerows([["lambda", "layer1.mua"], [450, 3], [650, 0.5]])
             done = self.run_command(folder, "slab.mci", "-o", "two", "--angles", "0", "--photons", "1e3", "--label", "lambda=t.csv", "--quiet")
             self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
             np.testing.assert_array_equal(read_tensor(os.path.join(folder, "two.bsdf"))["wavelengths"], [450, 650])
+
+    def test_printed_shares(self):
+        """R, T, A and A_backing are all of the light. The gloss of a rough face is the Rsp of a flight."""
+        rough = mc.Scene([mc.Layer(n=1.5, mua=2, mus=100, g=0.6, d=0.02, top_rough=mc.Rough("beckmann", 0.3))], backing=mc.Backing("lambertian", R=0.5))
+        with tempfile.TemporaryDirectory() as folder:
+            rough.write(os.path.join(folder, "rough.mci"))
+            said = self.run_command(folder, "rough.mci", "--angles", "60", "--photons", "2e4", "--target-error", "1").stdout
+            found = re.match(r"60 degrees: R (\S+) \+- \S+, T (\S+), A (\S+), A_backing (\S+); gloss (\S+), mirror image 0\.00000, straight through 0\.00000\n", said)
+            self.assertTrue(found, said)
+            *shares, gloss = map(float, found.groups())
+            self.assertAlmostEqual(sum(shares), 1, delta=1e-3)
+            self.assertGreater(shares[3], 0.1)
+            flown = mc.run(mc.Scene(rough.layers, backing=rough.backing, beam=mc.Beam(angle=60)), photons=20000, seed=9)
+            self.assertAlmostEqual(gloss, float(flown.Rsp), delta=6 * float(flown.Rsp_se))
+            done = self.run_command(folder, "rough.mci", "--back", "--angles", "60")
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", "clustermcml: --back: no light comes in from below a backing\n"))
 
     def test_bad_words(self):
         with tempfile.TemporaryDirectory() as folder:

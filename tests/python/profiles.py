@@ -43,14 +43,14 @@ class Flights(unittest.TestCase):
             found = mc.profile(slab(), light, target_error=None)
             r = found.r.values
             total = float((found.S * 2 * np.pi * r * 2 * r[0]).sum() + found.beyond)
-            self.assertLess(abs(total / float(found.A) - 1), 1e-12)
+            self.assertLess(abs(total / float(found.Rd) - 1), 1e-12)
             self.assertEqual(found.S.shape, (400,))
             self.assertTrue(0.997 < float(found.cdf[-1]) < 0.9999, float(found.cdf[-1]))
-            self.assertAlmostEqual(float(found.cdf[-1]), 1 - float(found.beyond / found.A), 12)
+            self.assertAlmostEqual(float(found.cdf[-1]), 1 - float(found.beyond / found.Rd), 12)
             self.assertTrue((np.diff(found.cdf.values) >= 0).all())
         found = mc.profile(slab(), target_error=None)
-        self.assertAlmostEqual(float(found.A), float(mc.run(slab(), ignore_absorption=True).Rd), 12)
-        self.assertLess(abs(float(found.A) - mc.exact(slab())[0]["Rd"]), 5 * float(found.A_se))
+        self.assertAlmostEqual(float(found.Rd), float(mc.run(slab(), ignore_absorption=True).Rd), 12)
+        self.assertLess(abs(float(found.Rd) - mc.exact(slab())[0]["Rd"]), 5 * float(found.Rd_se))
 
     def test_errors_are_those_of_other_seeds(self):
         a, b = (mc.profile(slab(), target_error=None, seed=seed) for seed in (1, 1))
@@ -58,8 +58,8 @@ class Flights(unittest.TestCase):
         width, other = 2 * a.r.values[0], mc.profile(slab(), target_error=None, seed=7)
         below = np.interp(np.append(0, a.r.values + width / 2), np.append(0, other.r.values + other.r.values[0]), np.append(0, other.cdf.values))
         shares = np.diff(below)[:200].reshape(20, 10).sum(axis=1)  # tens of bins, which may be as wide as the others' own
-        mine = (a.S * 2 * np.pi * a.r * width / a.A).values[:200].reshape(20, 10).sum(axis=1)
-        error = np.sqrt(((a.S_se * 2 * np.pi * a.r * width / a.A).values[:200].reshape(20, 10) ** 2).sum(axis=1) * 2)
+        mine = (a.S * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10).sum(axis=1)
+        error = np.sqrt(((a.S_se * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10) ** 2).sum(axis=1) * 2)
         self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # of 20: one in 1000 is above
 
     def test_rounds_until_the_noise_is_small(self):
@@ -80,11 +80,11 @@ class Flights(unittest.TestCase):
         for share in (0.3, 0.7, 0.95):
             r = np.interp(share, plane.cdf.values, plane.r.values + plane.r.values[0])
             there = np.interp(r, flat.r.values + flat.r.values[0], flat.cdf.values)
-            self.assertLess(abs(there - share), 5 * np.sqrt(2 * share * (1 - share) / 20000 / float(plane.A)))
+            self.assertLess(abs(there - share), 5 * np.sqrt(2 * share * (1 - share) / 20000 / float(plane.Rd)))
         top = mc.Relief(slope=0.5, length=0.01, points=32)
         rough = mc.profile(slab(top), "diffuse", target_error=None)
         beam = mc.run(slab(top, beam=mc.Beam("rectangle", tile=True, light="lambertian")), photons=40000)
-        self.assertLess(abs(float(rough.A - beam.Rd)), 5 * float(np.hypot(rough.A_se, beam.Rd_se)))
+        self.assertLess(abs(float(rough.Rd - beam.Rd)), 5 * float(np.hypot(rough.Rd_se, beam.Rd_se)))
         self.assertEqual(float(rough.photons), 20480)
 
     def test_channels_are_the_scenes_that_they_set(self):
@@ -156,7 +156,7 @@ class Fits(unittest.TestCase):
         found = mc.profile(mc.Scene([mc.Layer(n=1, mua=0.5, mus=9.5, g=0, d=1e5)], photons=1e5), "diffuse", target_error=None).fit("openpbr")
         self.assertAlmostEqual(float(found.albedo), 0.95, delta=0.005)
         self.assertAlmostEqual(float(found.subsurface_radius_cm), 0.1, delta=0.003)
-        self.assertAlmostEqual(float(found.A_walk), float(found.subsurface_color), delta=0.005)
+        self.assertAlmostEqual(float(found.Rd_walk), float(found.subsurface_color), delta=0.005)
         self.assertLess(float(found.L1), 0.07)
 
 
@@ -182,7 +182,7 @@ class Files(unittest.TestCase):
             with open(paths[1], encoding="utf-8") as file:
                 told = json.load(file)
         r, width = table["r_mid_cm"], 2 * table["r_mid_cm"][0]
-        light = table["S_per_cm2"] * 2 * np.pi * r * width / told["A"]
+        light = table["S_per_cm2"] * 2 * np.pi * r * width / told["Rd"]
         np.testing.assert_allclose(np.cumsum(light), table["cdf"], atol=1e-12)
         edges = np.append(r - width / 2, r[-1] + width / 2)
         fits = told["fits"]
@@ -194,7 +194,7 @@ class Files(unittest.TestCase):
             self.assertAlmostEqual(error, fits[name]["L1"], 9, name)
         self.assertEqual((told["n"], told["light"], told["seed"], told["photons"], len(fits["gaussians"]["w"])), (1.4, "normal", 1, 20000, 6))
         self.assertGreater(fits["burley"]["L1"], told["noise"])
-        self.assertEqual(told["A"], float(found.A))
+        self.assertEqual(told["Rd"], float(found.Rd))
 
     def test_the_command(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -204,16 +204,16 @@ class Files(unittest.TestCase):
                 file.write("channel,layer1.mua  # 1/cm\nr,1\ng,2\nb,5\n")
             code, said, _ = called("profile", scene, "-o", stem, "--target-error", "1", "--light", "diffuse", "--label", "channel=" + table)
             self.assertEqual(code, 0)
-            self.assertRegex(said, r"(?s)r A = 0\.\d+ \+- .*\n  exponentials: L1 0\.\d+, w .*\n  openpbr: L1 .*b A = .*paint.csv\n.*paint.json\n.*paint.svg\n$")
+            self.assertRegex(said, r"(?s)r Rd = 0\.\d+ \+- .*\n  exponentials: L1 0\.\d+, w .*\n  openpbr: L1 .*b Rd = .*paint.csv\n.*paint.json\n.*paint.svg\n$")
             with open(stem + ".json", encoding="utf-8") as file:
                 told = json.load(file)
             with open(stem + ".csv", encoding="utf-8") as file:
                 lines = file.read().splitlines()
         self.assertEqual(told["channel"], ["r", "g", "b"])
-        self.assertEqual([len(told[name]) for name in ("A", "noise", "photons", "mean_r_cm")], [3] * 4)
+        self.assertEqual([len(told[name]) for name in ("Rd", "noise", "photons", "mean_r_cm")], [3] * 4)
         self.assertEqual(np.shape(told["fits"]["exponentials"]["w"]), (3, 3))
         self.assertEqual((lines[0], len(lines), lines[1][:2], lines[-1][:2]), ("channel,r_mid_cm,S_per_cm2,S_se,cdf", 1201, "r,", "b,"))
-        self.assertTrue(told["A"][0] > told["A"][1] > told["A"][2])
+        self.assertTrue(told["Rd"][0] > told["Rd"][1] > told["Rd"][2])
 
     def test_the_sample_has_twelve_sound_materials(self):
         """Each with a source, and channels that its scene has; all of r g b scatter."""
@@ -303,7 +303,7 @@ def long(count, photons):
         found = mc.profile(scene)
         shares = again(scene, 2 * float(found.r[0]), photons)
         own, noise = float(found.noise), shares.noise()
-        line = f"{number}: {len(scene.layers)} layers, n {scene.layers[0].n:.3f}, A {float(found.A):.4f}, noise {own:.4f} and {noise:.4f}; L1"
+        line = f"{number}: {len(scene.layers)} layers, n {scene.layers[0].n:.3f}, Rd {float(found.Rd):.4f}, noise {own:.4f} and {noise:.4f}; L1"
         for kind in ("exponentials", "gaussians", "burley"):
             curve = found._fitted(kind)[0]
             there = shares.error_of(curve.weights @ shares_of(kind, shares.edges, curve.lengths))

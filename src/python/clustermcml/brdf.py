@@ -231,8 +231,11 @@ def _said(material: Material) -> list[str]:
     for c, label in enumerate(labels):
         for i, angle in enumerate(material.data["theta_i"].values):
             values = {name: float(material._each(name)[c, i]) for name in ("albedo_R", "albedo_R_se", "albedo_T", "A", "mirror_R", "mirror_T")}
-            lines.append(f"{label} {angle:4g} degrees: R {values['albedo_R']:.5f} +- {values['albedo_R_se']:.5f}, T {values['albedo_T']:.5f}, A {values['A']:.5f}; "
-                         f"mirror image {values['mirror_R']:.5f}, straight through {values['mirror_T']:.5f}".strip())
+            ground = f", A_backing {material._each('A_backing')[c, i]:.5f}" if "A_backing" in material.data else ""
+            share = float((material._each("f_gloss")[c, i] * material.data["projected"].values[:, None]).sum())
+            gloss = "" if material.data.attrs["side"] == "back" else f"gloss {share:.5f}, "  # from below, gloss is not told from other light
+            lines.append(f"{label} {angle:4g} degrees: R {values['albedo_R']:.5f} +- {values['albedo_R_se']:.5f}, T {values['albedo_T']:.5f}, A {values['A']:.5f}{ground}; "
+                         f"{gloss}mirror image {values['mirror_R']:.5f}, straight through {values['mirror_T']:.5f}".strip())
     lines.append("fit of light that was inside: chi^2 per degree of freedom " + " ".join(f"{value:.2f}" for value in np.atleast_1d(material.data["chi2"].values))
                  + ", beyond noise " + " ".join(f"{100 * value:.1f} %" for value in np.atleast_1d(material.data["misfit"].values)))
     pairs = material.data["reciprocity"].values

@@ -72,6 +72,8 @@ def _beam(setup: Setup) -> tuple[str, Optional[Sequence[float]]]:
     """The beam's line, and the period of tiles where the width of the beam follows the angle."""
     kind, place = kind_of(setup.told), ""
     if setup.back:
+        if setup.told["backing"]:
+            raise errors.InputError("--back: no light comes in from below a backing")
         if kind == "hill":
             raise errors.refuse("back", True, "a scene of planes or tiles, without bodies")
         place = f" z={setup.told['boundaries'][-1]['outer_z'] + 1.0!r} angle=180"

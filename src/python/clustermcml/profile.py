@@ -32,10 +32,10 @@ ERROR = 0.01
 CHANNEL_COLOURS = {"r": COLOURS[1], "g": COLOURS[2], "b": COLOURS[0], "flown": "#808080"}
 WALK = 300_000  # packets of a random walk
 FINER = 10  # bins of a random walk to one of the profile
-FORMULAS = {"exponentials": "S = A sum w exp(-r / d) / (2 pi d r); cdf = 1 - sum w exp(-r / d)",
-            "gaussians": "S = A sum w exp(-r^2 / (2 sigma^2)) / (2 pi sigma^2); cdf = 1 - sum w exp(-r^2 / (2 sigma^2))",
-            "burley": "S = A (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r); cdf = 1 - exp(-r / d) / 4 - 3/4 exp(-r / (3 d))",
-            "openpbr": "index-matched isotropic half space of the single-scattering albedo `albedo` and the mean free path `radius`"}
+FORMULAS = {"exponentials": "S = Rd sum w exp(-r / d) / (2 pi d r); cdf = 1 - sum w exp(-r / d)",
+            "gaussians": "S = Rd sum w exp(-r^2 / (2 sigma^2)) / (2 pi sigma^2); cdf = 1 - sum w exp(-r^2 / (2 sigma^2))",
+            "burley": "S = Rd (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r); cdf = 1 - exp(-r / d) / 4 - 3/4 exp(-r / (3 d))",
+            "openpbr": "index-matched isotropic half space of the single-scattering albedo `albedo` and the mean free path `subsurface_radius_cm`"}
 
 
 # ---- the result ----
@@ -45,7 +45,7 @@ class Profile:
     """The result of `profile`. `data` is an xarray.Dataset; its arrays are attributes of this, too: `found.S` is `found.data.S`.
 
     S, S_se: light that leaves per area and launched packet, over r [1/cm2]; cdf: the share of that light within the outer edge of the bin.
-    A, A_se: all of that light. Rsp: what the surface has reflected. mean_r [cm]. noise: the mean of the integral of |S - truth| 2 pi r dr / A.
+    Rd, Rd_se: all of that light. Rsp: what the surface has reflected. mean_r [cm]. noise: the mean of the integral of |S - truth| 2 pi r dr / Rd.
     With channels S is over channel and bin, and r [channel, bin] is a coordinate, because every channel has bins of its own width.
     """
 
@@ -74,18 +74,18 @@ class Profile:
         return values if self.channels() else values[None]
 
     def _shares(self, channel: int) -> Shares:
-        r, cdf, A = (self._each(name)[channel] for name in ("r", "cdf", "A"))
+        r, cdf, Rd = (self._each(name)[channel] for name in ("r", "cdf", "Rd"))
         width = 2 * r[0]
         edges = width * np.arange(len(r) + 1)
-        area = 2 * np.pi * r * width / A
+        area = 2 * np.pi * r * width / Rd
         return Shares(edges, np.append(self._each("S")[channel] * area, 1 - cdf[-1]), np.append(self._each("S_se")[channel] * area, self._each("beyond_se")[channel]))
 
     # ---- fits ----
 
     def _walk(self, channel: int) -> dict[str, Any]:
-        """A random walk of the same A and mean radius, as renderers have it, and how far it is off."""
-        profile, A = self._shares(channel), float(self._each("A")[channel])
-        albedo, light = single_albedo(A), str(self.data.attrs["light"])
+        """A random walk of the same Rd and mean radius, as renderers have it, and how far it is off."""
+        profile, Rd = self._shares(channel), float(self._each("Rd")[channel])
+        albedo, light = single_albedo(Rd), str(self.data.attrs["light"])
         scene = Scene([Layer(n=1, mua=1 - albedo, mus=albedo, g=0, d=1e8)])
         with scratch_folder() as scratch:
             target = Target(scene_path(scene, scratch), None, light, "random walk", {}, self.threads)
@@ -93,7 +93,7 @@ class Profile:
             width = bin_width(target, seed) / FINER
             flown = fly_profile(target, width, WALK, None, seed + 2**38, BINS * FINER)
         radius, shares = scaled(profile, Shares(width * np.arange(BINS * FINER + 1), flown.light / flown.Rd, flown.light_se / flown.Rd))
-        return {"subsurface_color": A, "subsurface_radius_cm": radius, "albedo": albedo, "A_walk": flown.Rd, "L1": profile.error_of(shares), "shares": shares}
+        return {"subsurface_color": Rd, "subsurface_radius_cm": radius, "albedo": albedo, "Rd_walk": flown.Rd, "L1": profile.error_of(shares), "shares": shares}
 
     def _fitted(self, kind: str, terms: Optional[int] = None) -> list[Any]:
         """A fit for each channel. Those with the usual number of terms are kept."""
@@ -117,7 +117,7 @@ class Profile:
     def fit(self, kind: str = "exponentials", terms: Optional[int] = None) -> xr.Dataset:
         """A curve for S: "exponentials" (three with signed weights, four where three are off by more than 2 %; terms: another number),
         "gaussians" (six with weights above 0), "burley", or "openpbr", a random walk that is flown for this. A Dataset: parameters w and d or sigma [cm] with their errors over term, L1 (the
-        integral of |model - S| 2 pi r dr / A, the noise of S included), and the model's S and cdf over r. attrs["formula"] says what they mean."""
+        integral of |model - S| 2 pi r dr / Rd, the noise of S included), and the model's S and cdf over r. attrs["formula"] says what they mean."""
         import xarray as xr
         found, labels = self._fitted(kind, terms), self.channels()
         dims, axis = (["channel"] if labels else []), self.data["S"].dims[-1:]
@@ -128,7 +128,7 @@ class Profile:
             return [*dims, *over], np.array(padded) if labels else np.asarray(padded[0])
         data = {name: stacked(values, over) for name, (values, over) in _parameters(kind, found).items()}
         shares = [one["shares"] if isinstance(one, dict) else one.shares for one in found]
-        area = [2 * np.pi * r * 2 * r[0] / A for r, A in zip(self._each("r"), self._each("A"))]
+        area = [2 * np.pi * r * 2 * r[0] / Rd for r, Rd in zip(self._each("r"), self._each("Rd"))]
         data["S"] = stacked([part[:-1] / ring for part, ring in zip(shares, area)], axis)
         data["cdf"] = stacked([np.cumsum(part[:-1]) for part in shares], axis)
         return xr.Dataset(data, coords=self.data.coords, attrs={"kind": kind, "formula": FORMULAS[kind]})
@@ -149,7 +149,7 @@ class Profile:
             values = self.data[name].values.tolist()
             return [int(value) for value in values] if many and name == "photons" else int(values) if name == "photons" else values
         told: dict[str, Any] = {str(self.data.attrs["label"]): self.channels()} if many else {}
-        told.update({"n": of("n"), "light": self.data.attrs["light"], "A": of("A"), "A_se": of("A_se"), "Rsp": of("Rsp"), "mean_r_cm": of("mean_r"), "noise": of("noise")})
+        told.update({"n": of("n"), "light": self.data.attrs["light"], "Rd": of("Rd"), "Rd_se": of("Rd_se"), "Rsp": of("Rsp"), "mean_r_cm": of("mean_r"), "noise": of("noise")})
         told["fits"] = {kind: {**self._json_fit(kind), "formula": FORMULAS[kind]} for kind in KINDS}
         told.update({name: self.data.attrs[name] for name in ("scene", "version", "identity", "seed")})
         return {**told, "photons": of("photons")}
@@ -181,14 +181,14 @@ class Profile:
                 curves = [(text, S, {"color": colour, "lw": 1.4 if labels else 3.0})]
                 for k, kind in enumerate(kinds):
                     curve = self._fitted(kind)[c]
-                    curves.append((None if labels else f"{kind}, L1 {curve.L1:.3f}", curve.shares[:-1] * self._each("A")[c] / (4 * np.pi * r * r[0]),
+                    curves.append((None if labels else f"{kind}, L1 {curve.L1:.3f}", curve.shares[:-1] * self._each("Rd")[c] / (4 * np.pi * r * r[0]),
                                    {"color": "#000000" if labels else COLOURS[k], "lw": 1.1, "ls": "--" if labels else "-"}))
                 left.fill_between(r, np.maximum(S - error, 1e-300), S + error, color=colour, alpha=0.3, lw=0)
                 for words, values, look in curves:
                     left.plot(r, values, label=words, **look)
-                    right.plot(r, 2 * np.pi * r * values / self._each("A")[c], label=words, **look)
+                    right.plot(r, 2 * np.pi * r * values / self._each("Rd")[c], label=words, **look)
             left.set(yscale="log", xlabel="r [cm]", ylabel="S [1/cm2]", ylim=_span(self.data["S"].values))
-            right.set(xlabel="r [cm]", ylabel="2 pi r S / A [1/cm]", xlim=(0, 3 * float(self.data["mean_r"].max())), ylim=(0, None))
+            right.set(xlabel="r [cm]", ylabel="2 pi r S / Rd [1/cm]", xlim=(0, 3 * float(self.data["mean_r"].max())), ylim=(0, None))
             right.legend(fontsize="small")
             figure.suptitle(f"{os.path.basename(self.data.attrs['scene'])}, {self.data.attrs['light']} light" + (": dashed, exponentials" if labels else ""))
             save(figure, name)
@@ -242,15 +242,15 @@ def _period(told: Mapping[str, Any], shown: object) -> Optional[Sequence[float]]
 
 def _arrays(width: float, flight: Flight, n: float) -> dict[str, Any]:
     r = (np.arange(BINS) + 0.5) * width
-    area, A = 2 * np.pi * r * width, flight.Rd
-    shares = Shares(width * np.arange(BINS + 1), flight.light / A, flight.light_se / A)
-    return {"r": r, "S": flight.light[:-1] / area, "S_se": flight.light_se[:-1] / area, "cdf": 1 - np.cumsum(shares.light[::-1])[::-1][1:], "A": A, "A_se": flight.Rd_se,
+    area, Rd = 2 * np.pi * r * width, flight.Rd
+    shares = Shares(width * np.arange(BINS + 1), flight.light / Rd, flight.light_se / Rd)
+    return {"r": r, "S": flight.light[:-1] / area, "S_se": flight.light_se[:-1] / area, "cdf": 1 - np.cumsum(shares.light[::-1])[::-1][1:], "Rd": Rd, "Rd_se": flight.Rd_se,
             "beyond": flight.light[-1], "beyond_se": shares.light_se[-1], "Rsp": flight.Rsp, "mean_r": shares.mean_radius(), "noise": flight.noise(), "photons": flight.photons, "n": n}
 
 
 UNITS = {"r": ("cm", "distance from where light came in"), "S": ("cm-2", "light that leaves per area and launched packet"), "S_se": ("cm-2", "standard error of S"),
-         "cdf": ("1", "share of that light within the outer edge of the bin"), "A": ("1", "diffuse reflectance"), "A_se": ("1", "standard error of A"),
-         "beyond": ("1", "light beyond the bins, per launched packet"), "beyond_se": ("1", "standard error of the share of A beyond the bins"),
+         "cdf": ("1", "share of that light within the outer edge of the bin"), "Rd": ("1", "diffuse reflectance"), "Rd_se": ("1", "standard error of Rd"),
+         "beyond": ("1", "light beyond the bins, per launched packet"), "beyond_se": ("1", "standard error of the share of Rd beyond the bins"),
          "Rsp": ("1", "specular reflectance"), "mean_r": ("cm", "mean of r"), "noise": ("1", "expected L1 of S"), "photons": ("1", "packets"), "n": ("1", "index of the first layer")}
 
 
@@ -309,8 +309,8 @@ def _said(found: Profile) -> list[str]:
     """What the command prints of each channel."""
     lines = []
     for c, label in enumerate(found.channels() or [""]):
-        of = {name: found._each(name)[c] for name in ("A", "A_se", "mean_r", "noise", "photons")}
-        lines.append(f"{label} A = {errors.rounded(of['A'], of['A_se'])}, mean r {of['mean_r']:.4g} cm, noise {of['noise']:.4f}, {of['photons']:g} packets".strip())
+        of = {name: found._each(name)[c] for name in ("Rd", "Rd_se", "mean_r", "noise", "photons")}
+        lines.append(f"{label} Rd = {errors.rounded(of['Rd'], of['Rd_se'])}, mean r {of['mean_r']:.4g} cm, noise {of['noise']:.4f}, {of['photons']:g} packets".strip())
         curves = {kind: found._fitted(kind)[c] for kind in KINDS}
         lines += ["  " + ", ".join([f"{kind}: L1 {_error(curves[kind]):.4f}", *_terms(kind, curves[kind])]) for kind in KINDS]
     return lines

@@ -64,7 +64,7 @@ class Shares:
         return float(np.sqrt(2 / np.pi) * self.light_se.sum())
 
     def error_of(self, shares: Any) -> float:
-        """L1 of a model: the integral of |model - S| 2 pi r dr / A."""
+        """L1 of a model: the integral of |model - S| 2 pi r dr / Rd."""
         return float(np.abs(shares - self.light).sum())
 
 
@@ -214,11 +214,11 @@ def fit_burley(profile: Shares) -> Curve:
     return Curve(weights, np.zeros(2), d * ratios, error * ratios, shares(found.x), profile.error_of(shares(found.x)))
 
 
-def single_albedo(A: float) -> float:
-    """Single-scattering albedo of an index-matched isotropic half space that sends back A of diffuse light, by van de Hulst's formula
-    A = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), s = sqrt(1 - a)."""
-    b = 1.139 + 1.17 * A
-    s = (b - np.sqrt(b * b - 4 * 0.139 * (1 - A))) / (2 * 0.139)
+def single_albedo(Rd: float) -> float:
+    """Single-scattering albedo of an index-matched isotropic half space that sends back Rd of diffuse light, by van de Hulst's formula
+    Rd = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), s = sqrt(1 - a)."""
+    b = 1.139 + 1.17 * Rd
+    s = (b - np.sqrt(b * b - 4 * 0.139 * (1 - Rd))) / (2 * 0.139)
     return float(1 - s * s)
 
 

@@ -268,18 +268,18 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style):
+    with drawing(style, (8.6, 5.2)):
         from matplotlib.figure import Figure
-        figure = Figure(figsize=(8.6, 5.2), layout="constrained")
+        figure = Figure(layout="constrained")
         axes = figure.subplots()
         axes.grid(False)
         if len(lines) > 2000:  # they would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
         for line in lines:
-            line.draw(axes, color="#202020", lw=1.2)
+            line.draw(axes, color="#202020")
         labels: list[tuple[float, float, str]] = []
         for k, pieces in enumerate(bodies):
-            Line(pieces).draw(axes, color=COLOURS[0], lw=1.2)
+            Line(pieces).draw(axes, color=COLOURS[0])
             if len(pieces) and len(labels) < BODIES:
                 labels.append((float(pieces[..., 1].mean()), float(pieces[..., 0].max()), f"body {k + 1}, n = {scene['bodies'][k]['n']:g}"))
         last = -math.inf

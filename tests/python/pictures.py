@@ -99,7 +99,7 @@ class Pictures(unittest.TestCase):
         other = os.path.join(self.kept.name, "x.brdf.h5")
         with h5py.File(other, "w") as file:
             file["brdf"] = [1.0]
-        self.refused("x.brdf.h5: not an .h5 file of a result: another kind of file (expected the array Rd in it)", other)
+        self.refused("x.brdf.h5: not an .h5 file of a result (another kind of file (expected the array Rd in it))", other)
 
 
 if __name__ == "__main__":

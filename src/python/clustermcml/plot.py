@@ -78,8 +78,8 @@ class Result:
         if name + "_xy" in self.data and (name not in self.data or not self.data[name].dims):
             name += "_xy"
         if name in self.data.names() and not self.data[name].dims:
-            known = f" +- {float(self.data[name + '_se']):.2g}" if name + "_se" in self.data else ""
-            raise errors.InputError(f"{shown_path(self.path)}: {name} is one number, {float(self.data[name]):.6g}{known} (expected an array over an axis{self._longer(name)})")
+            error = f" +- {float(self.data[name + '_se']):.2g}" if name + "_se" in self.data else ""
+            raise errors.InputError(f"{shown_path(self.path)}: {name} is one number, {float(self.data[name]):.6g}{error} (expected an array over an axis{self._longer(name)})")
         if name not in self.data.names() or not self.data[name].dims:
             arrays = [known for known in self.data.names() if self.data[known].dims and not known.endswith("_se")]
             raise errors.InputError(f"{shown_path(self.path)}: no array {name} (expected one of {' '.join(['fluence fluence_rz', *arrays])})")

@@ -83,6 +83,15 @@ if "$program" --version | grep -q "HDF5 yes"; then
     expect_code 0 "$work/other.mci" --seed 3 --quiet -o "$work/3"
     expect_code 0 compare "$a" "$work/3/v.h5"
     grep -q '^note: without errors, or with other bins: A_xyz, Rd_xy, Tt_xy, phi_xyz$' "$work/out" || complain "other voxels are not named: $(grep note "$work/out")"
+
+    # Gates of absorbed light share their noise: light that stays is in many of them.
+    printf '1.0\n1\ngates.h5 B\n1e5\ntime 1000 50\n0.1 0.2\n8 8 1\n1\n1\n1.4 0.1 50 0.8 3\n1\n' >"$work/gates.mci"
+    for seed in 1 2 3; do expect_code 0 "$work/gates.mci" --seed $seed --quiet -o "$work/$seed"; done
+    for pair in "1 2" "2 3"; do
+        expect_code 0 compare "$work/${pair% *}/gates.h5" "$work/${pair#* }/gates.h5"
+        grep -q '^A_t   50 bins in ' "$work/out" || complain "no gates: $(cat "$work/out")"
+        grep -q ' at $' "$work/out" && complain "a place without words: $(grep ' at $' "$work/out")"
+    done
 fi
 
 # Absorption that was not tallied: the grid is the same in both files, and A_z is not tested because nobody has it.

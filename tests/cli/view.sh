@@ -59,6 +59,21 @@ draw lamp "$work/lamp.mci" 'light of a table (rays: half its maximum)<'
 draw camera samples/camera.mci '>detector cam<'
 draw fibres samples/fibres.mci '>detector near<' '>detector far<'
 
+# Detectors are as wide as they are, and their names lie in the frame, before what stands beside it.
+printf '1.0\n1\nd.mco A\n1000\n0.01 0.01\n50 60 10\ndetector disk 0.1 at=0.5,0 name=near\ndetector rectangle 0.2 0.1 at=0.7,0 name=the_rightmost_one\n1\n1.0\n1.4 1 10 0.8 0.1\n1.0\n' >"$work/d.mci"
+draw d "$work/d.mci" '>detector near<' 'times as high as x is wide'
+"${CLUSTERMCML_PYTHON:-python3}" - "$work/d.svg" <<'END' || complain "detectors"
+import sys
+import xml.etree.ElementTree as tree
+sys.path[:0] = ["src/python", "tests/lib"]
+import svg_text
+from clustermcml.view import _reach
+boxes = dict(svg_text.texts_of(tree.parse(sys.argv[1]).getroot()))
+assert boxes["detector the_rightmost_one"][2] < boxes["layer 1, n = 1.4"][0] - 10, boxes
+for shape, size, nx, half in (("disk", (0, 0.03), 1, 0.03), ("ring", (0.1, 0.2), 1, 0.2), ("rectangle", (0.2, 0.1), 1, 0.1), ("map", (0.1, 0.1), 8, 0.4)):
+    assert abs(_reach({"shape": shape, "size": size, "nx": nx, "ny": 1}) - half) < 1e-12, shape
+END
+
 # Bodies: all of them are in the picture, each with its name, in it or beside it.
 printf '1.0\n1\nbodies.mco A\n1000\n0.02 0.02\n20 20 5\n1\n1.0\n1.4 1 50 0.8 1e9\ni sphere 0.1 0 0.3 0.2 1.5 2 10 0.5\n' >"$work/bodies.mci"
 printf 'i cylinder -0.4 -1 2.5 -0.4 1 2.5 0.02 1.6 2 10 0.5\ni sphere 0.1 0 0.3 0.1 1.3 2 10 0.5\n1.0\n' >>"$work/bodies.mci"

@@ -8,9 +8,9 @@ variance common to both, which a run of few packets cannot understate by luck. P
 
 Few packets: neighbouring bins are taken together until the smaller run has ENOUGH packets of the mean weight in them. Errors of reflected
 and transmitted bins add in squares, as a packet ends in one bin; those of absorbed light and of fluence add linearly, as a packet scores in
-many. The sum of an array is one more test: a small difference in many bins shows there. z is a Student deviate, turned into the normal one of the
-same tail; Sidak's correction over all tests is exact for independent ones and conservative for correlated ones. Means and derivatives are
-tested number by number and have no sum.
+many; gates of absorbed light correlate by up to .9. The sum of an array is one more test: a small difference in many bins shows there. z is a
+Student deviate, turned into the normal one of the same tail; Sidak's correction over all tests is exact for independent ones and
+conservative for correlated ones. Means and derivatives are tested number by number and have no sum.
 
 SPDX-License-Identifier: MIT
 """
@@ -78,7 +78,7 @@ class Array:
         self.total = name in TOTALS
         self.alone = "inside" in self.dims or "side" in self.dims or name.endswith(("_path", "_interactions", "_deepest"))
         facets = bool(re.search("_(irradiance|exitance)_", name)) or any(str(dim).endswith("facet") for dim in self.dims)
-        self.deep = facets or bool({"z", "z_volume", "layer", "body"} & set(self.dims)) or name.startswith("phi_")
+        self.deep = facets or bool({"z", "z_volume", "layer", "body"} & set(self.dims)) or name.startswith(("A_", "phi_"))  # a packet scores in many bins
         self.split = any("aim" in result.attrs for result in results)  # a packet may end in several places
         cells = facets or "z_volume" in self.dims or name in ("A_rz", "Rd_ra", "Tt_ra")
         self.freedom = float((GROUPS if cells or _is_of_cells(self.dims) or "theta" in self.dims else BATCHES) - 1)
@@ -395,7 +395,8 @@ class Comparison:
                 lines.append(f"{name:5} not tested: too few packets")
                 continue
             worst = max(tests, key=lambda test: abs(test.z))
-            lines.append(f"{name:5} {array.value[0].size} bins in {len(tests)} tests, worst z {worst.z:+.2f} at {array.place(worst)}")
+            at = array.place(worst)
+            lines.append(f"{name:5} {array.value[0].size} bins in {len(tests)} tests, worst z {worst.z:+.2f}" + (f" at {at}" if at else ""))
         if self.untallied:
             lines.append(f"A_z   not tested: {['', 'a did not tally it', 'b did not tally it', 'neither run tallied it'][self.untallied]}")
         lines.append("worst:")

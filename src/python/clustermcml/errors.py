@@ -46,7 +46,8 @@ def refuse(name: str, value: object, expected: str) -> InputError:
 
 def unreadable(path: str, expected: str, error: Exception) -> InputError:
     """The error of a file whose reading has failed, in one line."""
-    return InputError(f"{path}: not {expected} ({type(error).__name__}: {' '.join(str(error).split())[:200]})")
+    kind = "" if type(error) is ValueError else type(error).__name__ + ": "  # a ValueError has our own words
+    return InputError(f"{path}: not {expected} ({kind}{' '.join(str(error).split())[:200]})")
 
 
 def number(name: str, value: Any, least: float, most: float, expected: str) -> float:

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442")  # Okabe and Ito: told apart by all eyes
 STYLE = {"font.size": 10, "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"], "axes.titlesize": 11, "axes.titleweight": "bold", "axes.grid": True, "axes.axisbelow": True, "grid.color": "#E4E4E4", "grid.linewidth": 0.6,
-         "axes.edgecolor": "#404040", "axes.linewidth": 0.8, "legend.frameon": False, "image.cmap": "viridis", "savefig.dpi": 192, "svg.fonttype": "none",
+         "axes.edgecolor": "#404040", "axes.linewidth": 0.8, "lines.linewidth": 1.3, "lines.markersize": 3.5, "legend.frameon": False, "image.cmap": "viridis", "savefig.dpi": 192, "svg.fonttype": "none",
          "svg.hashsalt": "clustermcml"}
 
 
 @contextlib.contextmanager
-def drawing(style: Optional[str] = None) -> Iterator[Any]:
-    """matplotlib, in our style and over it that of a file. Of a module that is missing the program tells (hand_over.c)."""
+def drawing(style: Optional[str] = None, size: tuple[float, float] = (8.0, 5.0)) -> Iterator[Any]:
+    """matplotlib, in our style and over it that of a file, which may set another size (inches). Of a module that is missing the program tells (hand_over.c)."""
     import matplotlib
     with matplotlib.rc_context():
-        matplotlib.rcParams.update({**STYLE, "axes.prop_cycle": matplotlib.cycler(color=COLOURS)})
+        matplotlib.rcParams.update({**STYLE, "axes.prop_cycle": matplotlib.cycler(color=COLOURS), "figure.figsize": size})
         if style is not None:
             try:
                 with open(style, encoding="utf-8"):
@@ -46,6 +46,13 @@ def save(figure: Any, path: str) -> None:
     kind, content = os.path.splitext(path)[1][1:].lower(), io.BytesIO()
     figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
     write(path, content.getvalue())
+
+
+def add_caption(figure: Any, caption: str) -> None:
+    import textwrap
+    lines = textwrap.wrap(caption, int(figure.get_figwidth() * 15))
+    figure.set_figheight(figure.get_figheight() + 0.16 * len(lines))
+    figure.supxlabel("\n".join(lines).replace("$", r"\$"), fontsize="small", x=0.01, ha="left", color="#404040")
 
 
 def draw_comparison(comparison: Comparison, alpha: float, path: str) -> None:

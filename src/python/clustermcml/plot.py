@@ -21,14 +21,14 @@ from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
 from .fields import Field, Fields
 from .mco import AXES, QUANTITIES
-from .pictures import COLOURS, drawing, save
+from .pictures import COLOURS, add_caption, drawing, save
 from .results import read_as
+from .scales import is_counted, marked, set_powers, set_scale
 
 MARKS = "oshDv^P*"
 MOST = 64  # files
 FAR = 100.0  # range from which colours are logarithmic
 UNLIT = "#D0D0D0"
-COUNTED = ("layer", "body", "medium", "inside", "side")  # axes without lengths
 NAMES = {"r": "radius r", "z": "depth z", "z_volume": "depth z", "alpha": "angle α from the vertical", "gate": "time t"}
 
 
@@ -77,10 +77,18 @@ class Result:
             return replace(_spread_over_mua(self.data, of), name=name, attrs={"long_name": f"fluence, {of} over mua", "units": unit}), known
         if name + "_xy" in self.data and (name not in self.data or not self.data[name].dims):
             name += "_xy"
+        if name in self.data.names() and not self.data[name].dims:
+            error = f" +- {float(self.data[name + '_se']):.2g}" if name + "_se" in self.data else ""
+            raise errors.InputError(f"{shown_path(self.path)}: {name} is one number, {float(self.data[name]):.6g}{error} (expected an array over an axis{self._longer(name)})")
         if name not in self.data.names() or not self.data[name].dims:
             arrays = [known for known in self.data.names() if self.data[known].dims and not known.endswith("_se")]
             raise errors.InputError(f"{shown_path(self.path)}: no array {name} (expected one of {' '.join(['fluence fluence_rz', *arrays])})")
         return self.data[name], self.data.get(name + "_se")
+
+    def _longer(self, name: str) -> str:
+        """Arrays of the same quantity."""
+        found = [other for other in self.data.names() if other.startswith(name + "_") and self.data[other].dims and not other.endswith("_se")]
+        return ": " + " ".join(found) if found else ""
 
     def cut(self, name: str, cuts: dict[str, float]) -> tuple[Field, Optional[Field]]:
         """What is left of an array at the places of its axes, nearest bins; voxels are cut at y = 0 without one."""
@@ -150,16 +158,28 @@ def _labels_of_mcml(name: str, times_r: bool) -> tuple[str, str]:
     return curve.axis, curve.drawn_as
 
 
+def _label_of_column(word: str) -> str:
+    """Of the name of a column, as r_mid_cm.
+
+    >>> _label_of_column("r_mid_cm"), _label_of_column("S_per_cm2"), _label_of_column("cdf")
+    ('radius r  [cm]', 'S  [1/cm²]', 'cdf  [-]')
+    """
+    name, per, unit = re.fullmatch(r"(\w+?)(?:_mid)?(?:_(per_)?(cm[23]?|sr|rad|ps))?", word, re.ASCII).groups()  # type: ignore[union-attr]
+    return _label(Field(0.0, (), {"units": ("1/" if per else "") + (unit or "1")}, name))
+
+
 def _others(path: str, name: str, times_r: bool) -> Curve:
     """A curve in a table: place, value, standard error; or columns with names, as r_mid_cm and Rd_r_per_cm2."""
-    rows, columns = _table(path), [0, 1, 2]
+    rows, columns, names = _table(path), [0, 1, 2], ("", "")
     if rows and not _is_number(rows[0][1][0]):
         head = rows[0][1]
         of = [i for i, word in enumerate(head) if re.match(re.escape(name) + "(_|$)", word) and not word.startswith(name + "_se")]
         place = [i for i, word in enumerate(head) if re.match("(r|z|alpha|t)(_|$)", word)]
         if len(head) > 3 or of:
             if not of or not place:
-                raise errors.InputError(f"{shown_path(path)}: {name} is missing (expected a column of this name, and one of its places, as r_mid_cm)")
+                others = [re.sub("_(per_cm2|per_cm|per_sr|se)$", "", word) for word in head if not word.endswith("_se") and word not in [head[i] for i in place]]
+                raise errors.InputError(f"{shown_path(path)}: {name} is missing (expected --of {' or '.join(others) or 'a column'}, and a column of places, as r_mid_cm)")
+            names = (head[place[0]], head[of[0]])
             columns = [place[0], of[0], *[i for i, word in enumerate(head) if word.startswith(name + "_se")]]
         rows = rows[1:]
     columns = [column for column in columns if rows and column < len(rows[0][1])]
@@ -174,6 +194,8 @@ def _others(path: str, name: str, times_r: bool) -> Curve:
         numbers.append([float(words[column]) for column in columns])
     x, y, *error = np.array(numbers).T
     axis, drawn = _labels_of_mcml(name, times_r)
+    if not axis and names[0]:
+        axis, drawn = (_label_of_column(word) for word in names)
     factor = x if times_r else 1.0
     return Curve(x, y * factor, error[0] * factor if error else None, True, drawn, axis)
 
@@ -243,6 +265,7 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
     panels = figure.subplots(len(names), squeeze=False)[:, 0]
     for axes, name in zip(panels, names):
         heights: list[tuple[int, Any, Any]] = []
+        seen: list[tuple[Any, Any]] = []
         beyond = 0.0
         for k, source in enumerate(sources):
             if isinstance(source, Result):
@@ -250,39 +273,44 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
                 heights += [(k, r, h) for r, h in source.heights()] if "radius" in curve.axis else []
             else:
                 curve = _others(source, name, times_r=not given.of)
-            _draw_curve(axes, curve, given.labels[k], COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
+            log = (given.scale or ("linear" if is_counted(curve.axis) else "log")) == "log"
+            _draw_curve(axes, curve, given.labels[k], COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)], log)
+            seen.append((np.asarray(curve.y, dtype=float), curve.error))
             values: Any = np.nan_to_num(np.asarray(curve.y, dtype=float))
             lit = curve.x[values > 0]
             beyond = max(beyond, float(lit[-1]) if lit.size else 0.0)
             if curve.axis:
                 axes.set(xlabel=curve.axis, ylabel=curve.drawn_as)
-        counted = axes.get_xlabel().split()[:1] and axes.get_xlabel().split()[0] in COUNTED
+        counted = is_counted(axes.get_xlabel())
         if beyond > 0 and not given.logx and not counted and min(axes.dataLim.x0, axes.dataLim.x1) >= 0:
             axes.set_xlim(0, beyond * 1.02)
-        axes.set_yscale(given.scale or ("linear" if counted else "log"))
+        set_scale(axes, given.scale or ("linear" if counted else "log"), seen)
         if heights and not given.logx:
             _draw_heights(axes, heights)
         axes.legend()
     _set_ranges(panels, given)
 
 
-def _draw_curve(axes: Any, curve: Curve, label: str, colour: str, mark: str) -> None:
-    if "[-]" in curve.axis and curve.axis.split()[0] in COUNTED:
-        axes.errorbar(curve.x, curve.y, curve.error, fmt=mark, color=colour, ms=5, capsize=3, label=label)
+def _draw_curve(axes: Any, curve: Curve, label: str, colour: str, mark: str, log: bool) -> None:
+    """On a log scale zeros are gaps, and errors as large as their values leave the frame through its edge without moving that."""
+    error, y = curve.error, np.where(curve.y > 0, curve.y, np.nan) if log else curve.y
+    bars = error if error is None or not log else np.array([np.fmin(error, y * (1 - 1e-9)), error])
+    if "[-]" in curve.axis and is_counted(curve.axis):
+        axes.errorbar(curve.x, y, bars, fmt=mark, color=colour, capsize=3, label=label)
         axes.set_xticks(curve.x)
     elif curve.others:
-        axes.errorbar(curve.x, curve.y, curve.error, ls="--", marker=mark, mfc="none", color=colour, ms=4, lw=1.1, markevery=max(1, curve.x.size // 20), label=label)
+        axes.errorbar(curve.x, y, bars, ls="--", marker=mark, mfc="none", color=colour, markevery=marked(y), label=label)
     else:
-        axes.plot(curve.x, curve.y, marker=mark, color=colour, ms=3.5, lw=1.3, markevery=max(1, curve.x.size // 20), label=label)
-        if curve.error is not None:
-            axes.fill_between(curve.x, curve.y - curve.error, curve.y + curve.error, color=colour, alpha=0.25, lw=0)
+        axes.plot(curve.x, y, marker=mark, color=colour, markevery=marked(y), label=label)
+        if error is not None:
+            axes.fill_between(curve.x, y - (bars[0] if log else error), y + error, color=colour, alpha=0.25, lw=0)
 
 
 def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
     """Dotted, in the lowest quarter of the panel."""
     twin = axes.twinx()
     for k, r, h in heights:
-        twin.plot(np.append(r, max(r[-1], axes.get_xlim()[1])), np.append(h, h[-1]), ":", color=COLOURS[k % len(COLOURS)], lw=1.3)
+        twin.plot(np.append(r, max(r[-1], axes.get_xlim()[1])), np.append(h, h[-1]), ":", color=COLOURS[k % len(COLOURS)])
     low, high = min(float(h.min()) for _, _, h in heights), max(float(h.max()) for _, _, h in heights)
     size = high - low or abs(high) or 1.0
     twin.set(ylim=(low - 0.1 * size, low + 4 * size), ylabel="height  [cm]", xlim=axes.get_xlim())
@@ -290,30 +318,9 @@ def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
     twin.grid(False)
 
 
-def _power(value: float, _: Any = None) -> str:
-    """As letters: matplotlib's own way to set powers takes a sixth of the time of a picture.
-
-    >>> _power(1e-12)
-    '10⁻¹²'
-    """
-    return "10" + str(round(math.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) if value > 0 else ""
-
-
-def _set_powers(axis: Any) -> None:
-    """Of a logarithmic axis of a decade or more: powers of ten as labels; from two decades on no ticks between, each of which costs time."""
-    if axis.get_scale() != "log":
-        return
-    from matplotlib.ticker import LogFormatter
-    low, high = sorted(axis.get_view_interval())
-    axis.set_minor_formatter(LogFormatter())
-    axis.set_major_formatter(_power if high >= 10 * low > 0 else LogFormatter())
-    if high >= 100 * low > 0:
-        axis.set_minor_locator(type(axis.get_minor_locator())(subs=[]))
-
-
 def _add_bar(figure: Any, drawn: Any, panels: Any, label: str, **options: Any) -> None:
     bar = figure.colorbar(drawn, ax=list(panels), label=label, **options)
-    _set_powers(bar.ax.yaxis)
+    set_powers(bar.ax.yaxis)
 
 
 def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
@@ -324,8 +331,8 @@ def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
             axes.set_xlim(given.xrange)
         if given.yrange:
             axes.set_ylim(given.yrange)
-        _set_powers(axes.xaxis)
-        _set_powers(axes.yaxis)
+        set_powers(axes.xaxis)
+        set_powers(axes.yaxis)
 
 
 def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> Any:
@@ -348,6 +355,20 @@ def _edges(axis: Field) -> tuple[float, float]:
     return float(values.min() - half), float(values.max() + half)
 
 
+def _shown(array: Field) -> Field:
+    """Without the last bins over r and z, which hold what lies beyond."""
+    for dim in array.dims:
+        array = array.part(dim, slice(0, -1)) if dim in ("r", "z") and array.axes[dim].size > 1 else array
+    return array
+
+
+def _grey(arrays: list[Field], log: bool) -> str:
+    """What pixels without a colour are."""
+    values = [_shown(array).values for array in arrays]
+    words = ["no light"] * (log and any((one <= 0).any() for one in values)) + ["not known"] * any(np.isnan(one).any() for one in values)
+    return "; grey: " + " or ".join(words) if words else ""
+
+
 def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any:
     """Over two axes; rows that are depths go down. Directions are a disc: the angle from the middle, the azimuth around it."""
     if array.dims == ("theta", "phi"):
@@ -362,8 +383,7 @@ def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any
     first = str(array.dims[0])
     if first == "r" or first in ("x", "layer", "body") or first.endswith("_x"):
         array = array.turned()
-    for dim in array.dims:
-        array = array.part(dim, slice(0, -1)) if dim in ("r", "z") and array.axes[dim].size > 1 else array
+    array = _shown(array)
     y, x = (array.axes[dim] for dim in array.dims)
     down = str(y.name).startswith("z")
     (left, right), (bottom, top) = _edges(x), _edges(y)
@@ -389,7 +409,7 @@ def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources:
         axes.set_title(label)
     at = ", ".join(f"{axis.removesuffix('_volume')} = {place:g}" for axis, place in given.cut.items())
     log = isinstance(norm, matplotlib.colors.LogNorm)
-    _add_bar(figure, drawn, panels, _label(arrays[0], given.of) + (f", {at}" if at else "") + ("; grey: no light" if log and any((a.values <= 0).any() for a in arrays) else ""), extend="max" if given.percentile < 100 else "neither")
+    _add_bar(figure, drawn, panels, _label(arrays[0], given.of) + (f", {at}" if at else "") + _grey(arrays, log), extend="max" if given.percentile < 100 else "neither")
     _set_ranges(panels, given)
 
 
@@ -401,15 +421,18 @@ def _draw_sweeps(matplotlib: Any, figure: Any, given: argparse.Namespace, sweeps
         _draw_swept_maps(matplotlib, figure, given, sweeps, of, over)
         return
     axes, k = figure.subplots(), 0
+    seen: list[tuple[Any, Any]] = []
     for sweep, label in zip(sweeps, given.labels):
         sweep.numbers("over", over[0])
         for by, rows in sweep.curves(over[0], given.by):
             x, y = sweep.numbers("over", over[0], rows), sweep.numbers("of", of, rows)
             error = sweep.numbers("of", of + "_se", rows) if of + "_se" in sweep.head else None
             name = ": ".join(filter(None, [label if len(sweeps) > 1 or given.label else "", by])) or of
-            _draw_curve(axes, Curve(x, y, error, False, "", ""), name, COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)])
+            seen.append((y, error))
+            _draw_curve(axes, Curve(x, y, error, False, "", ""), name, COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)], given.scale != "linear")
             k += 1
-    axes.set(xlabel=sweeps[0].unit(over[0]), ylabel=sweeps[0].unit(of), yscale=given.scale or "log")
+    axes.set(xlabel=sweeps[0].unit(over[0]), ylabel=sweeps[0].unit(of))
+    set_scale(axes, given.scale or "log", seen)
     axes.legend()
     _set_ranges([axes], given)
 
@@ -548,10 +571,10 @@ def draw(given: argparse.Namespace) -> None:
     given.cut = dict(given.cut)
     kind, sources = _sources(given)
     given.labels = _labels(given)
-    with drawing(given.style) as matplotlib:
+    size = (8.0, 4.0 * (1 if given.of else 2)) if kind == "curve" else (8.0, 5.0) if kind == "sweep" else (1.6 + 5.2 * len(sources), 4.8)
+    with drawing(given.style, size) as matplotlib:
         from matplotlib.figure import Figure
-        size = (8.0, 4.0 * (1 if given.of else 2)) if kind == "curve" else (8.0, 5.0) if kind == "sweep" else (1.6 + 5.2 * len(sources), 4.8)
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(layout="constrained")
         if kind == "curve":
             _draw_curves(figure, given, sources)
         else:
@@ -560,15 +583,8 @@ def draw(given: argparse.Namespace) -> None:
         if title:
             figure.suptitle(title.replace("$", r"\$"), fontweight="bold")
         if given.caption:
-            _add_caption(figure, given.caption)
+            add_caption(figure, given.caption)
         save(figure, given.output)
-
-
-def _add_caption(figure: Any, caption: str) -> None:
-    import textwrap
-    lines = textwrap.wrap(caption, int(figure.get_figwidth() * 15))
-    figure.set_figheight(figure.get_figheight() + 0.16 * len(lines))
-    figure.supxlabel("\n".join(lines).replace("$", r"\$"), fontsize="small", x=0.01, ha="left", color="#404040")
 
 
 def main(words: list[str]) -> int:

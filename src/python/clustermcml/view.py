@@ -124,10 +124,10 @@ def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
 
 
 def _reach(detector: dict[str, Any]) -> float:
-    """Half of what a detector takes along x."""
-    if detector["shape"] == "map":
-        return float(detector["nx"] * detector["size"][0] / 2)
-    return float(max(detector["size"]) if detector["shape"] == "ring" else detector["size"][0])
+    """Half of what a detector takes along x: sizes are two radii, of a disk 0 and its own, or widths, of a map those of a pixel."""
+    if detector["shape"] in ("disk", "ring"):
+        return float(max(detector["size"]))
+    return float(detector["nx"] * detector["size"][0] / 2)
 
 
 def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: float) -> tuple[float, float]:
@@ -206,10 +206,24 @@ def _draw_detector(axes: Any, detector: dict[str, Any]) -> None:
     for low, high in spans:
         axes.plot([x + low, x + high], [z, z], **style)
     away = np.array([math.sin(angle) * across, -math.cos(angle) if detector["side"] == "top" else math.cos(angle)])
-    axes.annotate("detector " + detector["name"], (x + reach * 0.9, z), tuple(np.array([8, 8 if detector["side"] == "top" else -14])), textcoords="offset points", color=COLOURS[2], fontsize="small")
     if angle > 0 or detector["na"] is not None:
         size = 0.25 * max(reach, 1e-9)
         axes.plot([x, x + 4 * size * away[0]], [z, z + 4 * size * away[1]], color=COLOURS[2], lw=1.0, ls="--")
+
+
+def _label_detectors(axes: Any, detectors: list[dict[str, Any]], frame: tuple[float, float, float, float]) -> None:
+    """Beside their right ends and within the frame; where two would meet, one lies a line farther out."""
+    left, right, top, bottom = frame
+    letter, line = 0.012 * (right - left), 0.05 * (bottom - top)
+    taken: list[tuple[float, float, float]] = []
+    for detector in sorted(detectors, key=lambda detector: float(detector["x"])):
+        text, sign = "detector " + detector["name"], -1 if detector["side"] == "top" else 1
+        x = max(left + letter, min(detector["x"] + 0.9 * _reach(detector) + letter, right - letter * (len(text) + 1)))
+        z = detector["z"] + sign * line
+        while any(x < end + letter and start < x + letter * (len(text) + 1) and abs(z - other) < 0.99 * line for start, end, other in taken):
+            z += sign * line
+        taken.append((x, x + letter * len(text), z))
+        axes.annotate(text, (x, z), va="center", color=COLOURS[2], fontsize="small", annotation_clip=False)
 
 
 def _label_media(axes: Any, scene: dict[str, Any], depths: list[float], frame: tuple[float, float, float, float]) -> None:
@@ -236,9 +250,11 @@ def _label_media(axes: Any, scene: dict[str, Any], depths: list[float], frame: t
                       annotation_clip=False, arrowprops={"arrowstyle": "-", "lw": 0.6, "color": "#808080"})
 
 
-def _caption(scene: dict[str, Any]) -> str:
+def _caption(scene: dict[str, Any], stretch: float) -> str:
+    """stretch: how much longer a length along z is drawn than one along x."""
     named = [f"Boundary {b}: {boundary['shape']}." for b, boundary in enumerate(scene["boundaries"]) if boundary.get("shape")]
-    return " ".join(["Plane y = 0.", *named[:6], *(["And others."] if len(named) > 6 else [])])
+    plane = "Plane y = 0" + (f", z drawn {stretch:.2g} times as high as x is wide" if abs(math.log(stretch)) > 0.05 else "")
+    return " ".join([plane + ".", *named[:6], *(["And others."] if len(named) > 6 else [])])
 
 
 def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = None) -> None:
@@ -252,18 +268,18 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style):
+    with drawing(style, (8.6, 5.2)):
         from matplotlib.figure import Figure
-        figure = Figure(figsize=(8.6, 5.2), layout="constrained")
+        figure = Figure(layout="constrained")
         axes = figure.subplots()
         axes.grid(False)
         if len(lines) > 2000:  # they would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
         for line in lines:
-            line.draw(axes, color="#202020", lw=1.2)
+            line.draw(axes, color="#202020")
         labels: list[tuple[float, float, str]] = []
         for k, pieces in enumerate(bodies):
-            Line(pieces).draw(axes, color=COLOURS[0], lw=1.2)
+            Line(pieces).draw(axes, color=COLOURS[0])
             if len(pieces) and len(labels) < BODIES:
                 labels.append((float(pieces[..., 1].mean()), float(pieces[..., 0].max()), f"body {k + 1}, n = {scene['bodies'][k]['n']:g}"))
         last = -math.inf
@@ -277,6 +293,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
         for detector in scene.get("detectors", []):
             _draw_detector(axes, detector)
+        _label_detectors(axes, scene.get("detectors", []), frame)
         if scene["map"]:
             reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
             for x in (-reach, reach):
@@ -286,8 +303,11 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
         axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [cm]", ylabel="depth z [cm]")
         axes.set_title("\n".join(words), loc="left", fontsize="small", fontweight="normal", color=COLOURS[1])
         figure.suptitle(f"{shown_path(scene['output'])}, seen along y", fontweight="bold")
-        figure.supxlabel(_caption(scene), fontsize="small", x=0.01, ha="left", color="#404040")
+        caption = figure.supxlabel(_caption(scene, 1.0), fontsize="small", x=0.01, ha="left", color="#404040")
         _label_media(axes, scene, [boundary["outer_z"] for boundary in scene["boundaries"]], frame)
+        figure.draw_without_rendering()
+        box = axes.get_window_extent()
+        caption.set_text(_caption(scene, box.height / (bottom - top) / (box.width / (right - left))))
         save(figure, path)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from . import errors
 from .brdf_fit import Fitted, fit_bins, reciprocity
-from .brdf_flight import CONE, Bins, Setup, fly_angles, fly_packets, kind_of
+from .brdf_flight import Bins, Setup, fly_angles, fly_packets, kind_of
 from .channels import channel_rows, channel_table
 from .command_line import Parser, print_text, shown_path
 from .gloss import CELLS, cells_of
@@ -35,6 +35,7 @@ STEEPEST = 89.0  # degrees
 POOR, FAR = 1.5, 0.03  # a fit is no good whose chi^2 per degree of freedom and whose relative distance from the bins, beyond their noise, are above these
 GLOSS, MOST_SAVED = 1_000_000, 2_000_000  # packets of the cells of a lobe, at each angle: at least, at most
 LEAST = 1e-6  # share of the light that is a lobe
+EXACT = 1e-5  # sine about the mirrored direction: saved directions are in single precision
 
 
 # ---- arguments ----
@@ -83,12 +84,13 @@ def _directions(setup: Setup, channel: int, i: int, result: Any, bins: Bins) -> 
 
 
 def _half_cells(setup: Setup, channel: int, photons: int, gloss: bool) -> Any:
-    """f in the cells of half vectors [angle of incidence, v, u], without light in the cone that counts as a mirror image."""
+    """f in the cells of half vectors [angle of incidence, v, u], without exact mirror images. Light that a rough face sends near the mirrored
+    direction stays."""
     found = []
     for i, angle in enumerate(np.radians(setup.angles)):
         weights, flights = fly_packets(setup, channel, i, min(max(photons, GLOSS), MOST_SAVED), gloss)
         image = np.array([np.sin(angle), 0.0, np.cos(angle)])
-        apart = np.linalg.norm(np.cross(flights, image), axis=1) > CONE
+        apart = np.linalg.norm(np.cross(flights, image), axis=1) > EXACT
         found.append(cells_of(weights[apart], flights[apart], angle, CELLS))
     return np.array(found)
 

@@ -153,7 +153,7 @@ def lowest(weights: Any, lengths: Any) -> float:
 def _errors(kind: str, profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
     """Standard errors of weights and lengths: those of the bins, carried through the least squares. The last weight follows from the others."""
     terms, x = shares_of(kind, profile.edges, lengths), _exponent(kind, profile.edges, lengths)
-    slope = -np.diff((2 if kind == "gaussians" else 1) * x * np.exp(-x), axis=1, append=0.0)
+    slope = -np.diff(x * np.exp(-x), axis=1, append=0.0)
     free = weights != 0  # a weight that a bound holds at 0 has no error, and its length no meaning
     J = np.vstack([(terms[:-1] - terms[-1])[free[:-1]], (weights[:, None] * slope)[free]]).T
     scale = profile.weights()[:, None]
@@ -169,7 +169,10 @@ def _errors(kind: str, profile: Shares, weights: Any, lengths: Any) -> tuple[Any
 
 def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     shares = weights @ shares_of(kind, profile.edges, lengths)
-    weights_se, lengths_se = _errors(kind, profile, weights, lengths)
+    if kind == "gaussians":  # linear errors were up to 4 times too small: neighbours overlap, so that the search ends in a flat valley
+        weights_se, lengths_se = np.full((2, len(weights)), np.nan)
+    else:
+        weights_se, lengths_se = _errors(kind, profile, weights, lengths)
     return Curve(weights, weights_se, lengths, lengths_se, shares, profile.error_of(shares))
 
 

@@ -117,6 +117,7 @@ class _File:
             _need(all(dims), f"{name} has an axis without a name", "dimension scales")
             data[name] = Field(values, tuple(dims), self.attributes(item))
         attributes = {name: self.attribute(file, name) for name in _sorted(functools.partial(h5py.h5a.iterate, file.id))}
+        _need(attributes.get("photons", 1) >= 1, f"photons = {attributes.get('photons')}", "1 at least")
         attributes.update({name: int(attributes[name]) for name in WHOLE if name in attributes})
         if "call" in names:
             attributes.update({"call_" + name: _plain(self.values(file["call"][name], name)) for name in self.names(file["call"])})

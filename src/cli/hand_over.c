@@ -14,8 +14,9 @@
     "apt-get install python3-h5py python3-matplotlib python3-xarray python3-scipy, or pip install "          \
     "clustermcml"
 
-/* What Python runs, in words that any version knows. Modules are imported where they are needed, so that any
- * may turn out to be missing. A module of the current folder must not take the place of one of the libraries.
+/* The text that Python runs, in words that any version knows. Modules are imported where they are needed, so
+ * that any may turn out to be missing. A module of the current folder must not take the place of one of the
+ * libraries.
  */
 static const char start[] = "import sys\n"
                             "if sys.path[0] == '': del sys.path[0]\n"

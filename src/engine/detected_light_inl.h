@@ -31,8 +31,8 @@ static inline size_t cml_num_media(const struct cml_world *world)
     return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
 }
 
-/* What weights of moments are multiplied by (cml_tally_moments) but for interactions: a length, and
- * the largest depth, cm, in units. */
+/* A path length or largest depth, cm, in whole units: the factor of a packet's weight in a moment
+ * (cml_tally_moments). Moments of interactions take their number instead. */
 static inline uint64_t cml_length_in_units(const struct cml_world *world, double length)
 {
     const double units = length * world->detection.per_length;

@@ -1,4 +1,4 @@
-/* How the facets of boundaries (surface_facets.h says what they are) and of bodies are drawn.
+/* Draws the facets of boundaries (defined in surface_facets.h) and of bodies.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
@@ -86,7 +86,7 @@ cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces 
 
 /* ---- how bodies are drawn: all of them as triangles in one file ---- */
 
-/* So many that a sphere looks like one, fewer where there are very many bodies. */
+/* Segments around a body. A sphere looks round with them; above 100 bodies there are fewer. */
 static int segments_of_body(enum cml_body_form form, int bodies)
 {
     const bool many = bodies > 100;

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where a field gets its values. Value i is the sum of `count` cells from number k * apart on, divided by its
- * measure; k is i, or the facet that it stands for. */
+/* The cells from which a field gets its values. Value i is the sum of `count` cells from number k * apart on,
+ * divided by its measure; k is i, or the facet that it stands for. */
 struct cml_field_source {
     const struct cml_report *report;
     double number;
@@ -259,8 +259,8 @@ static void add_share(struct cml_field_list *c, enum cml_quantity quantity, doub
 
 /* ---- maps and volume ---- */
 
-/* What lies outside map and volume is in the last cells of their arrays: with it sums are the totals, which
- * is how a reader can check them. */
+/* Adds the last cell of an array, which holds the light outside the map or volume. A reader can check with it
+ * that the sum of an array is the total. */
 static void add_outside(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
 {
     const struct cml_result *r = c->report->sums;
@@ -328,7 +328,7 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
 
 /* ---- facets ---- */
 
-/* How many facets boundary b has, with the last one, the plane around it. */
+/* Facets of boundary b. The last one is the plane around it. */
 static size_t num_facets(const struct cml_report *report, int b)
 {
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
@@ -363,8 +363,8 @@ static bool is_plane(const struct cml_report *report, int b)
     return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
 }
 
-/* Whether a boundary has the score: reflectance and transmittance only where anything can escape and no map
- * has it. */
+/* A boundary has every score but two: reflectance and transmittance exist only where light can escape and no
+ * map holds them. */
 static bool has_score(const struct cml_report *report, int b, int quantity)
 {
     if (!is_score(quantity, CML_AXIS_facet)) return false;

@@ -223,7 +223,7 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* Of all parts. */
+/* Cells of an array in all its parts. */
 static size_t cells_of(const struct cml_result *result, enum cml_array array)
 {
     return result->layout.size[array] * result->layout.parts[array];

@@ -16,7 +16,7 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* Of all groups or batches. */
+/* Cells of an array in all its groups or batches. */
 static size_t cells_of(const struct cml_layout *layout, enum cml_array array)
 {
     return layout->size[array] * layout->parts[array];
@@ -66,7 +66,7 @@ double cml_tally_bytes(const struct cml_tally_grid *grid)
            (double)trail_cells(grid) * (sizeof(double) + sizeof(uint32_t));
 }
 
-/* What of profiles comes of cells: Rd_r to A_z, which are neighbours. */
+/* Bins of the profiles that are sums of cells: Rd_r to A_z, which are neighbours. */
 static size_t bins_of_cells(const struct cml_tally *tally)
 {
     return tally->profile.A_l - tally->profile.Rd_r;

@@ -14,6 +14,12 @@ struct cml_once {
     unsigned long step, squares; /* 64 bits in C and OpenCL C */
 };
 
+/* All visits of a packet to one medium (P13, P18). */
+struct cml_stay {
+    double length; /* cm */
+    unsigned interactions;
+};
+
 /* The photons of a run are dealt out in turn to 64 batches: photon i is point i / 64 of batch i mod 64. How
  * many photons there are does not matter, so a longer run has all packets of a shorter one, in the same
  * batches. Standard errors come from the spread of the batches. */

@@ -12,8 +12,7 @@ struct cml_branches {
     int count, most;
     cml_u64 whole, clipped, spent; /* CML_COUNT_UNSPLIT, CML_COUNT_CLIPPED, CML_COUNT_SPENT */
     struct cml_packet *item;       /* [most] */
-    double *length;                /* [most][media] of their trails (P13); NULL where nobody wants them */
-    cml_u32 *interactions;         /* the same */
+    struct cml_stay *stay;         /* [most][media] of their trails (P13); NULL where nobody wants them */
 };
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] of every group, or

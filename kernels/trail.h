@@ -48,8 +48,8 @@ CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail
                           real low, cml_u32 interactions)
 {
     const real deep = low + world->media[medium].depth;
-    trail->length[medium] += (double)here;
-    trail->count[medium] += interactions;
+    trail->stay[medium].length += (double)here;
+    trail->stay[medium].interactions += interactions;
     trail->deepest = deep > trail->deepest ? deep : trail->deepest;
 }
 
@@ -58,15 +58,12 @@ CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail
 CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *trail, int medium, real path)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
-    for (int m = 0; m < media; m++) {
-        trail->length[m] = 0;
-        trail->count[m] = 0;
-    }
+    for (int m = 0; m < media; m++) trail->stay[m] = (struct cml_stay){0};
     trail->deepest = -CML_INFINITY;
     if (path > 0 && cml_is_outer(world, medium))
-        trail->length[medium] = (double)(path / world->media[medium].n);
+        trail->stay[medium].length = (double)(path / world->media[medium].n);
     else if (path > 0)
-        trail->length[1] = (double)world->media[1].span;
+        trail->stay[1].length = (double)world->media[1].span;
 }
 
 /* P13: where the first visit begins, frame of the medium. */
@@ -82,7 +79,7 @@ CML_FN void cml_end_visit(const struct cml_world *world, CML_PACKET struct cml_p
 #ifdef __OPENCL_VERSION__
     (void)world, (void)packet;
 #else
-    if (!packet->trail.length) return;
+    if (!packet->trail.stay) return;
     cml_add_visit(world, &packet->trail, packet->medium, packet->here, packet->low,
                   packet->interactions - packet->before);
     packet->here = 0;

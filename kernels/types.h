@@ -345,11 +345,11 @@ struct cml_setup {
 };
 
 #ifndef __OPENCL_VERSION__
-/* What detectors and saved packets want to know of a packet's way (P13, P18). */
+/* What detectors and saved packets want to know of a packet's way (P13, P18): all visits of media but the one
+ * under way. */
 struct cml_trail {
-    double *length; /* cm, by medium, of all visits but the one under way; NULL: nobody wants it */
-    cml_u32 *count; /* the same of interactions */
-    real deepest;   /* depth in the scene, cm, of these visits */
+    struct cml_stay *stay; /* [media]; NULL: nobody wants it */
+    real deepest;          /* depth in the scene, cm */
 };
 #endif
 

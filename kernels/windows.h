@@ -64,10 +64,7 @@ CML_FN void cml_branch_off(const struct cml_world *world, struct cml_branches *t
     branch->crossings = CML_LATTICE_REFLECTIONS;
     branch->rough_draws = branch->boundary_events = branch->queries = branch->shading_overruled = 0;
     branch->gained = branch->roulette = branch->absorbed = branch->backing = 0;
-    for (int m = 0; packet->trail.length && m < media; m++) {
-        to->length[at + m] = packet->trail.length[m];
-        to->interactions[at + m] = packet->trail.count[m];
-    }
+    for (int m = 0; packet->trail.stay && m < media; m++) to->stay[at + m] = packet->trail.stay[m];
 }
 
 /* The last one that waits, into `packet`, whose trail is the caller's. */
@@ -79,10 +76,7 @@ CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *
     *packet = from->item[from->count];
     trail.deepest = packet->trail.deepest;
     packet->trail = trail;
-    for (int m = 0; trail.length && m < media; m++) {
-        trail.length[m] = from->length[at + m];
-        trail.count[m] = from->interactions[at + m];
-    }
+    for (int m = 0; trail.stay && m < media; m++) trail.stay[m] = from->stay[at + m];
 }
 
 /* Into how many parts of about the weight `target` a packet may be split. Which of its photon's branches are

@@ -15,8 +15,7 @@
 static inline void cml_branches_free(struct cml_branches *branches)
 {
     free(branches->item);
-    free(branches->length);
-    free(branches->interactions);
+    free(branches->stay);
     *branches = (struct cml_branches){0};
 }
 
@@ -30,9 +29,8 @@ static inline cml_status cml_branches_create(const struct cml_world *world, stru
     *to = (struct cml_branches){0};
     if (world->windows.cells == 0) return CML_OK;
     to->item = calloc(most, sizeof *to->item);
-    if (trails) to->length = calloc(most * media, sizeof *to->length);
-    if (trails) to->interactions = calloc(most * media, sizeof *to->interactions);
-    if (!to->item || (trails && (!to->length || !to->interactions))) {
+    if (trails) to->stay = calloc(most * media, sizeof *to->stay);
+    if (!to->item || (trails && !to->stay)) {
         cml_branches_free(to);
         return cml_fail_memory(err, (double)most * sizeof *to->item, "packets that wait");
     }

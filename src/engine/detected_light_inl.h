@@ -22,7 +22,7 @@ static inline double cml_trail_path(const struct cml_world *world, const struct 
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
     double path = 0;
-    for (int m = 0; m < media; m++) path += (double)world->media[m].n * trail->length[m];
+    for (int m = 0; m < media; m++) path += (double)world->media[m].n * trail->stay[m].length;
     return path;
 }
 
@@ -63,8 +63,9 @@ static inline void cml_add_moments(const struct cml_world *world, const struct c
     const uint64_t deepest = cml_deepest_in_units(world, trail);
     for (size_t m = 0; trail && m < media; m++) {
         uint64_t *const parts = moments + m * CML_MOMENT_CELLS;
-        if (trail->length[m] > 0) cml_add_moment(parts, light, cml_length_in_units(world, trail->length[m]));
-        if (trail->count[m]) cml_add_moment(parts + media * CML_MOMENT_CELLS, light, trail->count[m]);
+        const struct cml_stay *stay = &trail->stay[m];
+        if (stay->length > 0) cml_add_moment(parts, light, cml_length_in_units(world, stay->length));
+        if (stay->interactions) cml_add_moment(parts + media * CML_MOMENT_CELLS, light, stay->interactions);
     }
     if (deepest) cml_add_moment(moments + 2 * media * CML_MOMENT_CELLS, light, deepest);
 }

@@ -241,7 +241,8 @@ static inline void cml_rows_fly(const struct cml_world *world, const struct cml_
 static inline real cml_rows_outside(const struct cml_world *world, const struct cml_trail *trail)
 {
     const int below = world->setup.num_layers + 1;
-    return (real)(world->media[0].n * trail->length[0] + world->media[below].n * trail->length[below]);
+    return (real)(world->media[0].n * trail->stay[0].length +
+                  world->media[below].n * trail->stay[below].length);
 }
 
 /* Whether such a packet has been outside since it was booked last. Rows with A_t are booked before they fly
@@ -461,9 +462,10 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     const size_t media = cml_num_media(world), first = of->rows->sums->at.moments + 2 * k * (2 * media + 1);
     const uint64_t deepest = cml_deepest_in_units(world, trail);
     for (size_t m = 0; trail && m < media; m++) {
-        const uint64_t count = trail->count[m];
-        if (trail->length[m] > 0)
-            cml_rows_add_moment(of, first + 2 * m, cml_length_in_units(world, trail->length[m]));
+        const struct cml_stay *stay = &trail->stay[m];
+        const uint64_t count = stay->interactions;
+        if (stay->length > 0)
+            cml_rows_add_moment(of, first + 2 * m, cml_length_in_units(world, stay->length));
         if (count) cml_rows_add_moment(of, first + 2 * (media + m), count << CML_ROW_MOMENT_SHIFT);
     }
     if (deepest) cml_rows_add_moment(of, first + 4 * media, deepest);

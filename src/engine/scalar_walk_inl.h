@@ -17,7 +17,7 @@
 static inline void cml_leave_trail(const struct cml_world *world, const struct cml_tally *tally,
                                    struct cml_packet *packet)
 {
-    packet->trail = (struct cml_trail){.length = tally->trail_length, .count = tally->trail_count};
+    packet->trail = (struct cml_trail){.stay = tally->stay};
     packet->low = cml_first_low(packet->path, packet->p.z);
     cml_begin_trail(world, &packet->trail, packet->medium, packet->path);
 }
@@ -38,7 +38,7 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_launch(&its, packet->w, 1, packet->path);
     /* What lies above absorbs in no row. A trail's clock has not begun where the path is below 0. */
-    if (packet->path > 0 || !packet->trail.length) packet->path = 0;
+    if (packet->path > 0 || !packet->trail.stay) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = rows->now = packet->w;
     rows->gained = rows->roulette = rows->backing = 0;
@@ -144,8 +144,7 @@ static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet
 static inline bool end_branches(struct piece_walk *walk)
 {
     while (walk->to.branches && walk->to.branches->count > 0) {
-        struct cml_packet packet = {
-            .trail = {.length = walk->tally->trail_length, .count = walk->tally->trail_count}};
+        struct cml_packet packet = {.trail = {.stay = walk->tally->stay}};
         cml_take_branch(walk->world, walk->to.branches, &packet);
         cml_next_flight(walk->world, &packet);
         if (!end_packet(walk, &packet)) return false;
@@ -169,7 +168,7 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
         cml_begin_walk(world, &walk.to, piece->first + CML_NUM_BATCHES * i, &packet);
-        if (tally->trail_length) cml_leave_trail(world, tally, &packet);
+        if (tally->stay) cml_leave_trail(world, tally, &packet);
         if (walk.rows.sums.count) rows_begin(world, &walk.rows, &packet);
         if (!end_packet(&walk, &packet) || !end_branches(&walk)) return false;
     }

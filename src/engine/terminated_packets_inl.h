@@ -300,8 +300,8 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->detector = (uint32_t)detector;
     row->side = fate == CML_FATE_SPECULAR ? CML_SAVED_FRESH : below ? CML_SAVED_BOTTOM : CML_SAVED_TOP;
     for (size_t m = 0; m < part->media; m++) {
-        length[m] = (float)trail->length[m];
-        count[m] = trail->count[m];
+        length[m] = (float)trail->stay[m].length;
+        count[m] = trail->stay[m].interactions;
     }
     row->optical = (float)cml_trail_path(world, trail);
 }

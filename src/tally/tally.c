@@ -63,7 +63,7 @@ double cml_tally_bytes(const struct cml_tally_grid *grid)
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
     return ((double)cml_tally_cells(grid) + profiles * (double)(at.expected - at.detector)) *
                sizeof(uint64_t) +
-           (double)trail_cells(grid) * (sizeof(double) + sizeof(uint32_t));
+           (double)trail_cells(grid) * sizeof(struct cml_stay);
 }
 
 /* Bins of the profiles that are sums of cells: Rd_r to A_z, which are neighbours. */
@@ -103,10 +103,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     tally->summed = cml_arrays_add(&tally->arrays, bins, sizeof *tally->summed);
     tally->brought = cml_arrays_add(&tally->arrays, bins, sizeof *tally->brought);
     tally->late.rows = cml_arrays_add(&tally->arrays, CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
-    if (trail_cells(grid)) {
-        tally->trail_length = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->trail_length);
-        tally->trail_count = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->trail_count);
-    }
+    if (trail_cells(grid))
+        tally->stay = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->stay);
     if (tally->arrays.failed) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");

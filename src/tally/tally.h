@@ -73,8 +73,7 @@ struct cml_tally {
     };
     struct cml_layout layout;  /* of its own arrays in `cells` */
     struct cml_layout profile; /* of what it brings */
-    double *trail_length;      /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h); or NULL */
-    uint32_t *trail_count;     /* the same */
+    struct cml_stay *stay;     /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h); or NULL */
     struct cml_saved_part *saved; /* packets one by one; or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];

@@ -69,8 +69,7 @@ struct cml_lane_medium {
 /* Columns have an entry for each lane. Lanes without a packet hold anything that does no harm
  * (cml_park_lane). */
 struct cml_bundle {
-    double *trail_length; /* [CML_LANES][media] of the trails of lanes (P13); NULL: nobody wants them */
-    cml_u32 *trail_count; /* the same */
+    struct cml_stay *stay; /* [CML_LANES][media] of the trails of lanes (P13); NULL: nobody wants them */
     int num_media;
     int lanes; /* that take part in loops: whole groups, fewer than CML_LANES when there are no more packets
                   to launch */

@@ -39,7 +39,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
                                  struct cml_vec u)
 {
     const struct cml_bundle *b = f->b;
-    if (b->trail_length) cml_leave_lane(f, i, to, p.z);
+    if (b->stay) cml_leave_lane(f, i, to, p.z);
     const struct cml_termination end = {
         .index = cml_lane_index(b, i),
         .fate = to == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED,
@@ -93,17 +93,17 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     b->undeflected[i] = undeflected;
     b->task[i] = CML_LANE_TO_FLY;
     if (to == from) {
-        if (b->trail_length) cml_count_lane_depth(b, i, p.z);
+        if (b->stay) cml_count_lane_depth(b, i, p.z);
         return;
     }
     if (outside) {
         cml_continue_lane_outside(f, i, to);
         return;
     }
-    if (b->trail_length) cml_end_lane_visit(f, i);
+    if (b->stay) cml_end_lane_visit(f, i);
     cml_flush_deposits(f, i);
     b->medium[i] = to;
-    if (b->trail_length) cml_count_lane_depth(b, i, p.z);
+    if (b->stay) cml_count_lane_depth(b, i, p.z);
     cml_load_medium(f, i);
 }
 

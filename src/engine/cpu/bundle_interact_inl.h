@@ -200,7 +200,7 @@ CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct
     _Alignas(64) struct cml_phase_cell cell[CML_LANES];
     cml_bundle_find_phases(world->phase_cells, b, cell);
     const struct cml_setup *setup = &world->setup;
-    const int trails = b->trail_length != NULL;
+    const int trails = b->stay != NULL;
     const int low = tally ? trails ? cml_bundle_hop_drop(setup, b, 1, 1) : cml_bundle_hop_drop(setup, b, 1, 0)
                     : trails ? cml_bundle_hop_drop(setup, b, 0, 1)
                              : cml_bundle_hop_drop(setup, b, 0, 0);

@@ -76,8 +76,8 @@ static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
 {
     const struct cml_trail none = {0};
     const size_t row = (size_t)i * (size_t)b->num_media;
-    if (!b->trail_length) return none;
-    return (struct cml_trail){b->trail_length + row, b->trail_count + row, b->deepest[i]};
+    if (!b->stay) return none;
+    return (struct cml_trail){b->stay + row, b->deepest[i]};
 }
 
 /* What rows have absorbed since the lane's deposits, so much of the packet's weight, were last booked. Its
@@ -173,8 +173,8 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->tau = b->tau[i];
     packet->path = b->path[i];
     packet->mark = b->mark[i];
-    packet->trail.length = NULL;
-    if (b->trail_length) {
+    packet->trail.stay = NULL;
+    if (b->stay) {
         packet->trail = cml_lane_trail(b, i);
         packet->here = b->here[i];
         packet->low = b->low[i];
@@ -242,7 +242,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->tau[i] = packet->tau;
     b->path[i] = packet->path;
     b->mark[i] = packet->mark;
-    if (b->trail_length) {
+    if (b->stay) {
         b->here[i] = packet->here;
         b->low[i] = packet->low;
         b->before[i] = packet->before;

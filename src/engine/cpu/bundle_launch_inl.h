@@ -139,7 +139,7 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
 /* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P16). */
 static void cml_launch_path(struct cml_flight *f, int i, real path)
 {
-    f->b->path[i] = f->factors && !f->b->trail_length ? (real)0 : path;
+    f->b->path[i] = f->factors && !f->b->stay ? (real)0 : path;
     if (f->factors) cml_launch_lane_rows(f, i, 1, path);
 }
 
@@ -193,8 +193,7 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
 static void cml_move_trail(const struct cml_bundle *b, int from, int to)
 {
     const struct cml_trail old = cml_lane_trail(b, from), new = cml_lane_trail(b, to);
-    memcpy(new.length, old.length, (size_t)b->num_media * sizeof *old.length);
-    memcpy(new.count, old.count, (size_t)b->num_media * sizeof *old.count);
+    memcpy(new.stay, old.stay, (size_t)b->num_media * sizeof *old.stay);
 }
 
 /* Lane `from` into lane `to`, which holds no packet: every column of the structure of arrays. All columns are
@@ -206,7 +205,7 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
         char *lanes = (char *)f->b + k;
         memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
     }
-    if (f->b->trail_length) cml_move_trail(f->b, from, to);
+    if (f->b->stay) cml_move_trail(f->b, from, to);
     if (f->factors)
         memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from),
                cml_row_factors((size_t)f->rows.count) * sizeof(real));
@@ -302,7 +301,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
         cml_launch_placed(f, at, first, lanes);
     else if (!f->pencil || f->to.facets || f->to.phi)
         cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
-    if (b->trail_length) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
+    if (b->stay) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
 /* P19: the last branch that waits, into a lane. It stands on a surface only as a packet within rounding of a

@@ -86,7 +86,7 @@ void cml_find_entry(struct cml_flight *f)
     struct cml_hit hit;
     if (!f->queue_places || packet.medium > 0 || world->media[0].mfp < CML_INFINITY ||
         !cml_is_plane(world, 0) || world->surfaces[0].rough.kind || setup->backing.boundary == 0 ||
-        setup->keeps_paths || f->tally->trail_length || f->to.expected)
+        setup->keeps_paths || f->tally->stay || f->to.expected)
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, &packet, CML_INFINITY);
     f->enters = cml_nearest_hit(world, &packet, intervals, &hit) &&

@@ -63,12 +63,12 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     struct cml_bundle *b = f->b;
     const int upwards = b->uz[i] < 0, medium = b->medium[i] + 1 - 2 * upwards;
     const real span = f->media[medium].span;
-    if (b->trail_length) cml_end_lane_visit(f, i);
+    if (b->stay) cml_end_lane_visit(f, i);
     cml_flush_deposits(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
-    if (b->trail_length) cml_count_lane_depth(b, i, b->z[i]);
+    if (b->stay) cml_count_lane_depth(b, i, b->z[i]);
     b->task[i] = CML_LANE_TO_FLY;
     cml_load_medium(f, i);
 }
@@ -79,7 +79,7 @@ static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int 
     const struct cml_bundle *b = f->b;
     for (cml_u32 rest = exits; rest; rest &= rest - 1, at++) {
         const int i = first + __builtin_ctz(rest), up = b->uz[i] < 0;
-        if (b->trail_length) cml_leave_lane(f, i, up ? 0 : f->world->setup.num_layers + 1, 0);
+        if (b->stay) cml_leave_lane(f, i, up ? 0 : f->world->setup.num_layers + 1, 0);
         const struct cml_trail trail = cml_lane_trail(b, i);
         struct cml_row_packet rows;
         if (f->factors) rows = cml_lane_rows(f, i);
@@ -117,12 +117,12 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->x + first, exits, terminated->exit_x + at);
     cml_group_pack(b->y + first, exits, terminated->exit_y + at);
     cml_group_pack(b->uz + first, exits, terminated->uz + at);
-    if (f->tally->Rd_dir || b->trail_length) {
+    if (f->tally->Rd_dir || b->stay) {
         cml_group_pack(b->ux + first, exits, terminated->ux + at);
         cml_group_pack(b->uy + first, exits, terminated->uy + at);
     }
     cml_group_pack(b->index_low + first, exits, terminated->index_low + at);
-    if (b->trail_length) {
+    if (b->stay) {
         cml_group_pack(b->index_high + first, exits, terminated->index_high + at);
         memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));
     }
@@ -307,7 +307,7 @@ static void cml_cross_planes(struct cml_flight *f)
     if (above) cml_score_tail_at_planes(f, above);
     const int smooth = any & CML_ANY_AT_PLANE && !(f->rough_planes && cml_cross_rough_planes(f));
     if (smooth) cml_bundle_reflect_or_refract(setup, b);
-    if (b->trail_length) cml_bundle_count_reflected_depths(b);
+    if (b->stay) cml_bundle_count_reflected_depths(b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
     for (int first = 0; first < b->lanes; first += CML_GROUP) {
@@ -449,7 +449,7 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
 {
     const struct cml_setup *setup = &world->setup;
     if (world->phase_cells) return cml_bundle_interact_by_tables(world, b, tally);
-    if (b->trail_length)
+    if (b->stay)
         return tally ? cml_bundle_interact_along_trails(setup, b) : cml_bundle_scatter_along_trails(setup, b);
     return tally ? cml_bundle_interact(setup, b) : cml_bundle_scatter(setup, b);
 }
@@ -542,8 +542,7 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_find_known_path(f);
     cml_find_ballistic(f);
     f->b->lanes = CML_LANES;
-    f->b->trail_length = f->tally->trail_length;
-    f->b->trail_count = f->tally->trail_count;
+    f->b->stay = f->tally->stay;
     f->b->num_media = setup->num_layers + 2 + setup->num_bodies;
     f->batch = -1;
     f->rows = cml_row_sums_of(f->world, f->tally);

@@ -16,7 +16,8 @@ struct cml_once {
 
 /* All visits of a packet to one medium (P13, P18). */
 struct cml_stay {
-    double length; /* cm */
+    double length;   /* cm */
+    double momentum; /* sum of 1 - cosine of its scatterings */
     unsigned interactions;
 };
 

@@ -42,13 +42,33 @@ CML_FN void cml_count_depth(const struct cml_world *world, CML_PACKET struct cml
 #endif
 }
 
+/* 1 - cosine of the angle between two unit vectors: half the square of their difference, which keeps the
+ * digits of small angles. */
+CML_FN real cml_one_minus_dot(struct cml_vec u, struct cml_vec v)
+{
+    const real x = v.x - u.x, y = v.y - u.y, z = v.z - u.z;
+    return (real)0.5 * CML_FMA(x, x, CML_FMA(y, y, z * z));
+}
+
+/* P13: the packet has been scattered from the direction u into its own. */
+CML_FN void cml_count_momentum(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
+                               struct cml_vec u)
+{
+#ifdef __OPENCL_VERSION__
+    (void)world, (void)packet, (void)u;
+#else
+    if (world->setup.keeps_paths) packet->momentum += cml_one_minus_dot(u, packet->u);
+#endif
+}
+
 #ifndef __OPENCL_VERSION__
 /* P13: a visit of a medium comes to an end. low: in the medium's frame. */
 CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail, int medium, real here,
-                          real low, cml_u32 interactions)
+                          real low, real momentum, cml_u32 interactions)
 {
     const real deep = low + world->media[medium].depth;
     trail->stay[medium].length += (double)here;
+    trail->stay[medium].momentum += (double)momentum;
     trail->stay[medium].interactions += interactions;
     trail->deepest = deep > trail->deepest ? deep : trail->deepest;
 }
@@ -80,9 +100,9 @@ CML_FN void cml_end_visit(const struct cml_world *world, CML_PACKET struct cml_p
     (void)world, (void)packet;
 #else
     if (!packet->trail.stay) return;
-    cml_add_visit(world, &packet->trail, packet->medium, packet->here, packet->low,
+    cml_add_visit(world, &packet->trail, packet->medium, packet->here, packet->low, packet->momentum,
                   packet->interactions - packet->before);
-    packet->here = 0;
+    packet->here = packet->momentum = 0;
     packet->low = -CML_INFINITY;
     packet->before = packet->interactions;
 #endif

@@ -380,9 +380,9 @@ struct cml_packet {
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
 #ifndef __OPENCL_VERSION__     /* a device has what stands above (device_layout.h) */
-    /* P13, of the visit of its medium that is under way: length, cm; largest depth, frame of the medium;
-     * interactions before it */
-    real here, low;
+    /* P13, of the visit of its medium that is under way: length, cm; largest depth, frame of the medium; sum
+     * of 1 - cosine of scatterings; interactions before it */
+    real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;
     cml_u32 spent; /* P19: of CML_MOST_OF_FAMILY: the others may be branches that come of the packet */

@@ -221,7 +221,9 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
+    const struct cml_vec u = packet->u;
     cml_scatter_packet(world, medium->g, packet);
+    cml_count_momentum(world, packet, u);
     packet->interactions++;
     cml_event(world, "interact", packet);
     if (!(cml_dot(packet->u, packet->u) < 2))

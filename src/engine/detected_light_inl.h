@@ -31,8 +31,8 @@ static inline size_t cml_num_media(const struct cml_world *world)
     return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
 }
 
-/* A path length or largest depth, cm, in whole units: the factor of a packet's weight in a moment
- * (cml_tally_moments). Moments of interactions take their number instead. */
+/* A path length or largest depth, cm, in whole units: the factor of a packet's weight in a moment (enum
+ * cml_moment). */
 static inline uint64_t cml_length_in_units(const struct cml_world *world, double length)
 {
     const double units = length * world->detection.per_length;
@@ -54,20 +54,33 @@ static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *l
         parts[i] += light->times * ((uint64_t)(product >> (i * CML_MOMENT_BITS)) & mask);
 }
 
-/* Length and interactions by medium, and the largest depth, into the moments of a detector. */
+/* The factor of a packet's weight in a moment of a medium. */
+static inline uint64_t cml_number_of_moment(const struct cml_world *world, const struct cml_stay *stay,
+                                            int moment)
+{
+    const double momentum = stay->momentum * (1 / CML_MOMENTUM_UNIT) + 0.5;
+    switch (moment) {
+    case CML_MOMENT_PATH:
+        return stay->length > 0 ? cml_length_in_units(world, stay->length) : 0;
+    case CML_MOMENT_INTERACTIONS:
+        return stay->interactions;
+    default:
+        return (uint64_t)(momentum < CML_MOMENT_MOST ? momentum : CML_MOMENT_MOST - 1);
+    }
+}
+
+/* A packet's ways in all media, and its largest depth, into the moments of a detector. */
 static inline void cml_add_moments(const struct cml_world *world, const struct cml_light_out *light,
                                    uint64_t *moments)
 {
     const struct cml_trail *trail = light->trail;
     const size_t media = cml_num_media(world);
     const uint64_t deepest = cml_deepest_in_units(world, trail);
-    for (size_t m = 0; trail && m < media; m++) {
-        uint64_t *const parts = moments + m * CML_MOMENT_CELLS;
-        const struct cml_stay *stay = &trail->stay[m];
-        if (stay->length > 0) cml_add_moment(parts, light, cml_length_in_units(world, stay->length));
-        if (stay->interactions) cml_add_moment(parts + media * CML_MOMENT_CELLS, light, stay->interactions);
+    for (size_t i = 0; trail && i < CML_MEDIUM_MOMENTS * media; i++) {
+        const uint64_t number = cml_number_of_moment(world, &trail->stay[i % media], (int)(i / media));
+        if (number) cml_add_moment(moments + i * CML_MOMENT_CELLS, light, number);
     }
-    if (deepest) cml_add_moment(moments + 2 * media * CML_MOMENT_CELLS, light, deepest);
+    if (deepest) cml_add_moment(moments + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS, light, deepest);
 }
 
 /* What a packet adds to the squares of a pixel. Where something of it has come there before, both make one
@@ -139,7 +152,7 @@ static inline void cml_add_to_detector(const struct cml_world *world, const stru
 {
     const struct cml_setup *setup = &world->setup;
     const size_t detectors = (size_t)world->detection.num_detectors, gates = (size_t)setup->gates.count,
-                 moments = CML_MOMENT_CELLS * (2 * cml_num_media(world) + 1);
+                 moments = CML_MOMENT_CELLS * (CML_MEDIUM_MOMENTS * cml_num_media(world) + 1);
     uint64_t *const sums_t = sums + detectors, *const means = sums_t + (gates ? detectors * (gates + 1) : 0);
     sums[k] += light->times * light->w;
     if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;

@@ -459,16 +459,16 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
                                         size_t k)
 {
     const struct cml_trail *trail = of->light->trail;
-    const size_t media = cml_num_media(world), first = of->rows->sums->at.moments + 2 * k * (2 * media + 1);
+    const size_t media = cml_num_media(world), numbers = CML_MEDIUM_MOMENTS * media,
+                 first = of->rows->sums->at.moments + 2 * k * (numbers + 1);
     const uint64_t deepest = cml_deepest_in_units(world, trail);
-    for (size_t m = 0; trail && m < media; m++) {
-        const struct cml_stay *stay = &trail->stay[m];
-        const uint64_t count = stay->interactions;
-        if (stay->length > 0)
-            cml_rows_add_moment(of, first + 2 * m, cml_length_in_units(world, stay->length));
-        if (count) cml_rows_add_moment(of, first + 2 * (media + m), count << CML_ROW_MOMENT_SHIFT);
+    for (size_t i = 0; trail && i < numbers; i++) {
+        const int moment = (int)(i / media),
+                  shift = moment == CML_MOMENT_INTERACTIONS ? CML_ROW_MOMENT_SHIFT : 0;
+        const uint64_t number = cml_number_of_moment(world, &trail->stay[i % media], moment);
+        if (number) cml_rows_add_moment(of, first + 2 * i, number << shift);
     }
-    if (deepest) cml_rows_add_moment(of, first + 4 * media, deepest);
+    if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)

@@ -287,6 +287,7 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     struct cml_saved_row *row = cml_saved_next(part);
     float *const length = (float *)(row + 1);
     uint32_t *const count = (uint32_t *)(length + part->media);
+    float *const momentum = (float *)(count + part->media);
     row->index = cml_terminated_index(terminated, i);
     row->weight = terminated->w[i];
     row->touches = terminated->boundary_events[i];
@@ -302,6 +303,7 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     for (size_t m = 0; m < part->media; m++) {
         length[m] = (float)trail->stay[m].length;
         count[m] = trail->stay[m].interactions;
+        momentum[m] = (float)trail->stay[m].momentum;
     }
     row->optical = (float)cml_trail_path(world, trail);
 }

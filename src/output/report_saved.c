@@ -31,6 +31,7 @@ static const struct property {
     {"uz", "direction", "1", TYPE_FLOAT, ROW(direction[2]), 1, false, false},
     {"path", "length of its way in every medium", "cm", TYPE_FLOAT, 0, 1, true, false},
     {"interactions", "interactions in every medium", "1", TYPE_COUNT, 1, 1, true, false},
+    {"momentum", "sum of 1 - cosine of scatterings in every medium", "1", TYPE_FLOAT, 2, 1, true, false},
     {"touches", "boundaries and bodies met", "1", TYPE_COUNT, ROW(touches), 1, false, false},
     {"deepest", "largest depth", "cm", TYPE_FLOAT, ROW(deepest), 1, false, false},
     {"time", "time of flight", "ps", TYPE_FLOAT, ROW(optical), 1 / CML_LIGHT_CM_PER_PS, false, false},

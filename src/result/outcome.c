@@ -190,7 +190,9 @@ static double mean_of(const struct cml_outcome *o, const struct cml_result *sums
     const cml_u128 *moments = sums->array[cml_quantities[quantity].sums];
     const int detector = i / (int)cml_outcome_part_size(o, quantity);
     const bool counts = quantity == CML_QUANTITY_detector_interactions;
-    const double unit = counts ? 1 : sums->grid.path_unit,
+    const double unit = counts                                       ? 1
+                        : quantity == CML_QUANTITY_detector_momentum ? CML_MOMENTUM_UNIT
+                                                                     : sums->grid.path_unit,
                  top = quantity == CML_QUANTITY_detector_deepest ? sums->grid.path_top : 0,
                  units = cml_result_mean(sums, moments, size, i, detector, error), mean = top + unit * units,
                  least = !counts && units > 0 ? rounding_of(mean, unit) : 0;

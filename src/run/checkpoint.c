@@ -28,7 +28,7 @@ struct head {
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 15u               /* of this layout; a program refuses what it does not know */
+#define VERSION 16u               /* of this layout; a program refuses what it does not know */
 
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {

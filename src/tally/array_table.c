@@ -23,7 +23,7 @@ static const enum cml_array
     of_result[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(rows), MAPS, _(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a),
                    _(A_l), _(A_z), _(Rd_t), _(Rd_t_later), _(Tt_t), _(Tt_t_later), _(A_t), _(A_t_later),
                    _(detector), _(detector_t), _(detector_t_later), _(detector_path),
-                   _(detector_interactions), _(detector_deepest), _(expected), _(phi_rz), _(phi_z)},
+                   _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z)},
     of_profiles[] = {_(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_z), _(A_l), _(Rd_t), _(Tt_t), _(A_t),
                      _(detector), _(detector_t), _(moments), _(expected)},
     of_row_bins[] = {_(terms), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_l), _(Rd_t), _(Tt_t), _(detector),

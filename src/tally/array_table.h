@@ -21,7 +21,7 @@
     X(total) /* enum cml_total */                                                                            \
     X(term)  /* enum cml_balance_term */                                                                     \
     X(detector)                                                                                              \
-    X(moment)         /* lengths and interactions by medium, then the depth, each in several cells */        \
+    X(moment)         /* enum cml_moment by medium, then the depth, each in several cells */                 \
     X(expected)       /* expected values (P15) */                                                            \
     X(pixel)          /* of the map, and one for what lies outside */                                        \
     X(map_alpha)      /* angles of a pixel */                                                                \
@@ -102,6 +102,8 @@ enum cml_array_when {
       "mean path of detected light by medium") \
     A(detector_interactions, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
       "mean interactions of detected light by medium") \
+    A(detector_momentum, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
+      "mean momentum transfer of detected light by medium: sum of 1 - cosine of scatterings") \
     A(detector_deepest, detector, none, BY_BATCH, ANY, none, MEANS, "cm", OVER1(detector), H5 | JSON, \
       "mean largest depth of detected light") \
     A(detector_map, detector_pixel, none, ONCE, OWNER, none, FIELD, "1/cm2", OVER1(detector), 0, \

@@ -89,11 +89,10 @@ static cml_u128 moment_of(const uint64_t *parts)
 static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
-    for (size_t m = 0; m < media; m++) {
-        result->detector_path[at * media + m] += moment_of(brought + m * CML_MOMENT_CELLS);
-        result->detector_interactions[at * media + m] += moment_of(brought + (media + m) * CML_MOMENT_CELLS);
-    }
-    result->detector_deepest[at] += moment_of(brought + 2 * media * CML_MOMENT_CELLS);
+    for (size_t i = 0; i < CML_MEDIUM_MOMENTS * media; i++)
+        result->array[CML_ARRAY_detector_path + i / media][at * media + i % media] +=
+            moment_of(brought + i * CML_MOMENT_CELLS);
+    result->detector_deepest[at] += moment_of(brought + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS);
 }
 
 /* Adds scores, which a tally has in units of 2^6 2^-exponent, to those of a batch. */

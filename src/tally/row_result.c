@@ -48,7 +48,9 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
                  bin = batch * row->at.cells + row->at.moments +
                        2 * (k * cml_tally_moments(&row->to->grid) + m);
     const cml_u128 whole = (cell(row, bin + 1) << CML_ROW_MOMENT_BITS) + cell(row, bin);
-    return m / media == 1 ? whole : whole << CML_ROW_MOMENT_SHIFT; /* interactions are numbers as they are */
+    return m / media == CML_MOMENT_INTERACTIONS
+               ? whole
+               : whole << CML_ROW_MOMENT_SHIFT; /* interactions are numbers as they are */
 }
 
 static void take_means(const struct row *row, size_t batch)
@@ -57,11 +59,9 @@ static void take_means(const struct row *row, size_t batch)
     const size_t n = (size_t)to->grid.detectors, media = cml_tally_media(&to->grid);
     for (size_t k = 0; to->detector_path && k < n; k++) {
         const size_t first = (batch * n + k) * media;
-        for (size_t m = 0; m < media; m++) {
-            to->detector_path[first + m] = moment(row, batch, k, m);
-            to->detector_interactions[first + m] = moment(row, batch, k, media + m);
-        }
-        to->detector_deepest[batch * n + k] = moment(row, batch, k, 2 * media);
+        for (size_t i = 0; i < CML_MEDIUM_MOMENTS * media; i++)
+            to->array[CML_ARRAY_detector_path + i / media][first + i % media] = moment(row, batch, k, i);
+        to->detector_deepest[batch * n + k] = moment(row, batch, k, CML_MEDIUM_MOMENTS * media);
     }
 }
 
@@ -140,7 +140,8 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                         .path_top = flown->path_top};
     struct cml_result *to = row->to;
     CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
-    if (!flown->row_means) to->detector_path = to->detector_interactions = to->detector_deepest = NULL;
+    for (int i = CML_ARRAY_detector_path; i <= CML_ARRAY_detector_deepest; i++)
+        if (!flown->row_means) to->array[i] = NULL;
     to->summary = row->flight->summary;
     for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
         if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;

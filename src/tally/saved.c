@@ -22,7 +22,8 @@ struct cml_saved {
 /* A row begins on a word, and its length is one of whole words. */
 static size_t words_of(size_t media)
 {
-    return (sizeof(struct cml_saved_row) + media * (sizeof(float) + sizeof(uint32_t))) / sizeof(uint64_t);
+    const size_t word = sizeof(uint64_t), of_medium = 2 * sizeof(float) + sizeof(uint32_t);
+    return (sizeof(struct cml_saved_row) + media * of_medium + word - 1) / word;
 }
 
 size_t cml_saved_row_bytes(size_t media)

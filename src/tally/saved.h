@@ -12,8 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A row. Behind it stand the length of the packet's path in every medium, float [media] in cm, and the number
- * of its interactions there, uint32_t [media]. */
+/* A row. Behind it stand, each [media], the length of the packet's path in every medium, float in cm, the
+ * number of its interactions there, uint32_t, and the sum of 1 - cosine of its scatterings there, float. */
 struct cml_saved_row {
     uint64_t index;
     uint32_t weight, touches; /* 2^-31 of a packet; boundary events */

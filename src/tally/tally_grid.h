@@ -61,11 +61,14 @@ static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
 /* Rows of a sweep have moments in two parts (row_cells.h). */
 #define CML_ROW_MOMENT_CELLS 2
 
-/* The number of moments of a detector: sums of weight times length by medium, of weight times interactions by
- * medium, and of weight times largest depth. */
+/* Moments of a detector: sums of weight times one of these numbers, by medium, kind after kind, and behind
+ * them the sum of weight times largest depth. */
+enum cml_moment { CML_MOMENT_PATH, CML_MOMENT_INTERACTIONS, CML_MOMENT_MOMENTUM, CML_MEDIUM_MOMENTS };
+#define CML_MOMENTUM_UNIT 1.52587890625e-5 /* 2^-16 */
+
 static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 {
-    return 2 * cml_tally_media(grid) + 1;
+    return CML_MEDIUM_MOMENTS * cml_tally_media(grid) + 1;
 }
 
 /* Arrays with at most so many cells are kept by group, from whose spread their errors come: a thread's A_rz,

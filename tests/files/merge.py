@@ -59,7 +59,7 @@ def check(verdict, what, files, merged, shares):
     one, two = (mc.read(file) if isinstance(file, str) else file for file in files)
     verdict.check(what, sorted(one) == sorted(merged), str(set(one) ^ set(merged)))
     for name in merged.data_vars:
-        detector = next((d for d in ("detector_near", "detector_blind") if name.startswith((d + "_path", d + "_interactions", d + "_deepest"))), None)
+        detector = next((d for d in ("detector_near", "detector_blind") if name.startswith(tuple(f"{d}_{mean}" for mean in ("path", "interactions", "momentum", "deepest")))), None)
         light = detector and shares * [float(one[detector]), float(two[detector])]
         values = expected(name, one[name].values.astype(float), two[name].values.astype(float), shares, light)
         close = 1e-12 if one[name].dtype == float else 1e-6

@@ -86,25 +86,27 @@ class Packet:
         self.told = {name: float(weight) for name, weight in re.findall(r"^# seen by (\w+), (\S+) of a packet$", done, re.M)}
         self.fate = re.search(r"^# (\w+)", done.splitlines()[-1])[1]
         self.start, self.end = events[0][2], events[-1][2]
-        self.length, self.interactions, self.deepest = [0.0] * media, [0] * media, -math.inf
+        self.length, self.interactions, self.momentum, self.deepest = [0.0] * media, [0] * media, [0.0] * media, -math.inf
         counts = events[0][1] > 0
         for (what, medium, place), before in zip(events[1:], events):
             if counts:
                 self.length[before[1]] += math.dist(place[:3], before[2][:3])
-                self.interactions[medium] += what == "interact"
+                if what == "interact":
+                    self.interactions[medium] += 1
+                    self.momentum[medium] += math.dist(place[3:6], before[2][3:6]) ** 2 / 2
             if counts or what in ("reflect", "transmit"):
                 self.deepest = max(self.deepest, place[2])
             counts = counts or what in ("reflect", "transmit")
         self.deepest = max(self.deepest, self.start[2]) if events[0][1] > 0 else self.deepest
 
     def seen(self, scene, detector):
-        """What the detector sees of it: [weight, path by medium, interactions, largest depth]."""
+        """What the detector sees of it: [weight, path by medium, interactions, momentum transfer, largest depth]."""
         parts = []
         if self.start[6] < 1 and detector.sees(scene, "top", True, self.start[:2] + [0], (0, 0, -1)):
-            parts.append((1 - self.start[6], [0] * len(self.length), [0] * len(self.length), 0))
+            parts.append((1 - self.start[6], *[[0] * len(self.length)] * 3, 0))
         if self.fate in ("reflected", "transmitted", "specular") and \
                 detector.sees(scene, "bottom" if self.fate == "transmitted" else "top", self.fate == "specular", self.end[:3], self.end[3:6]):
-            parts.append((self.end[6], self.length, self.interactions, self.deepest))
+            parts.append((self.end[6], self.length, self.interactions, self.momentum, self.deepest))
         return parts
 
 
@@ -125,12 +127,12 @@ def brute_force(verdict, name, scene, beam, engine, dice):
         told = sum(packet.told.get(f"d{k}", 0) for packet in packets)
         verdict.check(what, abs(told - weight) < 1e-6, f"traces tell of {told}, not {weight}")
         verdict.check(what, abs(record[f"detector_d{k}"] - weight / PACKETS) < 2e-9, f"{record[f'detector_d{k}']}, not {weight / PACKETS}")
-        means = [record[f"detector_d{k}_deepest"], *sections[f"detector_d{k}_path"], *sections[f"detector_d{k}_interactions"]]
+        means = [record[f"detector_d{k}_deepest"], *sections[f"detector_d{k}_path"], *sections[f"detector_d{k}_interactions"], *sections[f"detector_d{k}_momentum"]]
         if not parts:
             verdict.check(what, means[0] is None and all(math.isnan(mean) for mean in means[1:]), f"sees nothing, of {means}")
             continue
         expected = [sum(part[0] * value for part, value in zip(parts, column)) / weight
-                    for column in zip(*([part[3], *part[1], *part[2]] for part in parts))]
+                    for column in zip(*([part[4], *part[1], *part[2], *part[3]] for part in parts))]
         for mean, value in zip(means, expected):
             verdict.check(what, abs(mean - value) < 1e-5 * abs(value) + 2e-6, f"means {means}, not {expected}")
     verdict.check(name, sum(record[f"detector_d{k}"] > 0 for k in range(len(found))) > 20, "few detectors see anything")

@@ -81,9 +81,10 @@ struct cml_bundle {
     real s[CML_LANES];   /* distance to the next interaction, cm, if no boundary comes first */
     real path[CML_LANES]; /* as in cml_packet; loops count it only where time is asked for */
     real mark[CML_LANES]; /* the same where fluence is asked for */
-    real here[CML_LANES], low[CML_LANES], deepest[CML_LANES]; /* P13, the same where detectors are */
-    cml_u32 before[CML_LANES];                                /* the same */
-    cml_u32 spent[CML_LANES];                                 /* P19, where there are windows */
+    real here[CML_LANES], low[CML_LANES], deepest[CML_LANES],
+        momentum[CML_LANES];             /* P13, the same where detectors are */
+    cml_u32 before[CML_LANES];           /* the same */
+    cml_u32 spent[CML_LANES];            /* P19, where there are windows */
     int gate[CML_LANES];                 /* of A_t: of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */

@@ -95,9 +95,10 @@ CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const s
 }
 
 /* Turns the lanes that interact (P4): by the cells, as cml_scatter_in, or where no medium has a table, and
- * cell is NULL. only_tables: as cml_world says. Both are constant. */
+ * cell is NULL. only_tables: as cml_world says. trails: as in cml_bundle_hop_drop. All are constant. */
 __attribute__((always_inline)) static inline void cml_bundle_spin(const struct cml_phase_cell *cell,
-                                                                  struct cml_bundle *b, const int only_tables)
+                                                                  struct cml_bundle *b, const int only_tables,
+                                                                  const int trails)
 {
     const int lanes = b->lanes;
     const real *restrict const g = CML_OF_MEDIUM(b, g);
@@ -109,6 +110,7 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
         const struct cml_vec v = !cell         ? cml_scatter(u, g[i], b->draw1[i], b->draw2[i])
                                  : only_tables ? cml_scatter_drawn(u, g[i], drawn, b->draw2[i])
                                                : cml_scatter_either(u, g[i], drawn, b->draw1[i], b->draw2[i]);
+        if (trails) b->momentum[i] += cml_pick(active, cml_one_minus_dot(u, v), (real)0);
         b->ux[i] = cml_pick(active, v.x, u.x);
         b->uy[i] = cml_pick(active, v.y, u.y);
         b->uz[i] = cml_pick(active, v.z, u.z);
@@ -118,10 +120,11 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
 CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
                                         int only_tables)
 {
+    const int trails = b->stay != NULL;
     if (only_tables)
-        cml_bundle_spin(cell, b, 1);
+        trails ? cml_bundle_spin(cell, b, 1, 1) : cml_bundle_spin(cell, b, 1, 0);
     else
-        cml_bundle_spin(cell, b, 0);
+        trails ? cml_bundle_spin(cell, b, 0, 1) : cml_bundle_spin(cell, b, 0, 0);
 }
 
 /* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
@@ -166,7 +169,7 @@ CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struc
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 0);
-    cml_bundle_spin(NULL, b, 0);
+    cml_bundle_spin(NULL, b, 0, 0);
     return low;
 }
 
@@ -175,7 +178,7 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin(NULL, b, 0);
+    cml_bundle_spin(NULL, b, 0, 0);
     return low;
 }
 
@@ -183,14 +186,14 @@ CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 1, 1);
-    cml_bundle_spin(NULL, b, 0);
+    cml_bundle_spin(NULL, b, 0, 1);
     return low;
 }
 
 CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_hop_drop(setup, b, 0, 1);
-    cml_bundle_spin(NULL, b, 0);
+    cml_bundle_spin(NULL, b, 0, 1);
     return low;
 }
 

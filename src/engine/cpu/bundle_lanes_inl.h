@@ -134,9 +134,10 @@ __attribute__((noinline, cold)) static void cml_end_lane_visit(struct cml_flight
 {
     struct cml_bundle *b = f->b;
     struct cml_trail trail = cml_lane_trail(b, i);
-    cml_add_visit(f->world, &trail, b->medium[i], b->here[i], b->low[i], b->interactions[i] - b->before[i]);
+    cml_add_visit(f->world, &trail, b->medium[i], b->here[i], b->low[i], b->momentum[i],
+                  b->interactions[i] - b->before[i]);
     b->deepest[i] = trail.deepest;
-    b->here[i] = 0;
+    b->here[i] = b->momentum[i] = 0;
     b->low[i] = -CML_INFINITY;
     b->before[i] = b->interactions[i];
 }
@@ -178,6 +179,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
         packet->trail = cml_lane_trail(b, i);
         packet->here = b->here[i];
         packet->low = b->low[i];
+        packet->momentum = b->momentum[i];
         packet->before = b->before[i];
     }
     packet->w = b->w[i];
@@ -245,6 +247,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     if (b->stay) {
         b->here[i] = packet->here;
         b->low[i] = packet->low;
+        b->momentum[i] = packet->momentum;
         b->before[i] = packet->before;
         b->deepest[i] = packet->trail.deepest;
     }

@@ -183,7 +183,7 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
     struct cml_trail trail = cml_lane_trail(b, i);
     cml_begin_trail(f->world, &trail, b->medium[i], b->path[i]);
     b->deepest[i] = trail.deepest;
-    b->here[i] = 0;
+    b->here[i] = b->momentum[i] = 0;
     b->low[i] = cml_first_low(b->path[i], b->z[i]);
     b->before[i] = 0;
     if (f->factors && b->path[i] > 0) b->path[i] = 0; /* as in cml_launch_path */
@@ -327,6 +327,7 @@ static void cml_launch_branch(struct cml_flight *f, int i)
     b->mark[i] = packet.mark;
     b->here[i] = packet.here;
     b->low[i] = packet.low;
+    b->momentum[i] = packet.momentum;
     b->before[i] = packet.before;
     b->deepest[i] = packet.trail.deepest;
     f->late &= ~CML_LANE_BIT(i);

@@ -28,7 +28,7 @@ import numpy as np
 
 from . import errors
 from .command_line import Parser, check_overwrite, picture_path, print_text, readable, shown_path
-from .fields import Field, Fields
+from .fields import OF_DETECTED, Field, Fields
 from .results import read_as
 
 ENOUGH = 20.0  # packets of the mean weight in the smaller run, for a test
@@ -76,7 +76,7 @@ class Array:
         self.packets = [float(result.attrs["photons"]) for result in results]
         self.lends = [result.attrs.get("sampling", "random") != "lattice" for result in results]
         self.total = name in TOTALS
-        self.alone = "inside" in self.dims or "side" in self.dims or name.endswith(("_path", "_interactions", "_deepest"))
+        self.alone = "inside" in self.dims or "side" in self.dims or OF_DETECTED.fullmatch(name) is not None
         facets = bool(re.search("_(irradiance|exitance)_", name)) or any(str(dim).endswith("facet") for dim in self.dims)
         self.deep = facets or bool({"z", "z_volume", "layer", "body"} & set(self.dims)) or name.startswith(("A_", "phi_"))  # a packet scores in many bins
         self.split = any("aim" in result.attrs for result in results)  # a packet may end in several places
@@ -347,8 +347,8 @@ class Comparison:
 
     def _seen(self, name: str) -> list[tuple[float, float]]:
         """Of a mean of a detector what that has seen in both files, and its errors."""
-        base = re.sub("_(path|interactions|deepest)$", "", name)
-        return [(float(result[base]), float(result[base + "_se"])) for result in self.results if base != name and base + "_se" in result]
+        mean = OF_DETECTED.fullmatch(name)
+        return [(float(result[mean[1]]), float(result[mean[1] + "_se"])) for result in self.results if mean and mean[1] + "_se" in result]
 
     def _check(self, array: Array, k: int) -> None:
         """Refuses numbers that no run writes. Errors of a single packet, and means of nothing, do not exist."""

@@ -6,6 +6,7 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -13,6 +14,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
+
+OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over what a detector has seen
 
 
 @dataclass

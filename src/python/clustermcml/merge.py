@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Sequence, Union
 import numpy as np
 
 from . import errors
+from .fields import OF_DETECTED
 from .results import read
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", 
 OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that are alike in all results
 DIGITS = 1e-5  # of numbers of the scene in an .mco
 SUMS = ("lost", "residue")
-OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|deepest)")  # means over what a detector has seen
 STREAM = re.compile(r"seed (\d+), run (\d+)")
 
 

@@ -62,8 +62,9 @@ static const size_t sizes[CML_NUM_ARRAYS][5] = {
     [CML_ARRAY_detector_t_later] = {0, 2, 0, 0, 0},
     [CML_ARRAY_detector_path] = {0, 2 * 5, 0, 0, 0},
     [CML_ARRAY_detector_interactions] = {0, 2 * 5, 0, 0, 0},
+    [CML_ARRAY_detector_momentum] = {0, 2 * 5, 0, 0, 0},
     [CML_ARRAY_detector_deepest] = {0, 2, 0, 0, 0},
-    [CML_ARRAY_moments] = {2 * 11 * 3, 0, 2 * 11 * 3, 2 * 11 * 2, 0},
+    [CML_ARRAY_moments] = {2 * 16 * 3, 0, 2 * 16 * 3, 2 * 16 * 2, 0},
     [CML_ARRAY_expected] = {3, 3, 3, 0, 0},
     [CML_ARRAY_Rd_xya] = {15 * 2, 15 * 2, 0, 0, 0},
     [CML_ARRAY_Tt_xya] = {15 * 2, 15 * 2, 0, 0, 0},
@@ -97,7 +98,7 @@ static void places_are_those_of_checkpoints(void **state)
                             result = cml_layout_of(&of, CML_OF_RESULT);
     const size_t batched = 16 * 24 + 77 + 4 * 30 + 16 * 57 + 56 * 16 + 16 * F + 2 * 5 + 16 * 24;
     assert_int_equal(tally.A_l, 0);
-    assert_int_equal(tally.expected, 5 + 3 * 7 + 2 + 14 + 66);
+    assert_int_equal(tally.expected, 5 + 3 * 7 + 2 + 14 + 96);
     assert_int_equal(tally.Rd_ra, tally.expected + 3);
     assert_int_equal(tally.A_rz, tally.Rd_ra + 2 * 16 * 8 + 77);
     assert_int_equal(tally.Rd_xya, tally.A_rz + 16 * 24 + 64 * 24);
@@ -108,7 +109,7 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(result.A_l, batched + 64 * (T + 3 + 3 + 2 + 2));
     assert_int_equal(result.A_t_later, result.A_l + 64 * (5 + 4 + 7 + 7 + 6));
     assert_int_equal(result.detector_path, result.A_t_later + 64 * (1 + 2 + 12 + 2));
-    assert_int_equal(result.phi_z, result.detector_path + 64 * (22 + 3 + 12));
+    assert_int_equal(result.phi_z, result.detector_path + 64 * (32 + 3 + 12));
     assert_int_equal(result.cells, result.phi_z + 64 * 4);
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].squares, 60);
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].step, 0);

@@ -16,14 +16,14 @@ struct cml_branches {
 };
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] of every group, or
- * NULL, A_l: [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each:
- * A_xyz: [nz ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. Of one thread
- * again, expected: [scores of the tail] (P15) or NULL; expected_late: the same once more, of the batch of a
- * packet that is late, or NULL. */
+ * NULL, A_l: [num_layers + 2] by medium, A_t: [gates + 1] or NULL, A_lt: the same by medium. All threads',
+ * too large for a copy each: A_xyz: [nz ny nx + 1] or NULL, facets: [facets of all
+ * boundaries][CML_FACET_SCORES] or NULL. Of one thread again, expected: [scores of the tail] (P15) or NULL;
+ * expected_late: the same once more, of the batch of a packet that is late, or NULL. */
 struct cml_deposits {
     cml_u32 group_cells;            /* from A_rz of a group to that of the next; 0: they have one */
     cml_u64 voxel_step, facet_step; /* the same of A_xyz and facets */
-    cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
+    cml_u64 *A_rz, *A_l, *A_t, *A_lt, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;      /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared; /* by all threads */
     cml_u64 *phi_xyz;  /* [nz ny nx][CML_NUM_GROUPS] or NULL, all threads' */
@@ -65,6 +65,14 @@ CML_FN void cml_add_mark(const struct cml_deposits *to, cml_u32 cell, cml_u64 w)
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
     to->A_l[medium] += dw;
+}
+
+/* dw is absorbed in a gate: A_t, which there is, and A_lt. */
+CML_FN void cml_add_to_gate(const struct cml_deposits *to, struct cml_gates gates, int medium, int gate,
+                            cml_u32 dw)
+{
+    to->A_t[gate] += dw;
+    if (to->A_lt) to->A_lt[medium * (gates.count + 1) + gate] += dw;
 }
 
 /* The square of a weight in units of 2^CML_SQUARE_SHIFT squared: 64 bits hold the sum over all packets. */

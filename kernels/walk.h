@@ -88,7 +88,7 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     if (cml_has_volume(to)) cml_add_to_voxel(to, packet->index, cml_voxel(setup, packet->p, bins), dw);
     if (!setup->tally_absorption) return;
 #ifndef __OPENCL_VERSION__
-    if (to->A_t) to->A_t[cml_gate(setup->gates, packet->path)] += dw;
+    if (to->A_t) cml_add_to_gate(to, setup->gates, packet->medium, cml_gate(setup->gates, packet->path), dw);
 #endif
     const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);

@@ -422,6 +422,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
                                     .A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,
+                                    .A_lt = tally->A_lt,
                                     .A_xyz = tally->A_xyz,
                                     .expected = tally->expected,
                                     .facets = tally->facets,

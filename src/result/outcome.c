@@ -58,14 +58,14 @@ static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     const double da = cml_angle_width(o->na), gate = o->num_gates > 0 ? o->time_end / o->num_gates : 0;
     if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
-    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? gate : 1;
+    if (axis[0] == CML_AXIS_gate || axis[1] == CML_AXIS_gate) return gate;
+    if (axis[0] == CML_AXIS_detector) return 1;
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
         return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
     }
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
-    if (axis[0] == CML_AXIS_gate) return gate;
     return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
 }
 
@@ -169,9 +169,11 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
                  length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
-                                                           : 0;
-    const double sum = length * cml_result_sum(sums, (enum cml_array)info->sums, (size_t)(first + i));
-    *error = length * cml_result_sum_error(sums, (enum cml_array)info->sums, (size_t)(first + i)) / measure;
+                                                           : 0,
+              gates = info->axis[1] == CML_AXIS_gate ? o->num_gates : 1;
+    const double sum = length * cml_result_sum(sums, (enum cml_array)info->sums, (size_t)(first * gates + i));
+    *error = length * cml_result_sum_error(sums, (enum cml_array)info->sums, (size_t)(first * gates + i)) /
+             measure;
     return density(o, quantity, measure, sum);
 }
 

@@ -115,6 +115,8 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(body_r_max, "cm", INPUT, 0, OVER1(body), H5, "largest distance of the box around the body from the z axis") \
     Q(height, "cm", FIELD, 0, OVER1(radius), 0, "height of the shape, up from the depth of its boundary; linear in between") \
     Q(A_body, "1", BODIES, CML_ARRAY_A_l, OVER1(body), H5, "absorption by body") \
+    Q(A_body_t, "1/ps", BODIES, CML_ARRAY_A_lt, OVER2(body, gate), H5, "absorption by body and time") \
+    Q(A_body_t_later, "1", BODIES, CML_ARRAY_A_lt_later, OVER1(body), H5, "absorption by body later than all gates") \
     Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, H5 | JSON, "kept by the backing") \
     Q(Tt_expected, "1", EXPECTED, 0, NUMBER, H5 | JSON, "transmittance, by what flat layers let through") \
     Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), H5 | JSON, \

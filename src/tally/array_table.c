@@ -18,13 +18,13 @@ const struct cml_array_info cml_arrays[CML_NUM_ARRAYS] = {
     _(Rd_xya), _(Tt_xya), _(A_xyz), _(phi_xyz), _(facets), _(detector_map), _(Rd_dir), _(Tt_dir), _(Rsp_dir)
 
 static const enum cml_array
-    of_tally[] = {_(A_l), _(Rd_t), _(Tt_t), _(A_t), _(detector), _(detector_t), _(moments), _(expected),
-                  _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), MAPS},
+    of_tally[] = {_(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt), _(detector), _(detector_t), _(moments),
+                  _(expected), _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), MAPS},
     of_result[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(rows), MAPS, _(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a),
-                   _(A_l), _(A_z), _(Rd_t), _(Rd_t_later), _(Tt_t), _(Tt_t_later), _(A_t), _(A_t_later),
+                   _(A_l), _(A_z), _(Rd_t), _(Rd_t_later), _(Tt_t), _(Tt_t_later), _(A_t), _(A_t_later), _(A_lt), _(A_lt_later),
                    _(detector), _(detector_t), _(detector_t_later), _(detector_path),
                    _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z)},
-    of_profiles[] = {_(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_z), _(A_l), _(Rd_t), _(Tt_t), _(A_t),
+    of_profiles[] = {_(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_z), _(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt),
                      _(detector), _(detector_t), _(moments), _(expected)},
     of_row_bins[] = {_(terms), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_l), _(Rd_t), _(Tt_t), _(detector),
                      _(detector_t), _(moments), _(A_t), _(A_z)},
@@ -97,6 +97,7 @@ static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, 
                                                         : grid->absorption || (profiles && grid->depths);
     case CML_IF_GATES: return grid->gates > 0;
     case CML_IF_TIMES: return rows ? grid->row_times : grid->gates > 0 && (timed || grid->depths);
+    case CML_IF_MEDIUM_TIMES: return cml_has_medium_times(grid) && !rows;
     case CML_IF_MEANS: return !rows || grid->row_means;
     case CML_IF_FLUENCE: return grid->marks > 0;
     case CML_IF_OWNER: return holder != CML_OF_TALLY || !grid->of_thread;

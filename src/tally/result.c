@@ -246,7 +246,8 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
 {
     const struct cml_layout *layout = &result->layout;
     const struct cml_array_info *info = &cml_arrays[array];
-    const bool gates = info->axis[0] == CML_CELLS_gate, samples = array == CML_ARRAY_A_rz;
+    const bool gates = info->axis[0] == CML_CELLS_gate || info->axis[1] == CML_CELLS_gate,
+               samples = array == CML_ARRAY_A_rz;
     const size_t size = layout->size[array], step = layout->once[array].step;
     cml_u128 sum = 0;
     if (info->term == CML_NO_TERM || !size || (samples && result->grid.row_depths)) return 0;

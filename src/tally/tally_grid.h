@@ -77,6 +77,14 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
 
+/* Absorption by medium and gate has at most so many cells; with more there is none. */
+#define CML_MEDIUM_TIMES 65536
+static inline bool cml_has_medium_times(const struct cml_tally_grid *grid)
+{
+    return grid->gates > 0 && (grid->absorption || grid->depths) && !grid->row_times && !grid->row_depths &&
+           cml_tally_media(grid) * ((size_t)grid->gates + 1) <= CML_MEDIUM_TIMES;
+}
+
 /* What escapes from facets. */
 static inline struct cml_once cml_facet_once(const struct cml_tally_grid *grid)
 {

@@ -101,10 +101,14 @@ __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, 
 {
     const int gate = f->b->gate[i];
     if (f->factors) cml_fly_lane_rows(f, i, deposited);
-    if (f->to.A_t) f->to.A_t[gate] += deposited;
+    if (f->to.A_t) cml_add_to_gate(&f->to, f->world->setup.gates, f->b->medium[i], gate, deposited);
     if (!(f->late & CML_LANE_BIT(i))) return;
     f->late_profiles[i][f->tally->profile.A_l + (size_t)f->b->medium[i]] += deposited;
-    if (f->to.A_t) f->late_profiles[i][f->tally->profile.A_t + (size_t)gate] += deposited;
+    if (!f->to.A_t) return;
+    const struct cml_deposits late = {.A_t = f->late_profiles[i] + f->tally->profile.A_t,
+                                      .A_lt =
+                                          f->to.A_lt ? f->late_profiles[i] + f->tally->profile.A_lt : NULL};
+    cml_add_to_gate(&late, f->world->setup.gates, f->b->medium[i], gate, deposited);
 }
 
 /* The backing leaves w of the lane's packet, whose deposits have been booked. */

@@ -117,6 +117,24 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(result.Tt_dir, result.Rd_dir + 8);
 }
 
+/* Not of rows, which the grid above has. */
+static void absorption_by_medium_and_time_is_of_few_cells(void **state)
+{
+    (void)state;
+    struct cml_tally_grid of = of_all;
+    of.row_depths = of.row_times = false;
+    for (int gates = 13106; gates <= 13107; gates++) { /* 5 media: 65535 and 65540 cells */
+        of.gates = gates;
+        const bool few = gates == 13106;
+        const struct cml_layout tally = cml_layout_of(&of, CML_OF_TALLY),
+                                result = cml_layout_of(&of, CML_OF_RESULT);
+        assert_int_equal(tally.size[CML_ARRAY_A_lt], few ? 65535 : 0);
+        assert_int_equal(result.size[CML_ARRAY_A_lt], few ? 65530 : 0);
+        assert_int_equal(result.size[CML_ARRAY_A_lt_later], few ? 5 : 0);
+        assert_int_equal(cml_layout_of(&of, CML_OF_ROW_BINS).size[CML_ARRAY_A_lt], 0);
+    }
+}
+
 static struct cml_tally_grid random_grid(struct dice *dice)
 {
     struct cml_tally_grid of = {.nr = 1 + dice_below(dice, 5),
@@ -194,6 +212,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_array_has_the_cells_of_its_axes),
+        cmocka_unit_test(absorption_by_medium_and_time_is_of_few_cells),
         cmocka_unit_test(places_are_those_of_checkpoints),
         cmocka_unit_test(arrays_fill_their_block_and_share_no_cell),
         cmocka_unit_test(threads_borrow_what_they_have_not),

@@ -3,22 +3,45 @@
     warm_python.py serve SOCKET        waits for calls until whoever started it has ended
     warm_python.py call SOCKET WORD... does what `python3 WORD...` would, -c TEXT, - or FILE, in a child of the other process
 
-A child has the folder, environment, standard streams and words of the call, and imports the package itself. Signals that
+A child has the folder, environment, standard streams, limit of memory and words of the call, and imports the package itself. Signals that
 the caller gets do not reach the child. Exit code 77 of `serve`: a library is missing.
 SPDX-License-Identifier: MIT
 """
 import json
 import os
+import resource
 import socket
 import sys
 
 MOST = 1 << 20  # bytes of words and environment
 
 
+def start():
+    """For tests in Python: from here on the program hands over to one that is warm, which ends with the test."""
+    import atexit
+    import shutil
+    import subprocess
+    import tempfile
+    import time
+    folder, python = tempfile.mkdtemp(), os.environ.get("CLUSTERMCML_PYTHON", sys.executable)
+    path, command = os.path.join(folder, "socket"), os.path.join(folder, "python")
+    server = subprocess.Popen([python, "-B", os.path.abspath(__file__), "serve", path])
+    atexit.register(lambda: (server.terminate(), server.wait(), shutil.rmtree(folder)))
+    with open(command, "w", encoding="utf-8") as file:
+        file.write(f'#!/bin/sh\nexec "{python}" -IS "{os.path.abspath(__file__)}" call "{path}" "$@"\n')
+    os.chmod(command, 0o755)
+    while not os.path.exists(path):
+        if server.poll() is not None:
+            sys.exit(server.returncode)
+        time.sleep(0.05)
+    os.environ["CLUSTERMCML_PYTHON"] = command
+    return command
+
+
 def call(path, words):
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
         server.connect(path)
-        said = json.dumps([words, os.getcwd(), dict(os.environ)])
+        said = json.dumps([words, os.getcwd(), dict(os.environ), resource.getrlimit(resource.RLIMIT_AS)])
         socket.send_fds(server, [said.encode()], [0, 1, 2])
         return int(server.recv(16) or 70)
 
@@ -47,7 +70,8 @@ def answer(client):
     for number, stream in enumerate(streams):
         os.dup2(stream, number)
         os.close(stream)
-    words, folder, environment = json.loads(said)
+    words, folder, environment, memory = json.loads(said)
+    resource.setrlimit(resource.RLIMIT_AS, memory)
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)

@@ -29,12 +29,16 @@ cmake --build build --parallel 2 --target all benches
 
 # Tests wait for files and for one another: what the sanitizers need is built in those gaps.
 CC=clang CXX=clang++ cmake --preset asan >/dev/null
-nice -n 19 cmake --build build-asan --parallel 2 --target clustermcml units fuzzers >build-asan/build.log 2>&1 &
+CC=clang CXX=clang++ cmake --preset tsan -DCLUSTERMCML_TESTS=ON >/dev/null
+{
+    nice -n 19 cmake --build build-asan --parallel 2 --target clustermcml units fuzzers >build-asan/build.log 2>&1 &&
+        nice -n 19 cmake --build build-tsan --parallel 2 --target clustermcml unit_work >build-tsan/build.log 2>&1
+} &
 sanitized=$!
 now tests
 ctest --test-dir build -LE long --output-on-failure -j4
 now "the rest of the sanitizers' build"
-wait $sanitized || { cat build-asan/build.log; exit 1; }
+wait $sanitized || { cat build-asan/build.log build-tsan/build.log; exit 1; }
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 now "sanitized units"
 ctest --test-dir build-asan -L unit --output-on-failure -j2

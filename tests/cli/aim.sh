@@ -3,6 +3,7 @@
 # threads, with --keep and --more; what cannot be aimed at is refused by name. stat.tail judges the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
+warm_python
 mkdir "$work/a" "$work/b" "$work/c" "$work/d"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 hill='b 3 0.05 0.1 -0.05 0.2 0 0.1\n'
@@ -52,7 +53,7 @@ of() { whole "$2" | sed -n "/^$1 #/{n;p;}"; }
 expect_code 0 compare "$work/a/x.mco" "$work/c/x.mco"
 grep -q '^Tt_expected 1 bins in 1 tests, worst z ' "$work/out" && grep -q '^A_l_expected 3 bins in 4 tests, .* at ' "$work/out" ||
     complain "compare: $(cat "$work/out")"
-/usr/bin/python3 -c 'import h5py, sys
+"$CLUSTERMCML_PYTHON" -c 'import h5py, sys
 with h5py.File(sys.argv[1], "r+") as file: file["Tt_expected"][()] *= 1.1' "$work/c/x.h5"
 expect_code 1 compare "$work/a/x.mco" "$work/c/x.mco"
 printf 'layer2.mua\n2\n4\n' >"$work/t.csv"

@@ -2,7 +2,7 @@
 # compare: exit codes, words, JSON and picture, for our own files and for such as original MCML writes.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-need_package
+warm_python
 mkdir "$work/1" "$work/2" "$work/3"
 for seed in 1 2; do
     expect_code 0 samples/mcml_sample.mci --photons 2e4 --seed $seed --quiet -o "$work/$seed"
@@ -73,7 +73,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     a=$work/v1/v.h5 b=$work/v9/v.h5
     # The sum of a map whose pixels are each within their noise is not.
     cp "$a" "$work/bright.h5"
-    "${CLUSTERMCML_PYTHON:-python3}" -c 'import h5py, sys; map = h5py.File(sys.argv[1], "r+")["Rd_xy"]; map[...] = 1.5 * map[...]' "$work/bright.h5"
+    "$CLUSTERMCML_PYTHON" -c 'import h5py, sys; map = h5py.File(sys.argv[1], "r+")["Rd_xy"]; map[...] = 1.5 * map[...]' "$work/bright.h5"
     expect_code 1 compare "$a" "$work/bright.h5"
     grep -q '^Rd_xy 64 bins in .* at the sum$' "$work/out" || complain "no sum: $(grep Rd_xy "$work/out")"
     expect_code 1 compare "$a" "$b"

@@ -2,8 +2,7 @@
 # plot: pictures of results, curves of others and sweeps, which are complete or absent, and hold the numbers of their files.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-need_package
-python=${CLUSTERMCML_PYTHON:-python3}
+warm_python
 for sample in fig5 shapes/hinoise shapes/plane; do
     expect_code 0 samples/$sample.mci --photons 2e4 --quiet -o "$work"
 done
@@ -68,7 +67,7 @@ grep -q -e "--of nix (expected a column of $grid: row, layer1.mua, " "$work/err"
 if "$program" --version | grep -q "HDF5 yes"; then
     printf '1.0\n1\nv.h5 B\n2e3\nmap 8 6 0.05 0.05 angles volume\nfluence\nfacets\ntime 100 10\ndirections 4 6\ndetector map 8 8 0.05 0.05 na=0.9 name=cam\n0.02 0.05\n10 8 4\n2\n1\nb 3  0.05 0.02  0.02 0.04  0 0.05\n1.4 1 50 0.7 0.2\ni sphere 0.1 0.1 0.1 0.05 1.4 5 50 0.7\n1.5 2 30 .8 .1\n1\n' >"$work/v.mci"
     expect_code 0 "$work/v.mci" --quiet -o "$work"
-    "$python" tests/lib/drawn_arrays.py "$work/v.h5" 2>"$work/err" || complain "arrays: $(tail -n 3 "$work/err")"
+    "$CLUSTERMCML_PYTHON" tests/lib/drawn_arrays.py "$work/v.h5" 2>"$work/err" || complain "arrays: $(tail -n 3 "$work/err")"
     expect_code 0 plot "$work/v.h5" --of A_xyz --cut z=0.05 -o "$work/cut.svg"
     has cut.svg 'A_xyz  [1/cm³], z = 0.05' '>x  [cm]<' '>y  [cm]<'
     expect_code 0 plot "$work/v.h5" --of Rd_dir -o "$work/dir.svg"
@@ -95,7 +94,7 @@ mkdir "$work/empty"
 lacks "" "plot: python3 cannot be started" fig5.mco "$work/empty"
 with() { # STATEMENT that is run first
     printf 'import sys\n%s\nsys.argv = sys.argv[1:]\ncode = sys.argv.pop(1)\nexec(code)\n' "$1" >"$work/without.py"
-    printf '#!/bin/sh\nshift\nexec "%s" "%s" -c "$@"\n' "$python" "$work/without.py" >"$work/bare"
+    printf '#!/bin/sh\nshift\nexec "%s" "%s" -c "$@"\n' "$cold_python" "$work/without.py" >"$work/bare"
     chmod +x "$work/bare"
 }
 touch "$work/bare.h5"
@@ -111,9 +110,9 @@ lacks "$work/bare" "plot: .* is older than Python 3.9"
 # An empty PYTHONPATH does not let modules of the current folder in; what a library refuses is one line.
 mkdir "$work/evil"
 echo 'raise ValueError("of the current folder")' >"$work/evil/matplotlib.py"
-(cd "$work/evil" && PYTHONPATH='' "$program" plot "$work/fig5.mco" -o good.svg >/dev/null 2>"$work/err") || complain "a module of the folder: $(cat "$work/err")"
+(cd "$work/evil" && PYTHONPATH='' CLUSTERMCML_PYTHON=$cold_python "$program" plot "$work/fig5.mco" -o good.svg >/dev/null 2>"$work/err") || complain "a module of the folder: $(cat "$work/err")"
 code=0
-PYTHONPATH=$work/evil "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
+PYTHONPATH=$work/evil CLUSTERMCML_PYTHON=$cold_python "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
 # the package stands first on the path, what it imports does not
 test $code -eq 2 && test "$(cat "$work/err")" = "clustermcml: plot: ValueError: of the current folder (set CLUSTERMCML_TRACEBACK=1 to see where)" ||
     complain "a library's error: $code $(cat "$work/err")"

@@ -2,13 +2,13 @@
 # The picture of a scene: what must stand in it, that no two texts overlap, and which run of a file it shows.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-need_package
+warm_python
 
 draw() { # NAME SCENE TEXT...: draws NAME.svg; every TEXT stands in it
     picture=$work/$1.svg
     expect_code 0 view "$2" -o "$picture"
     grep -qxF -- "$picture" "$work/out" || complain "view does not name its picture: $(cat "$work/out")"
-    python3 tests/lib/svg_text.py "$picture" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
+    "$CLUSTERMCML_PYTHON" tests/lib/svg_text.py "$picture" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
     name=$1
     shift 2
     for text; do grep -qF -- "$text" "$picture" || complain "$name: no \"$text\""; done
@@ -62,7 +62,7 @@ draw fibres samples/fibres.mci '>detector near<' '>detector far<'
 # Detectors are as wide as they are, and their names lie in the frame, before what stands beside it.
 printf '1.0\n1\nd.mco A\n1000\n0.01 0.01\n50 60 10\ndetector disk 0.1 at=0.5,0 name=near\ndetector rectangle 0.2 0.1 at=0.7,0 name=the_rightmost_one\n1\n1.0\n1.4 1 10 0.8 0.1\n1.0\n' >"$work/d.mci"
 draw d "$work/d.mci" '>detector near<' 'times as high as x is wide'
-"${CLUSTERMCML_PYTHON:-python3}" - "$work/d.svg" <<'END' || complain "detectors"
+"$CLUSTERMCML_PYTHON" - "$work/d.svg" <<'END' || complain "detectors"
 import sys
 import xml.etree.ElementTree as tree
 sys.path[:0] = ["src/python", "tests/lib"]
@@ -91,7 +91,7 @@ expect_code 0 view samples/two_runs.mci -o "$work/again.svg" --quiet
 cmp -s "$work/first.svg" "$work/again.svg" || complain "the same scene has other bytes"
 
 # What the plane cuts, where that is known: a pyramid has its slopes, and goes on as a plane.
-"${CLUSTERMCML_PYTHON:-python3}" - <<'END' || complain "sections"
+"$CLUSTERMCML_PYTHON" - <<'END' || complain "sections"
 import sys
 sys.path.insert(0, "src/python")
 from clustermcml.view import _boundary_pieces, _read_obj

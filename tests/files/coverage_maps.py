@@ -1,8 +1,10 @@
-"""Standard errors of pixels and facets: how often 500 independent runs lie within 1 and 2 of them from the mean of all.
+"""Standard errors of pixels and facets: how often 150 independent runs lie within 1 and 2 of them from the mean of all; an
+argument says how many runs (long.coverage_maps: 500).
 
 Errors come from 16 groups of packets, with random sampling and with the lattice. Every pixel of Rd_xy and Tt_xy, bin of
-Rd_xya, and ring of Rd with 60 packets or more in a run; shares must be 66.7 +- 7 % and 93.6 +- 5.5 %, those of Student's
-distribution with 15 degrees of freedom, 3.3 and 5 deviations for each: groups of four packets are skewed."""
+Rd_xya, and ring of Rd with 60 packets or more in a run; of 500 runs shares must be 66.7 +- 7 % and 93.6 +- 5.5 %, those of
+Student's distribution with 15 degrees of freedom, 3.3 and 5 deviations for each: groups of four packets are skewed. Of 150 runs they
+may be off by 12.8 and 10 %, which an error that is a third too small or half too large exceeds."""
 import os
 import sys
 import tempfile
@@ -11,8 +13,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import cml  # noqa: E402
 from fields import h5py, numpy  # noqa: E402
 
-RUNS, PHOTONS, PACKETS = 500, 10000, 60
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # 1500 files, each of them synced
+RUNS, PHOTONS, PACKETS = int(sys.argv[1]) if len(sys.argv) > 1 else 150, 10000, 60
+WIDER = (500 / RUNS) ** 0.5
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
 NAMES = ["Rd_xy", "Tt_xy", "Rd_xya", "boundary0_Rd"]
 
 
@@ -35,7 +38,7 @@ def check(verdict, sampling, name, values, errors):
     one, two = (near <= errors[:, chosen]).mean(axis=0), (near <= 2 * errors[:, chosen]).mean(axis=0)
     print(f"{sampling} {name}: {chosen.sum()} bins; within 1: {100 * one.mean():.1f} % ({100 * one.min():.1f}..."
           f"{100 * one.max():.1f}), within 2: {100 * two.mean():.1f} % ({100 * two.min():.1f}...{100 * two.max():.1f})")
-    verdict.check(name, bool(numpy.all((abs(one - 0.667) <= 0.07) & (abs(two - 0.936) <= 0.055))), sampling)
+    verdict.check(name, bool(numpy.all((abs(one - 0.667) <= 0.07 * WIDER) & (abs(two - 0.936) <= 0.055 * WIDER))), sampling)
     verdict.check(name, chosen.sum() >= 2, f"{sampling}: bins with enough packets")
 
 

@@ -12,6 +12,7 @@ import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
+import warm_python  # noqa: E402
 from fields import fly_twice, h5py, numpy  # noqa: E402
 
 SCENE = """1.0
@@ -269,6 +270,7 @@ def check(verdict, name, command, message):
 
 def main():
     verdict = cml.Verdict("crafted")
+    warm_python.start()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         fly_twice(SCENE, (2000, 2000))

@@ -31,17 +31,30 @@ expect_error() { # CODE MESSAGE ARGUMENTS...
     test ! -s "$work/out" || complain "clustermcml $*: wrote to standard output"
 }
 
-# Skips the test where Python lacks what pictures and comparisons need.
-need_package() {
-    "${CLUSTERMCML_PYTHON:-python3}" -c "import h5py, matplotlib, xarray" 2>/dev/null || { echo "python3 lacks h5py, matplotlib or xarray"; exit 77; }
+# Commands in Python are done from here on in children of one process, which has its libraries already (warm_python.py says
+# more); $cold_python is the one that starts anew. Skips the test where libraries are missing.
+warm_python() {
+    cold_python=${CLUSTERMCML_PYTHON:-/usr/bin/python3}
+    warm=$(mktemp -d)
+    "$cold_python" -B tests/lib/warm_python.py serve "$warm/socket" >"$warm/out" &
+    warm_server=$!
+    trap 'kill $warm_server; wait $warm_server; rm -rf "$warm" "$work"' EXIT
+    until test -e "$warm/socket"; do
+        kill -0 $warm_server 2>/dev/null || { cat "$warm/out"; wait $warm_server; code=$?; trap 'rm -rf "$warm" "$work"' EXIT; exit $code; }
+        sleep 0.05
+    done
+    printf '#!/bin/sh\nexec "%s" -IS "%s" call "%s" "$@"\n' "$cold_python" "$PWD/tests/lib/warm_python.py" "$warm/socket" >"$warm/python"
+    chmod +x "$warm/python"
+    export CLUSTERMCML_PYTHON="$warm/python"
 }
 
 # Pictures in $work must have no two texts at one place.
 check_texts() {
+    set --
     for picture in "$work"/*.svg; do
-        grep -q '<svg' "$picture" || continue
-        python3 tests/lib/svg_text.py "$picture" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
+        if grep -q '<svg' "$picture"; then set -- "$@" "$picture"; fi
     done
+    python3 tests/lib/svg_text.py "$@" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
 }
 
 finish() {

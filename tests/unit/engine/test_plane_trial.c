@@ -115,10 +115,11 @@ static void the_outcome_depends_on_the_scene_only(void **state)
     static const struct cml_engine_options others[] = {
         {.seed = 7, .threads = 3, .reentry = true},
         {.seed = 1, .run = 5, .threads = 1, .chunk = 7, .reentry = true}};
-    struct bench first = choose(state, hill("0.1002", ""), &asked);
+    const char *const height = SANITIZED ? "0.15" : "0.1002"; /* of this the trial is long */
+    struct bench first = choose(state, hill(height, ""), &asked);
     for (int i = SANITIZED; i < 2; i++) {
         const char *map = i ? "map 3 3 1 1" : "";
-        struct bench other = choose_with(state, hill("0.1002", map), &asked, &others[i]);
+        struct bench other = choose_with(state, hill(height, map), &asked, &others[i]);
         assert_string_equal(other.surfaces.item[0].reason, first.surfaces.item[0].reason);
         assert_true(other.surfaces.item[0].expectation.bias == first.surfaces.item[0].expectation.bias);
         tear_down(&other);
@@ -133,7 +134,7 @@ static void faces_of_a_clear_first_layer_stay_at_normal_incidence(void **state)
     static const char *const text = "1.0\n1\nx.mco A\n10\nbeam pencil angle=%d\n0.02 0.02\n20 20 3\n2\n1\n"
                                     "b 2 1e-6 0.1 0 0.1\n1.5 0 0 0 1\n1.4 1 10 0.5 1\n1\n";
     char scene[256];
-    for (int angle = 0; angle <= 20; angle += 20) {
+    for (int angle = 0; angle <= (SANITIZED ? 0 : 20); angle += 20) {
         snprintf(scene, sizeof scene, text, angle);
         struct bench bench = choose(state, scene, &asked);
         assert_int_equal(bench.surfaces.item[0].kind, angle ? CML_SURFACE_PLANE : CML_SURFACE_CONE);

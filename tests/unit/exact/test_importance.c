@@ -2,6 +2,7 @@
  * made of it, or of what is wrong. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
+#include "lib/sanitized.h"
 
 #include "engine/engines.h"
 #include "exact/detector_importance.h"
@@ -10,7 +11,7 @@
 
 #include <math.h>
 
-enum { CELLS = 50, RINGS = 40, SEEDS = 16, PACKETS = 3000 };
+enum { CELLS = 50, RINGS = 40, SEEDS = SANITIZED ? 2 : 16, PACKETS = 3000 };
 
 static const char *const slab = "1.0\n1\ns.mco A\n1000\n0.1 0.1\n1 1 1\n1\n1.0\n1.4 0.5 50 0.8 1.2\n1.0\n";
 
@@ -132,7 +133,7 @@ static double fly(struct bench *bench, const char *name, const double truth[2], 
     return error[1] / truth[1];
 }
 
-/* p = -0.3: deep packets shall weigh more, not less. */
+/* p = -0.3: deep packets shall weigh more, not less. Sanitizers see flights that are too few for errors. */
 static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
 {
     const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11};
@@ -155,9 +156,9 @@ static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
     const double error = fly(&bench, "cpu", truth, &off[0]), other = fly(&bench, "reference", truth, &off[1]);
     bench.options.windows = &wrong;
     const double worse = fly(&bench, "cpu", truth, &off[2]);
-    if (fmax(off[0], fmax(off[1], off[2])) > 4.5)
+    if (fmax(off[0], fmax(off[1], off[2])) > 4.5 && !SANITIZED)
         fail_msg("off by %g, %g, %g errors", off[0], off[1], off[2]);
-    if (!(worse > 1.2 * error && other < 1.2 * error))
+    if (!(worse > 1.2 * error && other < 1.2 * error) && !SANITIZED)
         fail_msg("errors %g, %g; wrong %g", error, other, worse);
     cml_window_table_clear(&right);
     cml_window_table_clear(&wrong);

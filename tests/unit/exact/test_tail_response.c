@@ -89,7 +89,7 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
     cml_flat_tail_clear(&tail);
 }
 
-/* Sanitizers, which look for other faults than wrong digits, see no many indices. */
+/* Sanitizers, which look for other faults than wrong digits, see no many indices and no deep layer. */
 static void thick_layers_respond_as_solved(void **state)
 {
     (void)state;
@@ -105,7 +105,7 @@ static void thick_layers_respond_as_solved(void **state)
                                            {1.5, 0, 0, 0, 0.1, NULL, {0}, 0, 0},
                                            {1.33, 3, 5, 0.5, 0.2, NULL, {0}, 0, 0},
                                            {.n = 1.2}};
-    expect_responses(deep, 1, 1, 0.001, 1e-5, 1e-3);
+    if (!SANITIZED) expect_responses(deep, 1, 1, 0.001, 1e-5, 1e-3);
     expect_responses(even, 1, 1, 0.01, 1e-5, 1e-3);
     expect_responses(steps, 3, 3, 0.01, 1e-5, 1e-3);
     if (SANITIZED) return;
@@ -117,7 +117,7 @@ static void thick_layers_respond_as_solved(void **state)
 static void responses_of_thin_layers_are_close_to_their_largest(void **state)
 {
     (void)state;
-    for (double d = 0.01; d > 0.5e-5; d /= 10) {
+    for (double d = 0.01; d > 0.5e-5; d /= SANITIZED ? 1000 : 10) {
         const struct cml_medium_def thin[] = {{.n = 1}, {1.4, 0.5, 100, 0.9, d, NULL, {0}, 0, 0}, {.n = 1}};
         expect_responses(thin, 1, 1, d / 16, 2e-5, 1);
     }

@@ -95,8 +95,8 @@ CML_FN int cml_has_facets(const struct cml_deposits *to)
 }
 
 #define cml_mark_first(world, to, packet) ((void)0)
-#define cml_mark_path(world, to, packet, from, t) ((void)(from), (void)(t))
-#define cml_mark_interaction(world, to, packet, from, t) ((void)(from), (void)(t))
+#define cml_mark_path(world, to, packet, from, path, t) ((void)(from), (void)(path), (void)(t))
+#define cml_mark_interaction(world, to, packet, from, path, t) ((void)(from), (void)(path), (void)(t))
 #define cml_mark_last(world, to, packet) ((void)0)
 
 CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 index, cml_u64 voxel, cml_u32 dw)

@@ -27,6 +27,7 @@ struct cml_deposits {
     cml_u64 *phi;      /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared; /* by all threads */
     cml_u64 *phi_xyz;  /* [nz ny nx][CML_NUM_GROUPS] or NULL, all threads' */
+    cml_u64 *phi_rzt;  /* [CML_NUM_GROUPS][nr][nz][gates + 1] or NULL, all threads' */
     cml_u64 *specular; /* one thread's sum */
     cml_u64 *upright;  /* all threads' sum of it, which goes straight up (P7); or NULL */
     struct cml_once upright_once;

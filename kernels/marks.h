@@ -16,6 +16,7 @@ struct cml_stretch {
     int medium;
     cml_u32 events;
     cml_u64 w; /* weight that flies along it */
+    real path; /* optical path of the packet at p; below 0: its clock has not started (P11) */
 };
 
 /* More than so many marks, or a length that may be infinite, and they are placed one by one no more. */
@@ -28,6 +29,19 @@ CML_FN cml_u32 cml_mark_cell(const struct cml_setup *setup, cml_u32 index, struc
 {
     const int cell = cml_radial_bin(setup, p.x, p.y) * (setup->nz + 2) + cml_depth_bin(setup, p.z, bins);
     return index % CML_NUM_BATCHES * setup->marks.cells + (cml_u32)cell;
+}
+
+/* What a mark at p scores, weight w, at the end of an optical path, into its bins of r, z and time; nothing
+ * outside of the grid. */
+CML_FN void cml_mark_time(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
+                          struct cml_vec p, real bins, real path, cml_u64 w)
+{
+    const int ir = cml_radial_bin(setup, p.x, p.y), iz = cml_depth_bin(setup, p.z, bins) - 1;
+    if (ir == setup->nr || iz < 0 || iz == setup->nz) return;
+    const cml_u64 group = index % CML_NUM_GROUPS * (cml_u64)setup->nr + (cml_u64)ir,
+                  place = group * (cml_u64)setup->nz + (cml_u64)iz;
+    cml_add_shared(
+        &to->phi_rzt[place * ((cml_u64)setup->gates.count + 1) + (cml_u64)cml_gate(setup->gates, path)], w);
 }
 
 /* What a mark at p scores, weight w, into the voxel there; nothing outside of the volume. */
@@ -46,19 +60,34 @@ CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_depos
     cml_add_mark(to, cml_mark_cell(&world->setup, (cml_u32)s->index, p, world->media[s->medium].bins), w);
 }
 
-CML_FN void cml_score_voxel(const struct cml_world *world, const struct cml_deposits *to,
-                            const struct cml_stretch *s, real t, cml_u64 w)
+/* Whether marks score more than bins of r and z. */
+CML_FN int cml_marks_score_more(const struct cml_deposits *to)
 {
-    const struct cml_vec p = cml_along(s->p, t, s->u);
-    cml_mark_voxel(&world->setup, to, (cml_u32)s->index, p, world->media[s->medium].bins, w);
+    return to->phi_xyz || to->phi_rzt;
 }
 
-/* The voxels of the marks that cml_mark_stretch has scored: in a pass of its own, so that where there are
- * none the other stays short. */
-CML_RARE void cml_mark_voxels(const struct cml_world *world, const struct cml_deposits *to,
-                              const struct cml_stretch *s, real mark, real t)
+/* What else a mark at p scores, weight w, at the end of an optical path. */
+CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
+                          struct cml_vec p, real bins, real path, cml_u64 w)
 {
-    for (; mark < t; mark += world->setup.marks.spacing) cml_score_voxel(world, to, s, mark, s->w);
+    if (to->phi_xyz) cml_mark_voxel(setup, to, index, p, bins, w);
+    if (to->phi_rzt) cml_mark_time(setup, to, index, p, bins, path, w);
+}
+
+CML_FN void cml_score_more(const struct cml_world *world, const struct cml_deposits *to,
+                           const struct cml_stretch *s, real t, cml_u64 w)
+{
+    const CML_GLOBAL struct cml_medium *medium = &world->media[s->medium];
+    const real path = cml_path_after(s->path, t, medium->n);
+    cml_mark_more(&world->setup, to, (cml_u32)s->index, cml_along(s->p, t, s->u), medium->bins, path, w);
+}
+
+/* What else the marks score that cml_mark_stretch has scored: in a pass of its own, so that where there is
+ * nothing the other stays short. */
+CML_RARE void cml_mark_stretch_more(const struct cml_world *world, const struct cml_deposits *to,
+                                    const struct cml_stretch *s, real mark, real t)
+{
+    for (; mark < t; mark += world->setup.marks.spacing) cml_score_more(world, to, s, mark, s->w);
 }
 
 /* The part of a stretch of length t whose depths are those of the grid, or of voxels: from *begin to *end,
@@ -101,8 +130,8 @@ CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_depos
     const int64_t begins = first + (int64_t)(word % (cml_u32)every);
     for (int64_t k = begins; k < last; k += every)
         cml_score_mark(world, to, s, (real)(mark + (double)k * spacing), s->w * (cml_u64)every);
-    for (int64_t k = to->phi_xyz ? begins : last; k < last; k += every)
-        cml_score_voxel(world, to, s, (real)(mark + (double)k * spacing), s->w * (cml_u64)every);
+    for (int64_t k = cml_marks_score_more(to) ? begins : last; k < last; k += every)
+        cml_score_more(world, to, s, (real)(mark + (double)k * spacing), s->w * (cml_u64)every);
     if (!(t < CML_INFINITY)) return mark;
     const double ahead = mark + (double)cml_first_mark(mark, spacing, t) * spacing - (double)t;
     return ahead > 0 ? (real)ahead : (real)0;
@@ -115,16 +144,16 @@ CML_FN real cml_mark_stretch(const struct cml_world *world, const struct cml_dep
 {
     const real spacing = world->setup.marks.spacing;
     if (!(t < CML_MARKS_ONE_BY_ONE * spacing)) return cml_mark_far(world, to, s, mark, t);
-    if (to->phi_xyz) cml_mark_voxels(world, to, s, mark, t);
+    if (cml_marks_score_more(to)) cml_mark_stretch_more(world, to, s, mark, t);
     for (; mark < t; mark += spacing) cml_score_mark(world, to, s, mark, s->w);
     return mark - t;
 }
 
-CML_FN struct cml_stretch cml_stretch_of(const struct cml_packet *packet, struct cml_vec from)
+CML_FN struct cml_stretch cml_stretch_of(const struct cml_packet *packet, struct cml_vec from, real path)
 {
     const struct cml_stretch s = {
         packet->index, from, packet->u, packet->medium, packet->interactions + packet->boundary_events,
-        packet->w};
+        packet->w,     path};
     return s;
 }
 
@@ -141,18 +170,20 @@ CML_FN cml_u32 cml_interaction_score(struct cml_marks marks, real mfp, cml_u32 w
     return (cml_u32)CML_FMA((real)w, mfp * marks.per_spacing, (real)0.5);
 }
 
-/* The packet flies t (cm) from `from`; its direction, medium and weight are still those of the flight. */
+/* The packet flies t (cm) from `from`, where its optical path was `path`; its direction, medium and weight
+ * are still those of the flight. */
 CML_FN void cml_mark_path(const struct cml_world *world, const struct cml_deposits *to,
-                          struct cml_packet *packet, struct cml_vec from, real t)
+                          struct cml_packet *packet, struct cml_vec from, real path, real t)
 {
     if (!cml_has_marks(to) || cml_is_dense(world->setup.marks, world->media[packet->medium].mfp)) return;
-    const struct cml_stretch s = cml_stretch_of(packet, from);
+    const struct cml_stretch s = cml_stretch_of(packet, from, path);
     packet->mark = cml_mark_stretch(world, to, &s, packet->mark, t);
 }
 
-/* The packet has flown t (cm) from `from` to its interaction, and has all its weight yet. */
+/* The packet has flown t (cm) from `from`, where its optical path was `path`, to its interaction, and has all
+ * its weight yet. */
 CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml_deposits *to,
-                                 struct cml_packet *packet, struct cml_vec from, real t)
+                                 struct cml_packet *packet, struct cml_vec from, real path, real t)
 {
     const struct cml_setup *setup = &world->setup;
     const struct cml_medium *medium = &world->media[packet->medium];
@@ -161,9 +192,9 @@ CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml
         const cml_u32 index = (cml_u32)packet->index,
                       w = cml_interaction_score(setup->marks, medium->mfp, packet->w);
         cml_add_mark(to, cml_mark_cell(setup, index, packet->p, medium->bins), w);
-        if (to->phi_xyz) cml_mark_voxel(setup, to, index, packet->p, medium->bins, w);
+        cml_mark_more(setup, to, index, packet->p, medium->bins, cml_path_after(path, t, medium->n), w);
     } else {
-        cml_mark_path(world, to, packet, from, t);
+        cml_mark_path(world, to, packet, from, path, t);
     }
 }
 
@@ -174,7 +205,7 @@ CML_FN void cml_mark_last(const struct cml_world *world, const struct cml_deposi
     const int fate = packet->fate;
     if (!cml_has_marks(to)) return;
     if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
-    const struct cml_stretch s = cml_stretch_of(packet, packet->p);
+    const struct cml_stretch s = cml_stretch_of(packet, packet->p, packet->path);
     (void)cml_mark_far(world, to, &s, packet->mark, CML_INFINITY);
 }
 
@@ -185,7 +216,8 @@ CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_depos
 {
     const CML_GLOBAL struct cml_source *source = cml_source_of(world, packet->index);
     const struct cml_vec up = {0, 0, -1};
-    struct cml_stretch s = {packet->index, packet->p, up, 0, 0, (cml_u64)CML_WEIGHT_ONE + source->specular};
+    struct cml_stretch s = {
+        packet->index, packet->p, up, 0, 0, (cml_u64)CML_WEIGHT_ONE + source->specular, -1};
     s.p.z = 0;
     (void)cml_mark_far(world, to, &s, mark, CML_INFINITY);
     if (packet->medium < 2) return;
@@ -209,7 +241,7 @@ CML_FN void cml_mark_first(const struct cml_world *world, const struct cml_depos
         cml_mark_above(world, to, packet, behind);
         return;
     }
-    struct cml_stretch s = cml_stretch_of(packet, packet->p);
+    struct cml_stretch s = cml_stretch_of(packet, packet->p, -1);
     s.u.x = -s.u.x;
     s.u.y = -s.u.y;
     s.u.z = -s.u.z;

@@ -201,6 +201,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     const struct cml_vec from = packet->p;
+    const real path = packet->path;
     cml_count_path(world, packet, t);
     packet->p = cml_along(from, t, packet->u);
     packet->on_boundary = packet->near_boundary - 1;
@@ -211,7 +212,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
         return;
     }
     CML_ASSERT(cml_is_in_layer(world, packet->medium, packet->p, t * packet->u.z));
-    cml_mark_interaction(world, to, packet, from, t);
+    cml_mark_interaction(world, to, packet, from, path, t);
 #ifndef __OPENCL_VERSION__
     if (to->expected && cml_enters_tail(&world->tail, packet->medium, from.z, packet->p.z))
         cml_score_tail(&world->tail, to, packet->u.z, packet->w);
@@ -518,7 +519,7 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
 {
     const int from = packet->medium;
     const cml_u32 arriving = packet->w;
-    cml_mark_path(world, to, packet, packet->p, hit->t);
+    cml_mark_path(world, to, packet, packet->p, packet->path, hit->t);
 #ifndef __OPENCL_VERSION__
     if (to->expected && hit->boundary == from &&
         cml_enters_tail(&world->tail, from, packet->p.z, world->media[from].span))

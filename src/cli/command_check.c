@@ -163,7 +163,8 @@ static void print_map(const struct cml_scene *scene)
                map->volume ? ", and nz layers of voxels" : "");
     if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
     if (scene->fluence.line)
-        printf("  fluence: nr x nz bins of r and z%s\n", map->volume ? ", and voxels" : "");
+        printf("  fluence: nr x nz bins of r and z%s%s\n", scene->fluence.times ? ", and gates" : "",
+               map->volume ? ", and voxels" : "");
     if (scene->directions.nt > 0)
         printf("  directions: %d angles, %d azimuths\n", scene->directions.nt, scene->directions.np);
     if (scene->saved.limit) {

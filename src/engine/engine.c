@@ -67,6 +67,7 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
         .absorption = options->absorption,
         .gates = scene->time.gates,
         .phi_volume = map->volume && scene->fluence.line,
+        .phi_times = scene->fluence.times,
         .marks = spacing_of_marks(scene),
         .nt = scene->directions.nt,
         .np = scene->directions.np,

@@ -429,6 +429,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
                                     .phi = tally->phi_rz,
                                     .phi_is_shared = !(tally->grid.marks > 0),
                                     .phi_xyz = tally->phi_xyz,
+                                    .phi_rzt = tally->phi_rzt,
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],
                                     .upright = tally->Rsp_dir,
                                     .upright_once = tally->grid.direction_once,

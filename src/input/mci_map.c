@@ -80,7 +80,12 @@ cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def
 {
     if (fluence->line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one fluence line per run");
     fluence->line = reader->text.line;
-    return end_line(reader, "text after fluence");
+    cml_mci_cut_comment(reader->cursor);
+    const char *const word = cml_text_word(&reader->cursor);
+    fluence->times = word && strcmp(word, "time") == 0;
+    if (word && !fluence->times)
+        return cml_mci_fail(reader, "text after fluence", word, "time, the end of the line or a # comment");
+    return end_line(reader, "text after fluence time");
 }
 
 /* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
@@ -89,8 +94,17 @@ cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def
 cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
-    if (!scene->fluence.line || bins <= most) return CML_OK;
+    const double gated = (double)scene->nr * scene->nz * scene->time.gates, most_gated = 1048576;
     char value[64];
+    if (scene->fluence.times && scene->time.gates == 0)
+        return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence", "time",
+                              "a time line in the same run");
+    if (scene->fluence.times && gated > most_gated) {
+        snprintf(value, sizeof value, "%d %d %d", scene->nz, scene->nr, scene->time.gates);
+        return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence time: nz nr gates",
+                              value, "at most 1048576 bins of r, z and time, nz times nr times gates");
+    }
+    if (!scene->fluence.line || bins <= most) return CML_OK;
     snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);
     return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr", value,
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");

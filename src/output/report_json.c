@@ -447,7 +447,8 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                   scene->nz, "nr", scene->nr, "na", scene->na));
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
-    if (scene->fluence.line) json_object_set_new(object, "fluence", json_true());
+    if (scene->fluence.line)
+        json_object_set_new(object, "fluence", scene->fluence.times ? json_string("time") : json_true());
     if (scene->saved.limit) json_object_set_new(object, "saved", saved_json(scene));
     if (scene->directions.nt > 0)
         json_object_set_new(object, "directions",

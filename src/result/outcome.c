@@ -51,22 +51,39 @@ size_t cml_outcome_part_size(const struct cml_outcome *o, enum cml_quantity quan
     return parts > 0 ? cml_outcome_size(o, quantity) / (size_t)parts : 0;
 }
 
-/* Number i of a quantity is divided by this to become a density (scaling.h). Over r and another axis angles
- * count by projected solid angle, alone by solid angle. */
-static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
+/* The last of a quantity's axes. */
+static enum cml_axis_kind last_axis(const struct cml_quantity_info *info)
 {
-    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
-    const double da = cml_angle_width(o->na), gate = o->num_gates > 0 ? o->time_end / o->num_gates : 0;
-    if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
-    if (axis[0] == CML_AXIS_gate || axis[1] == CML_AXIS_gate) return gate;
-    if (axis[0] == CML_AXIS_detector) return 1;
-    if (axis[1] != CML_AXIS_NONE) {
-        const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
-        const double ring = cml_ring_area(o->dr, (int)(i / n));
-        return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
+    int last = 0;
+    while (last + 1 < CML_QUANTITY_AXES && info->axis[last + 1] != CML_AXIS_NONE) last++;
+    return info->axis[last];
+}
+
+/* Number i of a quantity is divided by this to become a density (scaling.h), of gates by their length, too.
+ * Over r and another axis angles count by projected solid angle, alone by solid angle. */
+static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t number)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const bool timed = last_axis(info) == CML_AXIS_gate;
+    const size_t i = timed ? number / (size_t)o->num_gates : number;
+    const double da = cml_angle_width(o->na), gate = timed ? o->time_end / o->num_gates : 1;
+    const enum cml_axis_kind second = info->axis[1] == CML_AXIS_gate ? CML_AXIS_NONE : info->axis[1];
+    switch (info->axis[0]) {
+    case CML_AXIS_theta:
+        return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
+    case CML_AXIS_alpha:
+        return cml_solid_angle(da, (int)i);
+    case CML_AXIS_z:
+        return o->dz;
+    case CML_AXIS_r:
+        break;
+    default:
+        return gate;
     }
-    if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
-    return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
+    const size_t n = second == CML_AXIS_NONE ? 1 : (size_t)cml_outcome_bins(o, second);
+    const double ring = cml_ring_area(o->dr, (int)(i / n));
+    if (second == CML_AXIS_NONE) return ring * gate;
+    return ring * (second == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n))) * gate;
 }
 
 /* ---- names ---- */
@@ -170,7 +187,7 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
     const int first = info->estimator == CML_FROM_LAYERS   ? 1
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
                                                            : 0,
-              gates = info->axis[1] == CML_AXIS_gate ? o->num_gates : 1;
+              gates = last_axis(info) == CML_AXIS_gate ? o->num_gates : 1;
     const double sum = length * cml_result_sum(sums, (enum cml_array)info->sums, (size_t)(first * gates + i));
     *error = length * cml_result_sum_error(sums, (enum cml_array)info->sums, (size_t)(first * gates + i)) /
              measure;

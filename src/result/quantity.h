@@ -168,7 +168,7 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
 
 static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 {
-    return quantity == CML_QUANTITY_phi_z || quantity == CML_QUANTITY_phi_rz;
+    return quantity >= CML_QUANTITY_phi_z && quantity <= CML_QUANTITY_phi_rzt_later;
 }
 
 /* Whether there is one of the quantity for each detector, under the name of that (cml_outcome_key). */

@@ -163,7 +163,8 @@ struct cml_directions_def {
 
 /* Whether the scene asks for fluence, in the bins of A_rz. */
 struct cml_fluence_def {
-    int line; /* of the .mci; 0: no fluence line */
+    int line;   /* of the .mci; 0: no fluence line */
+    bool times; /* by gates, too */
 };
 
 /* Packets that have left, one by one, in a file of their own. */

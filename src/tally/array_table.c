@@ -19,11 +19,11 @@ const struct cml_array_info cml_arrays[CML_NUM_ARRAYS] = {
 
 static const enum cml_array
     of_tally[] = {_(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt), _(detector), _(detector_t), _(moments),
-                  _(expected), _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), MAPS},
+                  _(expected), _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), _(phi_rzt), MAPS},
     of_result[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(rows), MAPS, _(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a),
                    _(A_l), _(A_z), _(Rd_t), _(Rd_t_later), _(Tt_t), _(Tt_t_later), _(A_t), _(A_t_later), _(A_lt), _(A_lt_later),
                    _(detector), _(detector_t), _(detector_t_later), _(detector_path),
-                   _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z)},
+                   _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z), _(phi_rzt), _(phi_rzt_later)},
     of_profiles[] = {_(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_z), _(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt),
                      _(detector), _(detector_t), _(moments), _(expected)},
     of_row_bins[] = {_(terms), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_l), _(Rd_t), _(Tt_t), _(detector),
@@ -63,6 +63,7 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     case CML_CELLS_r: return (struct cml_extent){(size_t)grid->nr, 0, beyond};
     case CML_CELLS_z: return (struct cml_extent){(size_t)grid->nz, beyond, beyond};
     case CML_CELLS_alpha: return bins((size_t)grid->na);
+    case CML_CELLS_place: return bins(grid->phi_times ? (size_t)grid->nr * (size_t)grid->nz : 0);
     case CML_CELLS_medium: return bins(cml_tally_media(grid));
     case CML_CELLS_gate: return (struct cml_extent){(size_t)grid->gates, 0, grid->gates ? beyond : 0};
     case CML_CELLS_theta: return bins((size_t)grid->nt);
@@ -120,6 +121,7 @@ static size_t size_of(const struct cml_tally_grid *grid, const struct cml_array_
 static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_array_info *info)
 {
     switch (info->axis[0]) {
+    case CML_CELLS_place: return true;
     case CML_CELLS_voxel: return grid->voxel_step > 0;
     case CML_CELLS_facet: return grid->facet_step > 0;
     case CML_CELLS_pixel: return grid->map_once.step > 0;

@@ -14,6 +14,7 @@
     X(r)                                                                                                     \
     X(z)                                                                                                     \
     X(alpha)                                                                                                 \
+    X(place)  /* of r and z, without cells beyond, where fluence has gates */                                \
     X(medium) /* the one above, layers, the one below, bodies */                                             \
     X(gate)                                                                                                  \
     X(theta)                                                                                                 \
@@ -92,6 +93,10 @@ enum cml_array_when {
       "absorption by layer later than all gates") \
     A(phi_z, z, none, BY_BATCH, FLUENCE, none, ARRAY, "1", OVER1(z), H5, "fluence by depth, over all radii") \
     A(phi_rz, r, z, AS_BATCHES, FLUENCE, none, ARRAY, "1/cm2", OVER2(r, z), H5, "fluence by radius and depth") \
+    A(phi_rzt, place, gate, BY_GROUP, OWNER, none, ARRAY, "1/(cm2 ps)", OVER3(r, z, gate), H5, \
+      "fluence rate by radius, depth and time") \
+    A(phi_rzt_later, place, none, BY_GROUP, OWNER, none, ARRAY, "1/cm2", OVER2(r, z), H5, \
+      "fluence by radius and depth later than all gates") \
     A(Rd_dir, theta, phi, ONCE, OWNER, REFLECTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \
       "diffuse reflectance by direction") \
     A(Tt_dir, theta, phi, ONCE, OWNER, TRANSMITTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \

@@ -57,7 +57,7 @@ void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_
     const struct cml_array_info *info = &cml_arrays[array];
     const size_t *size = result->layout.size;
     if (!size[array]) return;
-    const bool one = info->axis[1] == CML_CELLS_none, grid = info->spread == CML_KEPT_BY_GROUP;
+    const bool one = info->axis[1] == CML_CELLS_none, grid = info->axis[0] == CML_CELLS_r && !one;
     const struct cml_extent rows = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES),
                             columns = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
     const size_t num_rows = cml_extent_cells(rows), num_columns = cml_extent_cells(columns),
@@ -176,6 +176,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     add_grid(result, CML_ARRAY_Rd_ra, tally);
     add_grid(result, CML_ARRAY_Tt_ra, tally);
     add_grid(result, CML_ARRAY_A_rz, tally);
+    add_grid(result, CML_ARRAY_phi_rzt, tally);
     if (own->size[CML_ARRAY_phi_rz]) add_fluence(result, tally->phi_rz);
     add_sparse(result->cells + result->layout.Rd_xya, tally->cells + own->Rd_xya, own->cells - own->Rd_xya);
     add_rows(result->rows, tally->rows, own->size[CML_ARRAY_rows]);

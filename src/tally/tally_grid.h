@@ -27,6 +27,7 @@ struct cml_tally_grid {
     int map_na;             /* angle bins of a pixel: na or 1 */
     bool volume;            /* A_xyz, nz deep */
     bool phi_volume;        /* phi_xyz, nz deep */
+    bool phi_times;         /* phi_rzt */
     double marks;           /* fluence is tallied, by marks so far apart on paths, cm (P14); 0: it is not */
     int nt, np;             /* bins of Rd_dir, Tt_dir and Rsp_dir */
     int detectors;          /* what each has seen, by gates, and means over that */

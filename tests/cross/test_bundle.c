@@ -174,7 +174,10 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         compare_rows(&list.scenes[i], kind, photons / 4);
         list.scenes[i].directions = (struct cml_directions_def){0};
+        list.scenes[i].fluence =
+            (struct cml_fluence_def){.line = 1, .times = list.scenes[i].nr * list.scenes[i].nz < 20000};
         compare(&list.scenes[i], kind, photons, true, NOTHING);
+        list.scenes[i].fluence = (struct cml_fluence_def){0};
         compare(&list.scenes[i], kind, photons / 32, true, WINDOWS);
         set_detectors(&list.scenes[i], false);
         list.scenes[i].time = (struct cml_time_def){0};

@@ -163,6 +163,14 @@ class Files(unittest.TestCase):
             np.testing.assert_allclose(data.phi_z[:5] * 1, data.A_z[:5], rtol=0.05)
             self.assertGreater(float(data.phi_z_se.min()) * float(data.phi_rz_se.max()), 0)
 
+    def test_fluence_by_time(self):
+        scene = mc.Scene(layers=[mc.Layer(n=1.4, mua=1, mus=50, g=0.8, d=0.1)], photons=1000, fluence="time", time=mc.Time(end=20, n=4), nr=6, nz=5, dr=0.02, dz=0.02)
+        result = mc.run(scene)
+        self.assertEqual((result.phi_rzt.dims, result.phi_rzt_later.dims), (("r", "z", "gate"), ("r", "z")))
+        np.testing.assert_allclose(5 * result.phi_rzt.sum("gate") + result.phi_rzt_later, result.phi_rz, rtol=1e-12)
+        with self.assertRaisesRegex(mc.InputError, "Scene.fluence"):
+            mc.Scene(layers=scene.layers, fluence="gate")
+
     def test_original_mcml(self):
         """Its files end behind Tt_ra, and have no errors."""
         path = os.path.join(self.folder.name, "old.mco")

@@ -10,6 +10,7 @@
 - The same pit through voxels, over a square each.
 - A glass plate above and its inner reflections, which are split off at the launch (P1): 1 + R of their sum, on paper.
 - A bin lies within one of its errors of the mean over other runs in 68 % of cases, with random and with evenly spread draws.
+- By gate: gates sum to phi_rz, and mua times a layer's fluence in a gate is what it absorbs then.
 Statistic: z, level 1e-4 over all."""
 import math
 import os
@@ -163,6 +164,24 @@ def compare(verdict):
     glass(verdict)
 
 
+def gates(verdict):
+    """What layers absorb in a gate is mua times their fluence then; of the dense layer and of marks in the other one. r ends where next to no light comes."""
+    layers, mua, dr, width = ["1.4 2 100 0.9 0.1", "1.4 2 5 0.8 0.2"], 2, 0.2, 4
+    extra = ["beam disk 0.1", f"time {10 * width} 10", "fluence time"]
+    runs = sections_of(cml.repeated(RUNS, layers, photons=1000, grid=f"0.01 {dr}", bins="30 30 1", extra=extra))
+    ring = [math.pi * dr * dr * (2 * i + 1) for i in range(30)]
+    for record, found in runs:
+        cml.check_balance(verdict, "gates", record)
+        for i, whole in enumerate(found["phi_rz"]):
+            total = sum(found["phi_rzt"][10 * i:10 * i + 10]) * width + found["phi_rzt_later"][i]
+            verdict.check("gates", abs(total - whole) <= 1e-9 * whole, f"bin {i} sums to {total}, not {whole}")
+    for layer, depths in enumerate((range(10), range(10, 30))):
+        for gate in range(10):
+            absorbed = [sum(ring[r] * 0.01 * mua * found["phi_rzt"][(30 * r + z) * 10 + gate] for r in range(30) for z in depths) for _, found in runs]
+            spread(verdict, f"layer {layer + 1}, gate {gate}", [a - found["A_lt"][10 * layer + gate] for a, (_, found) in zip(absorbed, runs)], 0,
+                   rounding=1e-6 * statistics.fmean(absorbed))
+
+
 def main():
     """Or the last of these alone, with as many runs as are named."""
     verdict = cml.Verdict("fluence")
@@ -171,6 +190,7 @@ def main():
         coverage(verdict, sampling, count)
     if len(sys.argv) == 1:
         compare(verdict)
+        gates(verdict)
     verdict.finish(limit=6)  # of Student's distribution with 29 degrees, 200 values at 1e-4 in all
 
 

@@ -58,7 +58,8 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .trail = cml_lane_trail(b, i),
     };
     if (f->to.phi) {
-        const struct cml_stretch last = {end.index, p, u, to, end.interactions + end.boundary_events, end.w};
+        const struct cml_stretch last = {end.index, p,       u, to, end.interactions + end.boundary_events,
+                                         end.w,     end.path};
         (void)cml_mark_far(f->world, &f->to, &last, b->mark[i], CML_INFINITY);
     }
     cml_push_termination(f, i, end);
@@ -144,8 +145,8 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
         counts[CML_COUNT_SHADING_OVERRULED] +=
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
     CML_HOOK_END(CML_HOOK_REFLECT);
-    if (world->setup.keeps_paths) cml_count_hit_paths(f->b, h, n1);
     if (f->to.phi && !cml_is_dense(world->setup.marks, world->media[medium].mfp)) cml_mark_to_hits(f, h);
+    if (world->setup.keeps_paths) cml_count_hit_paths(f->b, h, n1);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_process_lane(f, h->lane[k]);

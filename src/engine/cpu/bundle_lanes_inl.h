@@ -226,7 +226,8 @@ static struct cml_stretch cml_lane_stretch(const struct cml_bundle *b, int i)
                                   {b->ux[i], b->uy[i], b->uz[i]},
                                   b->medium[i],
                                   b->interactions[i] + b->boundary_events[i],
-                                  b->w[i]};
+                                  b->w[i],
+                                  b->path[i]};
     return s;
 }
 

@@ -50,15 +50,16 @@ static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *
             for (int i = first; i < first + CML_GROUP; i++) phi[cell[i]] += score[i];
 }
 
-/* What marks at interactions score, into voxels, which threads share. */
-static void cml_add_voxel_scores(const struct cml_flight *f, const cml_u32 *score)
+/* What else marks at interactions score, which threads share. */
+static void cml_add_more_scores(const struct cml_flight *f, const cml_u32 *score)
 {
     const struct cml_bundle *b = f->b;
     for (int i = 0; i < b->lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
         if (score[i])
-            cml_mark_voxel(&f->world->setup, &f->to, b->index_low[i], cml_along(from, b->s[i], u),
-                           CML_OF_MEDIUM(b, bins)[i], score[i]);
+            cml_mark_more(&f->world->setup, &f->to, b->index_low[i], cml_along(from, b->s[i], u),
+                          CML_OF_MEDIUM(b, bins)[i],
+                          cml_path_after(b->path[i], b->s[i], CML_OF_MEDIUM(b, n)[i]), score[i]);
     }
 }
 
@@ -70,7 +71,7 @@ static void cml_mark_interactions(struct cml_flight *f)
     const int lanes = f->b->lanes;
     cml_bundle_find_scores(&f->world->setup, f->b, cell, score, marked);
     cml_add_scores(&f->to, cell, score, lanes);
-    if (f->to.phi_xyz) cml_add_voxel_scores(f, score);
+    if (cml_marks_score_more(&f->to)) cml_add_more_scores(f, score);
     for (int first = 0; first < lanes; first += CML_GROUP)
         cml_for_lanes(f, (uint64_t)cml_group_equal(marked + first, 1) << first & f->live,
                       cml_mark_lane_flight);
@@ -80,7 +81,8 @@ static void cml_mark_interactions(struct cml_flight *f)
 static int cml_reach_planes_with_marks(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
-    _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES];
+    _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES], path[CML_LANES];
+    memcpy(path, b->path, sizeof path);
     memcpy(x, b->x, sizeof x);
     memcpy(y, b->y, sizeof y);
     memcpy(z, b->z, sizeof z);
@@ -92,6 +94,7 @@ static int cml_reach_planes_with_marks(struct cml_flight *f)
         if (cml_is_dense(f->world->setup.marks, f->media[b->medium[i]].mfp)) continue;
         struct cml_stretch s = cml_lane_stretch(b, i);
         s.p = (struct cml_vec){x[i], y[i], z[i]};
+        s.path = path[i];
         s.events--; /* this one has been counted */
         cml_mark_lane(f, i, &s, b->s[i]);
     }

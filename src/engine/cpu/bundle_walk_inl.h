@@ -458,9 +458,9 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
+    if (f->to.phi) cml_mark_interactions(f);
     if (setup->gates.count || f->factors) cml_count_lane_paths(f);
     if (f->rows.timed) cml_keep_time_of_rows(f);
-    if (f->to.phi) cml_mark_interactions(f);
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
     if (f->tally->A_rz) {

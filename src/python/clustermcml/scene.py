@@ -260,7 +260,7 @@ class Scene:
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; bottom_rough: how rough it is; backing: what
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. fluence: track length per volume over r and z, and with a map's volume over its voxels. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
+    exitance of every triangle. fluence: track length per volume over r and z, and with a map's volume over its voxels; "time": by the gates of `time`, too. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
     angle. saved: packets one by one, in a file. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
@@ -296,14 +296,15 @@ class Scene:
     format: str = "B"
     backing: Optional[Backing] = None
     detectors: Sequence[Detector] = ()
-    fluence: bool = False
+    fluence: Union[bool, str] = False
     saved: Optional[Saved] = None
     bottom_rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
         errors.flag("Scene.facets", self.facets)
-        errors.flag("Scene.fluence", self.fluence)
+        if self.fluence not in (True, False, "time"):
+            raise errors.refuse("Scene.fluence", self.fluence, 'True, False or "time"')
         if not isinstance(self.layers, (list, tuple)) or not self.layers or not all(isinstance(item, Layer) for item in self.layers):
             raise errors.refuse("Scene.layers", self.layers, "a list of Layer, at least one")
         names = [layer.name for layer in self.layers if layer.name]
@@ -347,7 +348,7 @@ class Scene:
         lines += [beam.line() for beam in self.beams() if len(self.beams()) > 1 or beam.line() != Beam().line()]
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
-        lines += ["fluence"] if self.fluence else []
+        lines += ["fluence" if self.fluence is True else f"fluence {self.fluence}"] if self.fluence else []
         lines += [self.time.line()] if self.time is not None else []
         lines += [self.directions.line()] if self.directions is not None else []
         lines += [detector.line() for detector in self.detectors]

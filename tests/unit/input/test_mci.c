@@ -312,7 +312,8 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     struct cml_error err;
     const char *text =
         "1.0\n3\n"
-        "a A\n#@ map 20 10 0.1 2e-3 # pixels\n1\n1 1\n2 2 2\ntime 2e3 50 # ps\nfluence\n1\n1\n1 1 1 0 1\n1\n"
+        "a A\n#@ map 20 10 0.1 2e-3 # pixels\n1\n1 1\n2 2 2\ntime 2e3 50 # ps\nfluence time # rate\n1\n1\n1 "
+        "1 1 0 1\n1\n"
         "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n#@ directions 18 36\ndetector disk "
         "0.1\n#@ detector map 4 3 0.1 0.2 at=1,2 z=-0.5 side=bottom na=0.2 "
         "angle=90 azimuth=-90 diffuse name=c\ndetector ring 0 2 side=bottom\n2 2 2\n1\n1\n1 1 "
@@ -330,7 +331,8 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     assert_int_equal(list.scenes[0].time.gates, 50);
     assert_true(list.scenes[0].time.end == 2000);
     assert_int_equal(list.scenes[1].time.gates, 0);
-    assert_true(list.scenes[0].fluence.line > 0 && list.scenes[1].fluence.line == 0);
+    assert_true(list.scenes[0].fluence.times && list.scenes[0].fluence.line > 0 &&
+                list.scenes[1].fluence.line == 0);
     assert_int_equal(list.scenes[0].directions.nt, 0);
     assert_int_equal(list.scenes[1].directions.nt, 18);
     assert_int_equal(list.scenes[1].directions.np, 36);

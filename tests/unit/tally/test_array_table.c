@@ -18,6 +18,7 @@ static const struct cml_tally_grid of_all = {.nr = 3,
                                              .map_na = 2,
                                              .volume = true,
                                              .phi_volume = true,
+                                             .phi_times = true,
                                              .marks = 0.1,
                                              .nt = 2,
                                              .np = 4,
@@ -54,6 +55,8 @@ static const size_t sizes[CML_NUM_ARRAYS][5] = {
     [CML_ARRAY_A_t_later] = {0, 1, 0, 0, 0},
     [CML_ARRAY_phi_z] = {0, 4, 0, 0, 0},
     [CML_ARRAY_phi_rz] = {4 * 6, 3 * 4, 0, 0, 0},
+    [CML_ARRAY_phi_rzt] = {3 * 4 * 7, 3 * 4 * 6, 0, 0, 0},
+    [CML_ARRAY_phi_rzt_later] = {0, 3 * 4, 0, 0, 0},
     [CML_ARRAY_Rd_dir] = {8, 8, 0, 0, 8},
     [CML_ARRAY_Tt_dir] = {8, 8, 0, 0, 8},
     [CML_ARRAY_Rsp_dir] = {8, 8, 0, 0, 0},
@@ -101,7 +104,7 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(tally.expected, 5 + 3 * 7 + 2 + 14 + 96);
     assert_int_equal(tally.Rd_ra, tally.expected + 3);
     assert_int_equal(tally.A_rz, tally.Rd_ra + 2 * 16 * 8 + 77);
-    assert_int_equal(tally.Rd_xya, tally.A_rz + 16 * 24 + 64 * 24);
+    assert_int_equal(tally.Rd_xya, tally.A_rz + 16 * 24 + 64 * 24 + 16 * 84);
     assert_int_equal(tally.cells - tally.Rd_xya, result.totals - result.Rd_xya);
     assert_int_equal(result.Rd_ra, 0);
     assert_int_equal(result.Tt_ra, 16 * 6);
@@ -110,7 +113,7 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(result.A_t_later, result.A_l + 64 * (5 + 4 + 7 + 7 + 6));
     assert_int_equal(result.detector_path, result.A_t_later + 64 * (1 + 2 + 12 + 2));
     assert_int_equal(result.phi_z, result.detector_path + 64 * (32 + 3 + 12));
-    assert_int_equal(result.cells, result.phi_z + 64 * 4);
+    assert_int_equal(result.cells, result.phi_z + 64 * 4 + 16 * (72 + 12));
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].squares, 60);
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].step, 0);
     assert_int_equal(result.once[CML_ARRAY_Tt_dir].step, 24);

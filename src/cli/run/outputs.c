@@ -414,12 +414,12 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     const bool made = options->directory && access(options->directory, F_OK) != 0;
     *outputs = (struct cml_outputs){.of_part = options->parts > 0};
     if (made) CML_TRY(cml_folder_make(options->directory, err));
+    if (made) outputs->made = options->directory;
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
         note_elsewhere(options, outputs, note);
     else
         cml_outputs_release(outputs);
-    if (status != CML_OK && made) (void)rmdir(options->directory);
     return status;
 }
 
@@ -429,5 +429,6 @@ void cml_outputs_release(struct cml_outputs *outputs)
     for (size_t i = 0; i < outputs->count; i++) free(outputs->file[i].name);
     free(outputs->lock);
     free(outputs->file);
+    if (outputs->made) (void)rmdir(outputs->made);
     *outputs = (struct cml_outputs){0};
 }

@@ -172,4 +172,13 @@ echo older >two_runs_flat.mco.part1of2.old
 expect_error 2 "merge: no parts (expected those of a run, NAME.partKofN)" merge two_runs_flat.mco.part1of2.*
 expect_code 0 merge --quiet two_runs*.part*
 test -e two_runs_flat.mco || complain "beside a lock: no result"
+
+# Files of other content stay.
+echo mine >thick.mco.part1of3
+cp thick.mco.part1of3 thick.mco
+for words in "--part 1/3" "--part 1/3 --resume"; do
+    expect_error 2 "$work/thick.mco.part1of3: is no file of this program (expected a part, or no file)" thick.mci --photons 1000 $words
+done
+expect_error 2 "$work/thick.mco: is no file of this program (expected a result, or no file)" thick.mci --photons 1000 --resume
+test "$(cat thick.mco thick.mco.part1of3 | tr -d '\n')" = minemine || complain "a text file was replaced"
 finish

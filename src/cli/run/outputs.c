@@ -226,6 +226,43 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- do they destroy anything? ---- */
 
+/* The first bytes of every file of that name that a run may have written; NULL: no bytes are common. */
+static const char *beginning_of(const struct cml_output_file *file)
+{
+    if (file->kind == CML_OUTPUT_CHECKPOINT) return CML_CHECKPOINT_MAGIC;
+    if (cml_file_ends_in(file->name, ".csv")) return NULL;
+    if (cml_file_ends_in(file->name, ".vti") || cml_file_ends_in(file->name, ".vtp")) return "<";
+    return cml_file_ends_in(file->name, ".h5") ? "\211HDF" : "A1";
+}
+
+/* A file that is empty, cut or damaged may be ours. */
+static bool is_strange(const struct cml_output_file *file)
+{
+    const char *mine = beginning_of(file);
+    char found[40];
+    FILE *in = mine ? fopen(file->name, "rb") : NULL;
+    if (!in) return false;
+    const size_t size = fread(found, 1, strlen(mine), in);
+    fclose(in);
+    return size > 0 && memcmp(found, mine, size) != 0;
+}
+
+/* Refuses to replace a file of other content, which --part and --resume take for an older state. */
+static cml_status check_strange(const struct cml_options *options, const struct cml_outputs *outputs,
+                                struct cml_error *err)
+{
+    for (size_t i = 0; (options->resume || outputs->of_part) && i < outputs->count; i++) {
+        const struct cml_output_file *file = &outputs->file[i];
+        if ((outputs->of_part && file->kind != CML_OUTPUT_CHECKPOINT) || !is_strange(file)) continue;
+        return cml_fail(err, CML_E_INPUT, "%.400s: is no file of this program (expected %s, or no file)",
+                        file->name,
+                        outputs->of_part                      ? "a part"
+                        : file->kind == CML_OUTPUT_CHECKPOINT ? "a checkpoint"
+                                                              : "a result");
+    }
+    return CML_OK;
+}
+
 static int compare_files(const void *a, const void *b)
 {
     const struct cml_output_file *one = a, *other = b;
@@ -400,6 +437,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
     CML_TRY(check_distinct(outputs, list, err));
     CML_TRY(check_inputs(options, outputs, list, inputs, err));
+    CML_TRY(check_strange(options, outputs, err));
     CML_TRY(check_clobber(options, list, outputs, err));
     for (int i = 0; i < num_locks; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
     remove_leftovers(outputs);

@@ -181,4 +181,6 @@ for words in "--part 1/3" "--part 1/3 --resume"; do
 done
 expect_error 2 "$work/thick.mco: is no file of this program (expected a result, or no file)" thick.mci --photons 1000 --resume
 test "$(cat thick.mco thick.mco.part1of3 | tr -d '\n')" = minemine || complain "a text file was replaced"
+sed 's/thick.mco A/named.h5 A/' thick.mci >named.mci # text in spite of its name
+for words in "" --resume; do expect_code 0 named.mci --photons 100 --quiet $words; done
 finish

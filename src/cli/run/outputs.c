@@ -226,25 +226,20 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- do they destroy anything? ---- */
 
-/* The first bytes of every file of that name that a run may have written; NULL: no bytes are common. */
-static const char *beginning_of(const struct cml_output_file *file)
-{
-    if (file->kind == CML_OUTPUT_CHECKPOINT) return CML_CHECKPOINT_MAGIC;
-    if (cml_file_ends_in(file->name, ".csv")) return NULL;
-    if (cml_file_ends_in(file->name, ".vti") || cml_file_ends_in(file->name, ".vtp")) return "<";
-    return cml_file_ends_in(file->name, ".h5") ? "\211HDF" : "A1";
-}
-
-/* A file that is empty, cut or damaged may be ours. */
+/* Whether a file is there that begins like none of ours. One that is empty, cut or damaged may be ours. */
 static bool is_strange(const struct cml_output_file *file)
 {
-    const char *mine = beginning_of(file);
+    static const char *const ours[] = {CML_CHECKPOINT_MAGIC, "A1", "\211HDF", "<?xml"};
     char found[40];
-    FILE *in = mine ? fopen(file->name, "rb") : NULL;
+    FILE *in = cml_file_ends_in(file->name, ".csv") ? NULL : fopen(file->name, "rb");
     if (!in) return false;
-    const size_t size = fread(found, 1, strlen(mine), in);
+    const size_t size = fread(found, 1, sizeof found, in);
+    bool strange = size > 0;
     fclose(in);
-    return size > 0 && memcmp(found, mine, size) != 0;
+    const size_t first = file->kind != CML_OUTPUT_CHECKPOINT, end = first ? sizeof ours / sizeof *ours : 1;
+    for (size_t i = first; i < end; i++)
+        strange &= memcmp(found, ours[i], strlen(ours[i]) < size ? strlen(ours[i]) : size) != 0;
+    return strange;
 }
 
 /* Refuses to replace a file of other content, which --part and --resume take for an older state. */

@@ -7,8 +7,10 @@
 
 #define CML_DECLARE(NAME, name, ...)                                                                         \
     CML_NODISCARD cml_status cml_command_##name(const struct cml_options *options, struct cml_error *err);
-CML_COMMANDS(CML_DECLARE)
+#define CML_NONE(...)
+CML_COMMANDS(CML_DECLARE, CML_NONE)
 #undef CML_DECLARE
+#undef CML_NONE
 
 /* Behind the goals what is expected of Tt (P15 of kernels/README.md), and what setup->error_of names. */
 enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_NAMED, CML_PILOT_GOALS };

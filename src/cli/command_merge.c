@@ -41,12 +41,23 @@ static void add_own(const struct cml_options *mine, const char *scene, struct cm
 }
 
 /* On rank 0, which has the runs for itself. */
-static cml_status run(const struct cml_options *call, struct cml_part_files *files, struct cml_error *err)
+static cml_status run(const struct cml_options *call, struct cml_error *err)
 {
     cml_cluster_alone(true);
     const cml_status status = cml_command_run(call, err);
     cml_cluster_alone(false);
-    return status == CML_OK ? cml_part_files_used(files, err) : status;
+    return status;
+}
+
+/* The name of the scene's file is in the results, so a file of another name makes other bytes. */
+static cml_status check_scene(const char *scene, const char *flown, struct cml_error *err)
+{
+    const char *slash = strrchr(flown, '/'), *theirs = slash ? slash + 1 : flown;
+    if (!scene) return CML_OK;
+    slash = strrchr(scene, '/');
+    if (strcmp(slash ? slash + 1 : scene, theirs) == 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "merge: %s (expected a file named %s, of which the parts are)", scene,
+                    theirs);
 }
 
 static cml_status join(const struct cml_options *options, const char *scene, struct cml_part_files *files,
@@ -60,17 +71,16 @@ static cml_status join(const struct cml_options *options, const char *scene, str
     if (status != CML_OK || call.which != CML_COMMAND_RUN)
         return cml_fail(err, CML_E_INPUT, "%s: is not of a call of run (expected a part of this program's)",
                         files->file[0].path);
+    CML_TRY(check_scene(scene, call.operands[0], err));
     mine.joined = files;
     add_own(&mine, scene, &call);
-    return run(&call, files, err);
+    return run(&call, err);
 }
 
 cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
 {
     const bool has_scene = cml_file_ends_in(options->operands[0], ".mci");
     CML_AT_END(cml_part_files_clear) struct cml_part_files files = {0};
-    if (options->num_operands == has_scene)
-        return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
     CML_TRY(
         cml_part_files_read(options->operands + has_scene, options->num_operands - has_scene, &files, err));
     return join(options, has_scene ? options->operands[0] : NULL, &files, err);

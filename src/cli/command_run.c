@@ -12,6 +12,7 @@
 #include "cli/run/sweep_flights.h"
 #include "run/cluster.h"
 #include "run/identity.h"
+#include "run/join.h"
 #include "run/stop.h"
 
 #include <inttypes.h>
@@ -79,9 +80,22 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
+/* Of `merge`: the parts of all runs are read before the first result is written. One run reads all of its
+ * own before. */
+static cml_status look_at_parts(const struct session *session, struct cml_error *err)
+{
+    struct cml_part_files *files = session->options->joined;
+    cml_status status = CML_OK;
+    if (!files || session->list.count == 1) return CML_OK;
+    files->looking = true;
+    for (int i = 0; status == CML_OK && i < session->list.count; i++) status = run_scene(session, i, err);
+    return cml_part_files_looked(files, status, err);
+}
+
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
+    CML_TRY(look_at_parts(session, err));
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
                cml_cluster_size() == 1 ? "" : "s");

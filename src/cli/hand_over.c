@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/hand_over.h"
 
-#include "cli/command.h"
-
 #include <errno.h>
 #include <limits.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,18 +31,6 @@ static const char start[] = "import sys\n"
                             "except ImportError as error:\n"
                             "    lacks('has no module %s' % (error.name or error))\n"
                             "sys.exit(code)\n";
-
-/* The commands of the package. */
-static const char *const names[] = {"brdf", "compare", "plot", "profile", "view"};
-
-bool cml_is_handed_over(int argc, char *const *argv)
-{
-    bool found = false;
-    for (size_t i = 0; argc > 1 && i < sizeof names / sizeof *names; i++)
-        found |= strcmp(argv[1], names[i]) == 0;
-    for (int i = 2; i < argc; i++) found &= strcmp(argv[i], "--version") != 0; /* the program's */
-    return found;
-}
 
 /* Where the package lies, from the folder of the program: build tree, install tree, wheel. */
 static bool find_package(const char *folder, char path[PATH_MAX])
@@ -92,21 +80,3 @@ cml_status cml_hand_over(int argc, char **argv, struct cml_error *err)
     free(words);
     return status;
 }
-
-/* They are reached only where another word stands before the command. */
-static cml_status refuse(const char *name, struct cml_error *err)
-{
-    return cml_fail(err, CML_E_INPUT, "%s stands behind other words (expected clustermcml %s ...)", name,
-                    name);
-}
-
-#define REFUSED(of)                                                                                          \
-    cml_status cml_command_##of(const struct cml_options *options, struct cml_error *err)                    \
-    {                                                                                                        \
-        return refuse(cml_commands[options->which].name, err);                                               \
-    }
-REFUSED(brdf)
-REFUSED(compare)
-REFUSED(plot)
-REFUSED(profile)
-REFUSED(view)

@@ -3,11 +3,6 @@
 
 #include "base/status.h"
 
-#include <stdbool.h>
-
-/* Whether the first word is one of them. */
-bool cml_is_handed_over(int argc, char *const *argv);
-
 /* Becomes Python with these words. The package is the one beside the program: in a build tree, an install
  * tree, a wheel; else the one that Python finds. The environment's CLUSTERMCML_PYTHON names the interpreter,
  * else it is python3. Returns only where that cannot be started: CML_E_IO. */

@@ -21,17 +21,22 @@ cml_status cml_command_help(const struct cml_options *options, struct cml_error 
     return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
+/* run NULL: a command of the Python package. */
 #define ROW(NAME, name, parallel) {parallel, cml_command_##name},
+#define PYTHON_ROW(NAME, name) {false, NULL},
 static const struct {
     bool parallel;
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
-} commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW)};
+} commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW, PYTHON_ROW)};
 
 /* --help and --version come before what the command would do. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;
-    const char *topic = options->named ? cml_commands[options->which].name : NULL;
+    const char *name = cml_commands[options->which].name, *topic = options->named ? name : NULL;
+    if (!options->help && !options->version && !commands[options->which].run)
+        return cml_fail(err, CML_E_INPUT, "%s stands behind other words (expected clustermcml %s ...)", name,
+                        name);
     if (!options->help && !options->version)
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
@@ -72,12 +77,22 @@ static void open_standard_streams(void)
             (void)!(file == STDOUT_FILENO ? open("/", O_RDONLY) : open("/dev/null", O_RDWR));
 }
 
+/* Whether the first word is a command of the package. --version is the program's. */
+static bool is_handed_over(int argc, char *const *argv)
+{
+    const enum cml_command command = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;
+    if (command == CML_NUM_COMMANDS || commands[command].run) return false;
+    for (int i = 2; i < argc; i++)
+        if (strcmp(argv[i], "--version") == 0) return false;
+    return true;
+}
+
 /* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
  * ended them: it may be rank 0 that is lost. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
-    if (cml_is_handed_over(argc, argv)) {
+    if (is_handed_over(argc, argv)) {
         const cml_status handed = cml_hand_over(argc, argv, &err);
         complain(handed, &err);
         return (int)handed;

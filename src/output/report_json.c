@@ -54,6 +54,14 @@ static void set_place(json_t *object, const struct cml_boundary *boundary)
             json_pack("[f,f]", cml_tile_period(&boundary->tile, 0), cml_tile_period(&boundary->tile, 1)));
 }
 
+/* Key `rough` of a boundary or a body whose surface is. */
+static void set_rough(json_t *object, const struct cml_rough_def *rough)
+{
+    if (!cml_is_rough(rough)) return;
+    json_object_set_new(object, "rough",
+                        json_pack("{s:s, s:f}", "kind", cml_rough_word(rough->kind), "alpha", rough->alpha));
+}
+
 /* How a boundary is represented. An unknown bias is infinite. */
 static json_t *boundary_json(const struct subject *subject, int b)
 {
@@ -66,6 +74,7 @@ static json_t *boundary_json(const struct subject *subject, int b)
                   "query_ns", expect->query_ns, "deviation", expect->deviation);
     if (subject->mean) set_real(object, "mean_height", subject->mean->height[b]);
     if (subject->mean) set_place(object, &subject->scene->boundaries[b]);
+    if (subject->mean) set_rough(object, &subject->scene->boundaries[b].rough);
     return object;
 }
 
@@ -163,6 +172,7 @@ static json_t *body_json(const struct subject *subject, int k)
                              "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
     const struct cml_result *result = subject->sums;
     if (subject->mean) set_box(body, &scene->bodies[k]);
+    if (subject->mean) set_rough(body, &medium->rough);
     if (result) set_real(body, "A", cml_result_absorbed(result, m));
     if (result) set_real(body, "A_se", cml_result_absorbed_error(result, m));
     return with_phase(body, medium->phase);

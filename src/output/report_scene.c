@@ -103,8 +103,7 @@ static void print_extent(FILE *stream, const struct cml_body_surface *body, enum
 
 static void print_roughness(FILE *stream, const struct cml_rough_def *rough)
 {
-    static const char *const kinds[] = {"", "ggx", "beckmann"};
-    if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", kinds[rough->kind], rough->alpha);
+    if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", cml_rough_word(rough->kind), rough->alpha);
 }
 
 /* "layer 2" or "body 3". */

@@ -26,7 +26,7 @@ struct head {
     struct cml_part part;
     struct cml_record record; /* its JSON, or the call of a part, stands behind the head */
 };
-static const char magic[24] = "clustermcml checkpoint\n";
+static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
 #define VERSION 16u               /* of this layout; a program refuses what it does not know */
 

@@ -28,6 +28,9 @@ struct cml_run_state {
 
 enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHECKPOINT_FINISHED };
 
+/* The first line of every checkpoint and part. */
+#define CML_CHECKPOINT_MAGIC "clustermcml checkpoint\n"
+
 /* "PATH.checkpoint"; the caller's to free. */
 CML_NODISCARD cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err);
 

@@ -1,23 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/join.h"
 
+#include "base/text.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- files ---- */
 
+/* A lock, an older state or an unfinished file, which NAME.part* of a shell finds beside parts. */
+static bool is_beside_part(const char *path)
+{
+    return cml_file_ends_in(path, ".lock") || cml_file_ends_in(path, ".old") ||
+           cml_file_ends_in(path, ".tmp");
+}
+
 cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
                                struct cml_error *err)
 {
-    *files = (struct cml_part_files){.file = calloc((size_t)count, sizeof *files->file)};
+    *files = (struct cml_part_files){.file = calloc((size_t)count + 1, sizeof *files->file)};
     if (!files->file) return cml_fail_memory(err, (double)count * (double)sizeof *files->file, "the parts");
-    for (files->count = 0; files->count < count; files->count++) {
+    for (int i = 0; i < count; i++) {
         struct cml_part_file *file = &files->file[files->count];
-        file->path = path[files->count];
+        if (is_beside_part(path[i])) continue;
+        file->path = path[i];
         CML_TRY(cml_part_look(file->path, &file->about, &file->identity, &file->call, err));
+        files->count++;
     }
-    return CML_OK;
+    if (files->count > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
 }
 
 void cml_part_files_clear(struct cml_part_files *files)
@@ -30,13 +42,14 @@ void cml_part_files_clear(struct cml_part_files *files)
     *files = (struct cml_part_files){0};
 }
 
-cml_status cml_part_files_used(const struct cml_part_files *files, struct cml_error *err)
+cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status, struct cml_error *err)
 {
-    for (int i = 0; i < files->count; i++)
+    files->looking = false;
+    for (int i = 0; status == CML_OK && i < files->count; i++)
         if (!files->file[i].joined)
             return cml_fail(err, CML_E_INPUT, "%s: is of another run than %s (expected parts of one call)",
                             files->file[i].path, files->file[0].path);
-    return CML_OK;
+    return status;
 }
 
 /* ---- which parts there are ---- */
@@ -90,7 +103,7 @@ static struct cml_part_file *find_at(const struct cml_run_setup *setup, const st
     for (int i = 0; i < files->count; i++) {
         struct cml_part_file *file = &files->file[i];
         const struct cml_range turns = turns_of(file);
-        if (is_of(file, setup) && !file->joined && turns.first == turn && turns.count > 0) return file;
+        if (is_of(file, setup) && turns.first == turn && turns.count > 0) return file;
     }
     return NULL;
 }

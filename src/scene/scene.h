@@ -238,6 +238,13 @@ static inline bool cml_is_rough(const struct cml_rough_def *rough)
     return rough->kind != CML_SMOOTH && rough->alpha > 0;
 }
 
+/* The word of the .mci; "": smooth. */
+static inline const char *cml_rough_word(enum cml_rough_kind kind)
+{
+    static const char *const words[] = {"", "ggx", "beckmann"};
+    return words[kind];
+}
+
 struct cml_scene_list {
     int count;
     struct cml_scene *scenes; /* [count] */

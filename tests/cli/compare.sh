@@ -16,6 +16,7 @@ plain "$b" >"$work/plain_b.mco"
 
 expect_code 0 compare "$a" "$b"
 grep -q '^p = .* no difference at the level 0.01$' "$work/out" || complain "no verdict: $(tail -1 "$work/out")"
+grep -q '^A_rz .* at r = [0-9.]* cm, z = [0-9.]* cm' "$work/out" || complain "the place in A_rz: $(grep '^A_rz' "$work/out")"
 expect_code 0 compare "$a" "$a"
 grep -q '^note: both runs have seed 1: ' "$work/out" || complain "a common seed is not noticed"
 expect_code 0 compare "$a" "$work/plain_b.mco"
@@ -63,7 +64,7 @@ grep -q 'worst z' "$work/z.svg" || complain "the picture does not name what lies
 check_texts
 expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
 
-# What only .h5 files hold: voxels of a body that absorbs more, by their indices; what has no errors, or other bins, is named.
+# What only .h5 files hold: voxels of a body that absorbs more, by their places; what has no errors, or other bins, is named.
 if "$program" --version | grep -q "HDF5 yes"; then
     for mua in 1 9; do
         mkdir "$work/v$mua"
@@ -77,7 +78,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     expect_code 1 compare "$a" "$work/bright.h5"
     grep -q '^Rd_xy 64 bins in .* at the sum$' "$work/out" || complain "no sum: $(grep Rd_xy "$work/out")"
     expect_code 1 compare "$a" "$b"
-    grep -q '^A_xyz 640 bins in [0-9]* tests, worst z -[0-9.]* at A_xyz\[[0-9]\]\[[0-9]\]\[[0-9]\]' "$work/out" || complain "no voxels: $(grep xyz "$work/out")"
+    grep -q '^A_xyz 640 bins in [0-9]* tests, worst z -[0-9.]* at z = [0-9.]* cm, y = -*[0-9.]* cm, x = -*[0-9.]* cm' "$work/out" || complain "no voxels: $(grep xyz "$work/out")"
     grep -q '^phi_xyz 640 bins in ' "$work/out" || complain "no fluence of voxels"
     sed 's/8 8 0.05 0.05/8 8 0.06 0.05/' "$work/v1/v.mci" >"$work/other.mci"
     expect_code 0 "$work/other.mci" --seed 3 --quiet -o "$work/3"

@@ -132,6 +132,8 @@ mv changed thick.mci
 expect_code 2 merge thick.mco.part?of3
 grep -q "^clustermcml: thick.mco.part1of3: the checkpoint is of another run: 'input thick.mci of .*' here (expected parts of one run)$" err || complain "a changed scene: $(cat err)"
 mkdir moved && mv away moved/thick.mci
+cp moved/thick.mci renamed.mci
+refuses "merge: renamed.mci (expected a file named thick.mci, of which the parts are)" renamed.mci thick.mco.part?of3
 expect_code 0 merge moved/thick.mci thick.mco.part?of3 -o moved --quiet
 expect_code 0 moved/thick.mci --photons 1000 --quiet -o one
 test "$(bare one/thick.mco | sha256sum)" = "$(bare moved/thick.mco | sha256sum)" || complain "a scene that was moved: other bytes"
@@ -156,5 +158,29 @@ for k in 1 2; do expect_code 0 "$root/samples/two_runs.mci" --photons 100 --part
 expect_code 2 merge two_runs_flat.mco.part*
 grep -q '^clustermcml: two_runs_hill.mco: no part of it (expected all its parts)$' err || complain "half of the runs: $(cat err)"
 expect_error 2 "thick.mco.part1of2: is of another run than two_runs_flat.mco.part1of2 (expected parts of one call)" \
-    merge --quiet two_runs*.part?of2 thick.mco.part1of2
+    merge --quiet two_runs*.part?of2 thick.mco.part1of2 -o new
+test "$(echo two_runs*.mco new)" = "two_runs*.mco new" && test ! -e new || complain "refused parts of two runs: wrote $(ls -d two_runs*.mco new)"
+for k in 1 2; do expect_code 0 "$root/samples/thick.mci" --sweep rows.csv --photons 100 --part $k/2 --quiet -o rows; done
+rm rows/thick-0003.mco.part2of2
+expect_error 2 "rows.csv:4: row 3, layer1.mua = 1, layer1.mus = 60: thick-0003.mco: part 2 of 2 is missing (expected all parts of the run)" \
+    merge rows/*.part* -o new
+test ! -e new || complain "refused rows: wrote $(ls new)"
+
+# What a killed process leaves beside parts is passed over.
+: >two_runs_flat.mco.part1of2.lock
+echo older >two_runs_flat.mco.part1of2.old
+expect_error 2 "merge: no parts (expected those of a run, NAME.partKofN)" merge two_runs_flat.mco.part1of2.*
+expect_code 0 merge --quiet two_runs*.part*
+test -e two_runs_flat.mco || complain "beside a lock: no result"
+
+# Files of other content stay.
+echo mine >thick.mco.part1of3
+cp thick.mco.part1of3 thick.mco
+for words in "--part 1/3" "--part 1/3 --resume"; do
+    expect_error 2 "$work/thick.mco.part1of3: is no file of this program (expected a part, or no file)" thick.mci --photons 1000 $words
+done
+expect_error 2 "$work/thick.mco: is no file of this program (expected a result, or no file)" thick.mci --photons 1000 --resume
+test "$(cat thick.mco thick.mco.part1of3 | tr -d '\n')" = minemine || complain "a text file was replaced"
+sed 's/thick.mco A/named.h5 A/' thick.mci >named.mci # text in spite of its name
+for words in "" --resume; do expect_code 0 named.mci --photons 100 --quiet $words; done
 finish

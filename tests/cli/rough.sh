@@ -53,6 +53,16 @@ totals "$work/both.mco" | cmp -s - "$work/a" || complain "--set boundary0.alpha:
 printf 'boundary0.alpha,boundary1.alpha\n0.3,0.5\n0,0\n' >"$work/table.csv"
 expect_code 0 "$work/set.mci" --quiet --sweep "$work/table.csv" -o "$work"
 
+# check --json has it of boundaries and bodies, and of no others.
+printf '1.0\n1\nx.mco A\n200\n0.02 0.02\n20 20 5\n2\n1\nrough ggx 0.6\n1.4 1 20 0.8 0.5\ni sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5\ni sphere 0 0 0.4 0.05 1.5 1 10 0.5\n1.5 1 20 0.8 0.5\nrough ggx 0\n1\n' >"$work/told.mci"
+expect_code 0 check "$work/told.mci" --json
+python3 - "$work/out" <<'EOF' || complain "check --json: $(cat "$work/out")"
+import json, sys
+told = json.load(open(sys.argv[1]))
+assert [b.get("rough") for b in told["boundaries"]] == [{"kind": "ggx", "alpha": 0.6}, None, None]
+assert [b.get("rough") for b in told["bodies"]] == [{"kind": "beckmann", "alpha": 0.5}, None]
+EOF
+
 # trace: one line for each event at a rough boundary, on each engine that traces.
 shape() { # NAME RIPPLE
     printf '1.0\n1\n%s.mco A\n20000\n0.02 0.02\n20 20 5\n1\n1\nrough ggx 0.6\nb 5 0 0.1 %s 0.1 0 0.1 %s 0.1 0 0.1\n1.4 1 20 0.8 0.5\ni sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5\nrough beckmann 0.8\n1\n' "$1" "$2" "$2" >"$work/$1.mci"

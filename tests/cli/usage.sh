@@ -167,6 +167,14 @@ for option in aim error-of dump; do # without dashes, where nothing else has tha
     expect_code 0 help $option
     cmp -s "$work/text" "$work/out" || complain "help $option: $(cat "$work/out")"
 done
+# options of the commands that Python does
+for option in $(grep -oh '("--[a-z][a-z-]*"' src/python/clustermcml/plot.py src/python/clustermcml/view.py src/python/clustermcml/compare.py src/python/clustermcml/brdf.py src/python/clustermcml/profile.py | tr -d '("' | sort -u); do
+    expect_code 0 help "$option"
+    test "$(grep -c -e "$option" "$work/out")" -ge 1 || complain "help $option: $(cat "$work/out")"
+done
+expect_code 0 help percentile
+grep -q '^| `--percentile P` ' "$work/out" || complain "help percentile: $(cat "$work/out")"
+expect_error 2 "unknown option --colour (try clustermcml --help)" help --colour
 expect_error 2 "help: no text on \"\" (try clustermcml help)" help ""
 expect_error 2 "help: no text on print (try clustermcml help)" help print # a line of an example in Python
 expect_error 2 "help: no text on layer1.mux (try clustermcml help)" help layer1.mux

@@ -369,16 +369,26 @@ class Command(unittest.TestCase):
             SLAB.write(os.path.join(folder, "slab.mci"))
             with open(os.path.join(folder, "bad.csv"), "w", encoding="utf-8") as file:
                 file.write("nm,layer1.mua\n450,x\n")
+            for name in ("open.csv", "own.bsdf"):
+                with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                    file.write('nm,layer1.mua\n450,"1\n650,2\n')
             for words, expected in ((["none.mci"], "scene = 'none.mci' (expected the path of a file that is there)"),
                                     (["slab.mci", "--angles", "0,x"], "--angles 0,x (expected angles in degrees, as 0,30,60)"),
-                                    (["slab.mci", "--photons", "0"], "--photons 0 (expected a number of packets)"),
+                                    (["slab.mci", "--photons", "0"], "--photons 0 (expected a whole number from 1 to 281474976710656)"),
                                     (["slab.mci", "--label", "nm=bad.csv"], "bad.csv: row 1 = 450,x (expected 2 numbers)"),
                                     (["slab.mci", "--label", "um=bad.csv"], "bad.csv: no table with a column um (expected a first line of names, then numbers)"),
-                                    (["slab.mci", "-o", "no/such"], "--output no/such (expected a name in a folder that is there)"),
+                                    (["slab.mci", "-o", "no/such"], "--output no/such (expected the beginning of a file's name, in a folder that is there)"),
+                                    (["slab.mci", "-o", ""], "--output '' (expected the beginning of a file's name, in a folder that is there)"),
+                                    (["slab.mci", "-o", "./"], "--output ./ (expected the beginning of a file's name, in a folder that is there)"),
+                                    (["slab.mci", "--seed", "1.5"], "--seed 1.5 (expected a whole number from 0 to 1099511627776)"),
+                                    (["slab.mci", "--threads", "1e9"], "--threads 1e9 (expected a whole number from 1 to 4096)"),
+                                    (["slab.mci", "--angles", "\x1b[31m"], "--angles \\x1b[31m (expected angles in degrees, as 0,30,60)"),
+                                    (["slab.mci", "--label", "nm=open.csv"], "open.csv: not a table (Error: unexpected end of data)"),
+                                    (["slab.mci", "--label", "nm=own.bsdf", "-o", "own"], "brdf: -o own.bsdf would overwrite its input own.bsdf"),
                                     ([], "brdf: the following arguments are required: scene.mci (try clustermcml brdf --help)")):
                 done = self.run_command(folder, *words)
                 self.assertEqual((done.returncode, done.stderr, done.stdout), (2, f"clustermcml: {expected}\n", ""), words)
-            self.assertEqual(sorted(os.listdir(folder)), ["bad.csv", "slab.mci"])
+            self.assertEqual(sorted(os.listdir(folder)), ["bad.csv", "open.csv", "own.bsdf", "slab.mci"])
 
 
 class Long(unittest.TestCase):

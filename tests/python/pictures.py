@@ -2,6 +2,7 @@
 
 SPDX-License-Identifier: MIT
 """
+import cProfile
 import os
 import sys
 import tempfile
@@ -46,6 +47,55 @@ class Pictures(unittest.TestCase):
             plot.main([*words, "-o", os.path.join(self.kept.name, "none.svg")])
         self.assertIn(message, str(caught.exception))
         self.assertNotIn("Error", str(caught.exception))
+
+    @staticmethod
+    def pixels(draw):
+        """What a picture in space shows, and calls of Python that it takes."""
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+        canvas = FigureCanvasAgg(Figure())
+        profile = cProfile.Profile()
+        profile.enable()
+        draw(canvas.figure.add_subplot(projection="3d"))
+        canvas.draw()
+        profile.disable()
+        return np.asarray(canvas.buffer_rgba()).copy(), sum(entry.callcount for entry in profile.getstats())
+
+    def test_facets_are_those_of_matplotlib(self):
+        """Triangles and quads, each alone and mixed, against matplotlib's own collection, which sorts them one by one; a call of Python for each
+        facet would take most of a picture's time."""
+        import matplotlib
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+        from clustermcml.facets import Mesh, draw_mesh
+        rng, n = np.random.default_rng(1), 20
+        x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+        points = np.stack([x.ravel(), y.ravel(), rng.normal(0, 0.7, n * n)], axis=1)
+        quads = [np.array([i, i + n, i + n + 1, i + 1]) for i in range(n * n - n) if i % n < n - 1]
+        triangles = [quad[[0, *half]] for quad in quads for half in ((1, 2), (2, 3))]
+        norm = matplotlib.colors.Normalize(0, 1)
+        self.pixels(lambda axes: None)  # imports
+        for facets in (triangles, quads, [*quads[:200], *triangles[400:]]):
+            mesh = Mesh(points, np.concatenate(facets), np.cumsum([len(facet) for facet in facets]), rng.random(len(facets)))
+            def theirs(axes):
+                draw_mesh(matplotlib, axes, mesh, norm)
+                shaded = self.shaded(mesh, facets, norm)
+                axes.collections[0].remove()
+                axes.add_collection3d(Poly3DCollection([points[facet] * (1, 1, -1) for facet in facets], facecolors=shaded, edgecolors="none", linewidths=0, antialiased=False))
+
+            (mine, calls), (own, most) = (self.pixels(of) for of in (lambda axes: draw_mesh(matplotlib, axes, mesh, norm), theirs))
+            np.testing.assert_array_equal(mine, own)
+            self.assertLess(calls + 50 * len(facets), most)
+
+    @staticmethod
+    def shaded(mesh, facets, norm):
+        """Colours of facets in light from the left, one by one."""
+        import matplotlib
+        colours = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](norm(mesh.values))
+        for colour, facet in zip(colours, facets):
+            at = mesh.points[facet] * (1, 1, -1)
+            normal = sum(np.cross(at[i] - at[0], at[i + 1] - at[0]) for i in range(1, len(at) - 1))
+            colour[:3] *= 0.45 + 0.55 * abs(normal @ (-0.5, -0.3, 0.81)) / np.linalg.norm(normal)
+        return colours
 
     def test_style_sets_widths_and_size(self):
         style = self.write("j.mplstyle", "lines.linewidth: 4\nlines.markersize: 9\nfigure.figsize: 3.5, 2.5\n")

@@ -83,6 +83,21 @@ class Crafted(unittest.TestCase):
             mc.read(path)
         self.assertNotIn("\n", str(caught.exception))
 
+    def test_a_bit_of_a_single_number(self):
+        """No chunk has a checksum of it, so the header of its data set must hold it."""
+        path = self.write("h5", self.sound["h5"])
+        with h5py.File(path) as file:
+            numbers = {name: item[()] for name, item in file.items() if isinstance(item, h5py.Dataset) and item.shape == ()}
+        self.assertGreater(len(numbers), 20)
+        for name, number in numbers.items():
+            found = self.sound["h5"].find(np.float64(number).tobytes())
+            if number == 0 or found < 0:
+                continue
+            content = bytearray(self.sound["h5"])
+            content[found + 3] ^= 4
+            with self.subTest(name):
+                self.refused(self.write("h5", bytes(content)), "checksum")
+
     def test_h5(self):
         raw = os.path.join(self.folder.name, "raw")
         with open(raw, "wb") as file:

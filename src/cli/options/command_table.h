@@ -5,8 +5,9 @@
 #include <stdbool.h>
 
 /* In the order of the help: enumerator, function cml_command_NAME, and whether all ranks work; else rank 0
- * alone does, and the others wait for its status. */
-#define CML_COMMANDS(C)                                                                                      \
+ * alone does, and the others wait for its status. PYTHON: a command of the Python package, with no
+ * function here. */
+#define CML_COMMANDS(C, PYTHON)                                                                              \
     C(RUN, run, true)                                                                                        \
     C(PLAN, plan, true)                                                                                      \
     C(CHECK, check, false)                                                                                   \
@@ -15,17 +16,17 @@
     C(TRACE, trace, false)                                                                                   \
     C(CROSSCHECK, crosscheck, false)                                                                         \
     C(FURNACE, furnace, true)                                                                                \
-    C(COMPARE, compare, false)                                                                               \
+    PYTHON(COMPARE, compare)                                                                                 \
     C(MERGE, merge, false)                                                                                   \
-    C(PLOT, plot, false)                                                                                     \
-    C(VIEW, view, false)                                                                                     \
-    C(BRDF, brdf, false)                                                                                     \
-    C(PROFILE, profile, false)                                                                               \
+    PYTHON(PLOT, plot)                                                                                       \
+    PYTHON(VIEW, view)                                                                                       \
+    PYTHON(BRDF, brdf)                                                                                       \
+    PYTHON(PROFILE, profile)                                                                                 \
     C(DEVICES, devices, false)                                                                               \
     C(HELP, help, false)
 
 #define CML_ENUMERATOR(NAME, ...) CML_COMMAND_##NAME,
-enum cml_command { CML_COMMANDS(CML_ENUMERATOR) CML_NUM_COMMANDS };
+enum cml_command { CML_COMMANDS(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_COMMANDS };
 #undef CML_ENUMERATOR
 
 struct cml_command_def {

@@ -298,6 +298,12 @@ static cml_status refuse(const char *topic, struct cml_error *err)
     for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
         cml_guess_offer(&guess, text->name);
     const char *meant = cml_guess_best(&guess);
+    if (strncmp(topic, "--", 2) == 0) {
+        meant = cml_option_guess(topic + 2, strlen(topic + 2));
+        return cml_fail(err, CML_E_INPUT, "unknown option %s (%s%s%s)", topic,
+                        meant ? "did you mean --" : "try clustermcml --help", meant ? meant : "",
+                        meant ? "?" : "");
+    }
     return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", *topic ? topic : "\"\"",
                     meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
 }
@@ -331,9 +337,12 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     const struct cml_help_text *text = cml_help_texts;
     while (text->name && strcmp(text->name, topic) != 0) text++;
     if (!text->name) {
+        char dashed[64];
+        snprintf(dashed, sizeof dashed, "--%s", topic);
         option = cml_option_find(topic, strlen(topic));
         if (option) print_one_option(stream, option);
-        return (*topic && print_word(stream, topic) > 0) || option ? CML_OK : refuse(topic, err);
+        found = (*topic && print_word(stream, topic) > 0) || option || print_word(stream, dashed) > 0;
+        return found ? CML_OK : refuse(topic, err);
     }
     fputs(text->text, stream);
     return CML_OK;

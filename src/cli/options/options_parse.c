@@ -238,11 +238,13 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
     }
 }
 
-/* help --set, help -o: the option is what help is wanted on, and the next word not its value. */
+/* help --set, help -o: the option is what help is wanted on, and the next word not its value. A long option
+ * that is not in the table may be one of the Python package's. */
 static bool is_topic(struct words *words, const struct cml_options *options)
 {
-    if (options->which != CML_COMMAND_HELP || !words->option ||
-        (words->typed[1] != '-' && words->operand[2]) || cml_option_belongs(words->option, CML_COMMAND_HELP))
+    const bool name = words->typed[1] == '-';
+    if (options->which != CML_COMMAND_HELP || (!name && (!words->option || words->operand[2])) ||
+        (words->option && cml_option_belongs(words->option, CML_COMMAND_HELP)))
         return false;
     if (words->value && words->value == words->argv[words->at - 1]) words->at--;
     return true;

@@ -301,12 +301,22 @@ static cml_status join(const struct cml_run_call *call, const struct cml_run_set
     return cml_run_join(setup, call->options->joined, call->only, run, err);
 }
 
+static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                                struct cml_error *err)
+{
+    struct cml_run_result run;
+    CML_TRY(join(call, setup, &run, err));
+    cml_run_result_free(&run);
+    return CML_OK;
+}
+
 /* On all ranks. Signals are remembered only where a checkpoint can follow them. */
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
     const struct cml_run_setup *setup = &prepared->setup;
     struct cml_run_result run;
+    if (cml_part_files_looking(call->options->joined)) return look_at_parts(call, setup, err);
     if ((setup->base == 0 || setup->part.count > 0) && cml_cluster_rank() == 0)
         cml_before_note(call->options, setup, call->row, &prepared->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
@@ -466,7 +476,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     setup->gone = options.resume ? run->before.gone : NULL;
     setup->how_gone = run->before.how;
     setup->result_stands = run->before.stands;
-    if (call->row == 0 && cml_cluster_rank() == 0)
+    if (call->row == 0 && cml_cluster_rank() == 0 && !cml_part_files_looking(options.joined))
         CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
     return CML_OK;
 }

@@ -226,6 +226,38 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- do they destroy anything? ---- */
 
+/* Whether a file is there that begins like none of ours. One that is empty, cut or damaged may be ours. */
+static bool is_strange(const struct cml_output_file *file)
+{
+    static const char *const ours[] = {CML_CHECKPOINT_MAGIC, "A1", "\211HDF", "<?xml"};
+    char found[40];
+    FILE *in = cml_file_ends_in(file->name, ".csv") ? NULL : fopen(file->name, "rb");
+    if (!in) return false;
+    const size_t size = fread(found, 1, sizeof found, in);
+    bool strange = size > 0;
+    fclose(in);
+    const size_t first = file->kind != CML_OUTPUT_CHECKPOINT, end = first ? sizeof ours / sizeof *ours : 1;
+    for (size_t i = first; i < end; i++)
+        strange &= memcmp(found, ours[i], strlen(ours[i]) < size ? strlen(ours[i]) : size) != 0;
+    return strange;
+}
+
+/* Refuses to replace a file of other content, which --part and --resume take for an older state. */
+static cml_status check_strange(const struct cml_options *options, const struct cml_outputs *outputs,
+                                struct cml_error *err)
+{
+    for (size_t i = 0; (options->resume || outputs->of_part) && i < outputs->count; i++) {
+        const struct cml_output_file *file = &outputs->file[i];
+        if ((outputs->of_part && file->kind != CML_OUTPUT_CHECKPOINT) || !is_strange(file)) continue;
+        return cml_fail(err, CML_E_INPUT, "%.400s: is no file of this program (expected %s, or no file)",
+                        file->name,
+                        outputs->of_part                      ? "a part"
+                        : file->kind == CML_OUTPUT_CHECKPOINT ? "a checkpoint"
+                                                              : "a result");
+    }
+    return CML_OK;
+}
+
 static int compare_files(const void *a, const void *b)
 {
     const struct cml_output_file *one = a, *other = b;
@@ -400,6 +432,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
     CML_TRY(check_distinct(outputs, list, err));
     CML_TRY(check_inputs(options, outputs, list, inputs, err));
+    CML_TRY(check_strange(options, outputs, err));
     CML_TRY(check_clobber(options, list, outputs, err));
     for (int i = 0; i < num_locks; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
     remove_leftovers(outputs);
@@ -414,12 +447,12 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     const bool made = options->directory && access(options->directory, F_OK) != 0;
     *outputs = (struct cml_outputs){.of_part = options->parts > 0};
     if (made) CML_TRY(cml_folder_make(options->directory, err));
+    if (made) outputs->made = options->directory;
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
         note_elsewhere(options, outputs, note);
     else
         cml_outputs_release(outputs);
-    if (status != CML_OK && made) (void)rmdir(options->directory);
     return status;
 }
 
@@ -429,5 +462,6 @@ void cml_outputs_release(struct cml_outputs *outputs)
     for (size_t i = 0; i < outputs->count; i++) free(outputs->file[i].name);
     free(outputs->lock);
     free(outputs->file);
+    if (outputs->made) (void)rmdir(outputs->made);
     *outputs = (struct cml_outputs){0};
 }

@@ -20,6 +20,7 @@ struct cml_outputs {
     size_t count;
     struct cml_output_file *file; /* [count] */
     bool of_part;                 /* of a part of a run: only its own file is written */
+    const char *made;             /* the folder of -o where it was not there; borrowed; NULL: it was */
     size_t num_locks;
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
 };
@@ -35,4 +36,5 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
 
+/* A folder that was made here goes where it is still empty. */
 void cml_outputs_release(struct cml_outputs *outputs);

@@ -16,6 +16,7 @@
 #include "output/study/sweep_files.h"
 #include "run/cluster.h"
 #include "run/identity.h"
+#include "run/join.h"
 #include "run/stop.h"
 
 #include <stdlib.h>
@@ -348,9 +349,24 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     status = cml_run_one(&call, record, err);
     if (status == CML_E_INPUT) status = cml_sweep_name_row(sweep, row, status, err);
     status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
-    if (status == CML_OK || status == CML_E_NUMERIC) cml_sweep_print_row(sweep, row, record);
+    const bool looks = cml_part_files_looking(sweep->options->joined);
+    if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) cml_sweep_print_row(sweep, row, record);
     cml_scene_clear(&scene);
     return status;
+}
+
+/* Of `merge`: the parts of all rows are read before the first result is written. */
+static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *err)
+{
+    struct cml_part_files *files = sweep->options->joined;
+    struct cml_record none;
+    cml_status status = CML_OK;
+    if (!files) return CML_OK;
+    files->looking = true;
+    if (sweep->group) status = cml_sweep_fly_groups(sweep, err);
+    for (int row = 0; !sweep->group && status == CML_OK && row < sweep->table.num_rows; row++)
+        status = fly_row(sweep, row, &none, err);
+    return cml_part_files_looked(files, status, err);
 }
 
 /* ---- what comes of it ---- */
@@ -499,6 +515,7 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
 {
     struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
     cml_status status = cml_cluster_agree(open_sweep(&sweep, err), err);
+    if (status == CML_OK) status = look_at_parts(&sweep, err);
     if (status == CML_OK) status = fly(&sweep, err);
     clear_sweep(&sweep);
     return status;

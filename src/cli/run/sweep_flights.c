@@ -6,6 +6,7 @@
 #include "cli/run/one_run.h"
 #include "input/sweep/sweep_groups.h"
 #include "run/cluster.h"
+#include "run/join.h"
 #include "tally/row_cells.h"
 
 #include <stdio.h>
@@ -239,12 +240,13 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;
+    const bool looks = cml_part_files_looking(options.joined);
     struct cml_error why = {CML_OK, ""};
     struct group group = {0};
     uint64_t seed = 0;
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
-        options.engine_options = options_of(sweep, &group, cml_cluster_rank() == 0);
+        options.engine_options = options_of(sweep, &group, cml_cluster_rank() == 0 && !looks);
         const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
         const struct cml_run_call call = {.options = &options,
                                           .scene = &group.flown,
@@ -256,7 +258,7 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
         struct cml_record none;
         status = cml_run_one(&call, &none, err);
         status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
-        if (status == CML_OK || status == CML_E_NUMERIC) take_records(sweep, &group);
+        if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) take_records(sweep, &group);
     }
     clear_group(&group);
     return status;

@@ -77,7 +77,7 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
 
 /* Creates a data set without times, so that the same fields give the same bytes. Shuffled (all first bytes,
  * all second bytes, ...) before deflate, which then finds what neighbouring numbers have in common; at level
- * 1, the fastest. */
+ * 1, the fastest. A single number stands in the header of its data set, which has a checksum. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];
@@ -87,7 +87,8 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
     const hid_t properties = made(w, H5Pcreate(H5P_DATASET_CREATE));
     check(w, H5Pset_obj_track_times(properties, false));
     if (field->plain) check(w, H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER)); /* all is written */
-    if (cml_field_size(field) > 0 && field->num_axes > 0 && !field->plain) {       /* chunks are not empty */
+    if (field->num_axes == 0) check(w, H5Pset_layout(properties, H5D_COMPACT));
+    if (cml_field_size(field) > 0 && field->num_axes > 0 && !field->plain) { /* chunks are not empty */
         check(w, H5Pset_chunk(properties, field->num_axes, chunk));
         check(w, H5Pset_shuffle(properties));
         check(w, H5Pset_deflate(properties, 1));

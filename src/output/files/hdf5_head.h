@@ -14,6 +14,6 @@ struct cml_hdf5_head {
  * leads to no such file, or the file is damaged. The library compares the size of the file with the
  * superblock, so a cut file is refused, and the checksums of the superblock, of attributes and of the
  * headers of data sets. zlib compares those of the chunks of `arrays`, of which the file need not have any,
- * and of their errors. Not noticed are changes in other arrays, in numbers that are not deflated (totals,
- * saved packets), in texts of the call and in bytes that nothing uses. A program without HDF5 refuses all. */
+ * and of their errors. Not noticed are changes in other arrays, in numbers that are not deflated (saved
+ * packets), in texts of the call and in bytes that nothing uses. A program without HDF5 refuses all. */
 bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head);

@@ -17,7 +17,7 @@ from typing import Any, Iterator
 import numpy as np
 
 from . import errors
-from .command_line import print_text
+from .command_line import print_text, shown_path
 from .commands import check
 from .fit import Fit, fit
 from .mco import NUMERAL
@@ -147,12 +147,12 @@ def main() -> int:
     commands = {"brdf": ".brdf", "compare": ".compare", "plot": ".plot", "profile": ".profile", "view": ".view"}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         return fit_main()
-    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
+    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {shown_path(str(text))}", file=sys.stderr)
     try:
         found: int = importlib.import_module(commands[sys.argv[1]], __package__).main(sys.argv[2:])
         return found
     except errors.ClustermcmlError as error:
-        print(f"clustermcml: {error}", file=sys.stderr)
+        print(f"clustermcml: {shown_path(str(error))}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
         return 130
@@ -161,7 +161,7 @@ def main() -> int:
     except Exception as error:  # pylint: disable=broad-except  # a library refuses what the package let pass
         if os.environ.get("CLUSTERMCML_TRACEBACK"):
             raise
-        words = " ".join(f"{type(error).__name__}: {error}".split())
+        words = shown_path(" ".join(f"{type(error).__name__}: {error}".split()))
         print(f"clustermcml: {sys.argv[1]}: {words} (set CLUSTERMCML_TRACEBACK=1 to see where)", file=sys.stderr)
         return 2
 
@@ -176,7 +176,7 @@ def fit_main() -> int:
     parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
     _add_options(parser)
     words = parser.parse_args()
-    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {text}", file=sys.stderr)
+    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {shown_path(str(text))}", file=sys.stderr)
     try:
         measured = _measured(words.measured, words.scene)
         if words.output is not None and not set(PROFILES) & set(measured):
@@ -189,7 +189,7 @@ def fit_main() -> int:
             found.plot(words.output)
     except errors.ClustermcmlError as error:
         where = f"{words.measured}: " if str(error).startswith("measured") else ""
-        print(f"clustermcml: {where}{error}", file=sys.stderr)
+        print(f"clustermcml: {shown_path(f'{where}{error}')}", file=sys.stderr)
         return error.exit_code
     return code
 

@@ -16,7 +16,7 @@ from . import errors
 from .brdf_fit import Fitted, fit_bins, reciprocity
 from .brdf_flight import Bins, Setup, fly_angles, fly_packets, kind_of
 from .channels import channel_rows, channel_table
-from .command_line import Parser, print_text, shown_path
+from .command_line import MOST_THREADS, Parser, file_stem, print_text, shown_path
 from .gloss import CELLS, cells_of
 from .material import Material
 from .mco import NUMERAL
@@ -266,12 +266,12 @@ def main(words: list[str]) -> int:
     parser.add_argument("scene", metavar="scene.mci")
     parser.add_argument("-o", "--output", metavar="NAME", help="beginning of the names of all files; default: that of the scene")
     parser.add_argument("--angles", metavar="A,B,...", help="angles of incidence [degrees]; default " + ",".join(map(str, ANGLES)))
-    parser.add_argument("--photons", metavar="N", type=parser.number("a number of packets", 1, 2.0**48), help="packets at each angle; default: the scene's")
-    parser.add_argument("--target-error", metavar="E", type=parser.number("a number above 0", 1e-9, 1), default=0.01, help="relative error of every albedo, default 0.01: more rounds fly")
+    parser.add_argument("--photons", metavar="N", type=parser.whole(1, MOST_PHOTONS), help="packets at each angle; default: the scene's")
+    parser.add_argument("--target-error", metavar="E", type=parser.number("a number from 1e-9 to 1", 1e-9, 1), default=0.01, help="relative error of every albedo, default 0.01: more rounds fly")
     parser.add_argument("--label", metavar="nm=TABLE.csv", help="a channel for each row of a table: NAME is its column of wavelengths, or channel for r, g and b")
     parser.add_argument("--back", action="store_true", help="light comes from below")
-    parser.add_argument("--seed", metavar="N", type=parser.number("a whole number from 0", 0, 2.0**40), default=1.0, help="default 1")
-    parser.add_argument("--threads", metavar="N", type=parser.number("a number of threads", 1, 1e5), help="default: all cores")
+    parser.add_argument("--seed", metavar="N", type=parser.whole(0, 2**40), default=1, help="default 1")
+    parser.add_argument("--threads", metavar="N", type=parser.whole(1, MOST_THREADS), help="default: all cores")
     parser.add_argument("--quiet", action="store_true", help="prints nothing")
     given = parser.parse_args(words)
     angles = None
@@ -280,11 +280,9 @@ def main(words: list[str]) -> int:
         if not all(NUMERAL.fullmatch(cell) for cell in cells):
             raise errors.InputError(f"--angles {given.angles} (expected angles in degrees, as 0,30,60)")
         angles = [float(cell) for cell in cells]
-    stem = os.path.splitext(given.scene)[0] if given.output is None else given.output
-    if not os.path.isdir(os.path.dirname(os.path.abspath(stem))):
-        raise errors.InputError(f"--output {shown_path(stem)} (expected a name in a folder that is there)")
+    stem = file_stem("brdf", given.output, (".brdf.h5", ".brdf.txt", ".bsdf", ".rgb.bsdf"), given.scene, given.label)
     material = brdf(given.scene, angles, given.photons, given.target_error, given.back, channels=channel_table(given.label) if given.label else None,
-                    seed=int(given.seed), threads=int(given.threads) if given.threads else None)
+                    seed=given.seed, threads=given.threads)
     names = _write_all(material, stem)
     if material.mirror_note():
         warnings.warn(material.mirror_note())

@@ -50,7 +50,7 @@ def channel_table(word: str) -> dict[str, Any]:
     name = errors.existing_file("--label", path, "NAME=TABLE.csv, NAME a column nm, or channel with r, g and b")
     try:
         with open(name, encoding="utf-8-sig", newline="") as file:
-            rows = [[cell.strip() for cell in row] for row in csv.reader(line.partition("#")[0] for line in file) if any(cell.strip() for cell in row)]
+            rows = [[cell.strip() for cell in row] for row in csv.reader((line.partition("#")[0] for line in file), strict=True) if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise errors.unreadable(shown_path(path), "a table", error) from error
     if len(rows) < 2 or label not in rows[0] or len(set(rows[0])) < len(rows[0]):

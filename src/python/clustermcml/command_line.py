@@ -18,6 +18,7 @@ from typing import Any, Callable, NoReturn, Optional, Sequence
 
 from . import errors
 
+MOST_THREADS = 4096  # as the program has it
 PICTURES = (".svg", ".png", ".pdf", ".eps")
 
 
@@ -38,7 +39,7 @@ def print_text(text: str) -> int:
 
 
 def shown_path(path: str) -> str:
-    r"""A file's name for people and JSON: bytes that are no UTF-8, and controls of terminals, as \xNN.
+    r"""A file's name, or a message with such names, for people and JSON: bytes that are no UTF-8, and controls of terminals, as \xNN.
 
     >>> shown_path("a" + chr(27) + "b.mco")
     'a\\x1bb.mco'
@@ -77,6 +78,19 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentTypeError(f"{word} (expected {expected})")
         return of
 
+    @staticmethod
+    def whole(least: int, most: int) -> Callable[[str], int]:
+        """A reader of whole numbers within limits; 1e6 is one."""
+        expected = f"a whole number from {least} to {most}"
+        read = Parser.number(expected, least, most)
+
+        def of(word: str) -> int:
+            value = read(word)
+            if value % 1:
+                raise argparse.ArgumentTypeError(f"{word} (expected {expected})")
+            return int(value)
+        return of
+
 
 def picture_name(path: str) -> str:
     if not path.lower().endswith(PICTURES):
@@ -95,6 +109,17 @@ def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) 
     for path in inputs if output is not None else ():
         if os.path.exists(path) and os.path.exists(str(output)) and os.path.samefile(path, str(output)):
             raise errors.InputError(f"{command}: -o {output} would overwrite its input {path}")
+
+
+def file_stem(command: str, output: Optional[str], endings: Sequence[str], scene: str, label: Optional[str]) -> str:
+    """The beginning of the names of a command's files, by default that of the scene's name. No file is hidden, or replaces the scene or the
+    table of --label."""
+    stem = os.path.splitext(scene)[0] if output is None else output
+    if os.path.basename(stem) in ("", ".", "..") or not os.path.isdir(os.path.dirname(os.path.abspath(stem))):
+        raise errors.InputError(f"--output {shown_path(stem) or repr(stem)} (expected the beginning of a file's name, in a folder that is there)")
+    for ending in endings:
+        check_overwrite(command, stem + ending, [scene, (label or "").partition("=")[2]])
+    return stem
 
 
 def readable(path: str) -> str:

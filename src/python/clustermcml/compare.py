@@ -72,7 +72,7 @@ class Array:
 
     def __init__(self, name: str, results: list[Fields], known: list[bool]) -> None:
         array = results[0][name]
-        self.name, self.dims, self.shape, self.units = name, array.dims, array.shape, array.attrs.get("units", "1")
+        self.name, self.dims, self.shape, self.axes, self.units = name, array.dims, array.shape, array.axes, array.attrs.get("units", "1")
         self.packets = [float(result.attrs["photons"]) for result in results]
         self.lends = [result.attrs.get("sampling", "random") != "lattice" for result in results]
         self.total = name in TOTALS
@@ -196,7 +196,7 @@ class Array:
         return [self.test([], self._add(i, 5)) for i in good]
 
     def place(self, test: Test) -> str:
-        """Where its bins are: "r [cm] 0.12..0.13", "layer 2", "A_xyz[2][0][7] and 3 more"."""
+        """Where its bins are: "r [cm] 0.12..0.13", "layer 2", "x = 0.1 cm, y = -0.2 cm, z = 0.05 cm and 3 more"."""
         if test.whole:
             return "the sum"
         if not self.dims:
@@ -207,7 +207,7 @@ class Array:
         more = test.last - test.first
         if self.dims[0] in ("layer", "body") and len(self.dims) == 1:
             return f"{self.dims[0]} {test.first + 1}" + (f"..{test.last + 1}" if more else "")
-        return self.name + "".join(f"[{i}]" for i in np.unravel_index(test.first, self.shape)) + (f" and {more} more" if more else "")
+        return ", ".join(_place_on(self.axes[dim], int(i)) for dim, i in zip(self.dims, np.unravel_index(test.first, self.shape))) + (f" and {more} more" if more else "")
 
     def ends(self, test: Test) -> tuple[float, float]:
         return test.first * self.width, (test.last + 1) * self.width
@@ -216,6 +216,17 @@ class Array:
 def _is_of_cells(dims: tuple[Any, ...]) -> bool:
     """Whether an array has pixels, voxels or facets."""
     return any(str(dim) in ("x", "y", "z_volume") or str(dim).endswith(("facet", "_x", "_y")) for dim in dims)
+
+
+def _place_on(axis: Field, i: int) -> str:
+    """The middle of bin i with its unit, or a number that counts.
+
+    >>> _place_on(Field([0.05, 0.15], ("z_volume",), {"units": "cm"}, "z_volume"), 1), _place_on(Field([1, 2], ("layer",), {"units": "1"}, "layer"), 1)
+    ('z = 0.15 cm', 'layer 2')
+    """
+    name = {"gate": "t", "z_volume": "z"}.get(axis.name, re.sub(r"^detector_\w+_(?=[xy]$)", "", axis.name))
+    unit = axis.attrs.get("units", "1")
+    return f"{name} {axis.values[i]:g}" if unit == "1" else f"{name} = {axis.values[i]:.4g} {unit}"
 
 
 def _packets(n: float, mean: float, variance: float) -> float:

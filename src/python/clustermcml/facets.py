@@ -19,8 +19,9 @@ RASTER = 2000  # facets from which a picture holds pixels in place of polygons
 
 class Mesh(NamedTuple):
     points: Any  # [n, 3] cm, z down
-    facets: list[Any]  # points of each
-    values: Any
+    corners: Any  # numbers of points, facet behind facet
+    ends: Any  # [m] of each facet's corners
+    values: Any  # [m]
 
 
 def read_mesh(path: str, name: str) -> Mesh:
@@ -43,33 +44,54 @@ def read_mesh(path: str, name: str) -> Mesh:
             raise ValueError("facets without three corners")
         if corners.max() >= len(points) or arrays[name].size != ends.size or not np.isfinite(points).all():
             raise ValueError("facets without points or numbers")
-        return Mesh(points, np.split(corners, ends[:-1]), arrays[name].astype(float))
+        return Mesh(points, corners, ends, arrays[name].astype(float))
     except errors.InputError:
         raise
     except Exception as error:  # whatever numpy says of bytes that are not what they should be
         raise errors.unreadable(path, "a .vtp file of this program", error) from error
 
 
-def _normals(polygons: list[Any]) -> Any:
-    """Twice the area of each polygon as a vector, whichever corners coincide. All polygons at once: a loop would take a second."""
-    sizes = np.array([len(polygon) for polygon in polygons])
-    starts = np.cumsum(sizes) - sizes
-    following = np.arange(1, sizes.sum() + 1)
+def _normals(places: Any, starts: Any, sizes: Any) -> Any:
+    """Twice the area of each polygon as a vector, whichever corners coincide. places: of all corners."""
+    following = np.arange(1, len(places) + 1)
     following[starts + sizes - 1] = starts
-    arms = np.concatenate([polygon - polygon[0] for polygon in polygons])
+    arms = places - np.repeat(places[starts], sizes, axis=0)
     return np.add.reduceat(np.cross(arms, arms[following]), starts)
+
+
+def _polygons(axes: Any, places: Any, starts: Any, sizes: Any, colours: Any) -> Any:
+    """All facets as the finished axes see them, the farthest first. matplotlib's own collection projects and sorts them one by one, at each
+    drawing."""
+    from matplotlib.collections import PolyCollection
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    class Polygons(PolyCollection):  # type: ignore[misc]
+        """Polygons in the plane of the picture, among things in space."""
+
+        def do_3d_projection(self) -> float:
+            """How near they are: nothing else is to be sorted."""
+            return 0.0
+
+    x, y, depth = proj_transform(*places.T, axes.get_proj())
+    order = np.argsort(-np.add.reduceat(depth, starts) / sizes, kind="stable")
+    seen = np.stack([x, y], axis=1)
+    if (sizes == sizes[0]).all():
+        seen = seen.reshape(-1, sizes[0], 2)[order]  # far quicker than a list
+    else:
+        seen = [seen[starts[i]:starts[i] + sizes[i]] for i in order]
+    return Polygons(seen, facecolors=colours[order], edgecolors="none", linewidths=0, antialiased=False, rasterized=len(sizes) > RASTER)
 
 
 def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
     from matplotlib.ticker import MaxNLocator
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-    polygons = [mesh.points[corners] * (1, 1, -1) for corners in mesh.facets]  # heights up
-    normals = _normals(polygons)
+    places = mesh.points[mesh.corners] * (1, 1, -1)  # heights up
+    sizes = np.diff(mesh.ends, prepend=0)
+    starts = mesh.ends - sizes
+    normals = _normals(places, starts, sizes)
     length = np.linalg.norm(normals, axis=1)
     lit = abs(normals @ np.array([-0.5, -0.3, 0.81])) / np.where(length > 0, length, 1)
     colours = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](norm(np.maximum(mesh.values, norm.vmin)))
     colours[:, :3] *= (0.45 + 0.55 * lit)[:, None]
-    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors="none", linewidths=0, antialiased=False, rasterized=len(polygons) > RASTER))
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     size = np.maximum(high - low, 1e-3 * (high - low).max())
     axes.set(xlim=(low[0], low[0] + size[0]), ylim=(low[1], low[1] + size[1]), zlim=(-high[2], -high[2] + size[2]))
@@ -83,3 +105,4 @@ def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
     axes.set_zticks([])
     axes.text2D(0.5, 0.98, f"heights {0.0 - high[2]:.2g} to {0.0 - low[2]:.2g} cm" + (f", drawn {0.08 / flat:.1f} times as high" if flat < 0.08 else ""), transform=axes.transAxes, ha="center", va="top", fontsize="small")
     axes.view_init(elev=32, azim=-60)
+    axes.add_collection(_polygons(axes, places, starts, sizes, colours), autolim=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import errors
 from .channels import channel_rows, channel_table
-from .command_line import Parser, picture_path, print_text, shown_path, write
+from .command_line import MOST_THREADS, Parser, file_stem, picture_path, print_text, shown_path, write
 from .options import Path
 from .pictures import COLOURS, drawing, save
 from .profile_fits import Curve, Shares, fit_burley, fit_sum, scaled, single_albedo
@@ -334,19 +334,17 @@ def main(words: list[str]) -> int:
     parser.add_argument("scene", metavar="scene.mci")
     parser.add_argument("-o", "--output", metavar="NAME", help="beginning of the names of all files; default: that of the scene")
     parser.add_argument("--light", metavar="KIND", default="normal", help="normal (default) or diffuse")
-    parser.add_argument("--photons", metavar="N", type=parser.number("a number of packets", 1000, 2.0**48), help="packets of the first round; default: the scene's")
-    parser.add_argument("--target-error", metavar="E", type=parser.number("a number of 1e-6 to 1", 1e-6, 1), default=ERROR, help=f"noise, as an L1, default {ERROR:g}: more rounds fly")
+    parser.add_argument("--photons", metavar="N", type=parser.whole(1000, 2**48), help="packets of the first round; default: the scene's")
+    parser.add_argument("--target-error", metavar="E", type=parser.number("a number from 1e-6 to 1", 1e-6, 1), default=ERROR, help=f"noise, as an L1, default {ERROR:g}: more rounds fly")
     parser.add_argument("--label", metavar="nm=TABLE.csv", help="a channel for each row of a table: NAME is its column of wavelengths, or channel for r, g and b")
-    parser.add_argument("--seed", metavar="N", type=parser.number("a whole number from 0", 0, 2.0**38 - 1), default=1.0, help="default 1")
-    parser.add_argument("--threads", metavar="N", type=parser.number("a number of threads", 1, 1e5), help="default: all cores")
+    parser.add_argument("--seed", metavar="N", type=parser.whole(0, 2**38 - 1), default=1, help="default 1")
+    parser.add_argument("--threads", metavar="N", type=parser.whole(1, MOST_THREADS), help="default: all cores")
     parser.add_argument("--quiet", action="store_true", help="prints nothing")
     given = parser.parse_args(words)
-    stem = os.path.splitext(given.scene)[0] if given.output is None else given.output
-    if not os.path.isdir(os.path.dirname(os.path.abspath(stem))):
-        raise errors.InputError(f"--output {shown_path(stem)} (expected a name in a folder that is there)")
-    found = profile(given.scene, given.light, given.photons, given.target_error, channels=channel_table(given.label) if given.label else None, seed=int(given.seed),
-                    threads=int(given.threads) if given.threads else None)
-    names = [stem + ending for ending in (".csv", ".json", ".svg")]
+    endings = (".csv", ".json", ".svg")
+    stem = file_stem("profile", given.output, endings, given.scene, given.label)
+    found = profile(given.scene, given.light, given.photons, given.target_error, channels=channel_table(given.label) if given.label else None, seed=given.seed, threads=given.threads)
+    names = [stem + ending for ending in endings]
     found.to_csv(names[0])
     found.to_json(names[1])
     found.plot(names[2])

@@ -75,15 +75,10 @@ def need_scipy() -> None:
         raise errors.ClustermcmlError("scipy is missing (expected it for fits of profiles: apt-get install python3-scipy, or pip install scipy)", 5) from None
 
 
-def _exponent(kind: str, edges: Any, lengths: Any) -> Any:
-    """x of every term and edge, [terms, edges]."""
-    x = edges / np.asarray(lengths)[:, None]
-    return x * x / 2 if kind == "gaussians" else x
-
-
 def shares_of(kind: str, edges: Any, lengths: Any) -> Any:
     """Shares of the light of every single term, [terms, bins + 1]."""
-    below = 1 - np.exp(-_exponent(kind, edges, lengths))
+    x = edges / np.asarray(lengths)[:, None]
+    below = 1 - np.exp(-x * x / 2 if kind == "gaussians" else -x)
     return np.diff(below, axis=1, append=1.0)
 
 
@@ -150,9 +145,10 @@ def lowest(weights: Any, lengths: Any) -> float:
     return float((values / np.abs(values).max()).min())
 
 
-def _errors(kind: str, profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
-    """Standard errors of weights and lengths: those of the bins, carried through the least squares. The last weight follows from the others."""
-    terms, x = shares_of(kind, profile.edges, lengths), _exponent(kind, profile.edges, lengths)
+def _errors(profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
+    """Standard errors of weights and lengths of exponentials: those of the bins, carried through the least squares. The last weight follows
+    from the others."""
+    terms, x = shares_of("exponentials", profile.edges, lengths), profile.edges / lengths[:, None]
     slope = -np.diff(x * np.exp(-x), axis=1, append=0.0)
     free = weights != 0  # a weight that a bound holds at 0 has no error, and its length no meaning
     J = np.vstack([(terms[:-1] - terms[-1])[free[:-1]], (weights[:, None] * slope)[free]]).T
@@ -172,7 +168,7 @@ def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     if kind == "gaussians":  # linear errors were up to 4 times too small: neighbours overlap, so that the search ends in a flat valley
         weights_se, lengths_se = np.full((2, len(weights)), np.nan)
     else:
-        weights_se, lengths_se = _errors(kind, profile, weights, lengths)
+        weights_se, lengths_se = _errors(profile, weights, lengths)
     return Curve(weights, weights_se, lengths, lengths_se, shares, profile.error_of(shares))
 
 

@@ -333,7 +333,7 @@ def main(words: list[str]) -> int:
                     "the map. Flies no photons.", "clustermcml view samples/mixed.mci -o mixed.svg")
     parser.add_argument("scene", metavar="scene.mci")
     parser.add_output("the picture: .svg, .png, .pdf or .eps; default view.svg", "view.svg")
-    parser.add_argument("--run", metavar="K", type=parser.number("a number of a run, from 1", 1, 1e9), default=1.0, help="the file's run, from 1 (default)")
+    parser.add_argument("--run", metavar="K", type=parser.whole(1, 2**31), default=1, help="the file's run, from 1 (default)")
     parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the scene, as run takes it")
     parser.add_argument("--ignore-heightfields", action="store_true", help="heightfields count as planes")
     parser.add_argument("--style", metavar="FILE", help="a style of matplotlib (.mplstyle), over ours")
@@ -342,5 +342,5 @@ def main(words: list[str]) -> int:
     check_overwrite("view", given.output, [given.scene])
     settings = {name: value for name, _, value in (word.partition("=") for word in given.set)}
     options: dict[str, Any] = {**({"set": settings} if settings else {}), **({"ignore_heightfields": True} if given.ignore_heightfields else {})}
-    view(given.scene, given.output, int(given.run), given.style, **options)
+    view(given.scene, given.output, given.run, given.style, **options)
     return 0 if given.quiet else print_text(shown_path(given.output) + "\n")

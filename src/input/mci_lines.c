@@ -38,6 +38,13 @@ char *cml_mci_take_kept(struct cml_mci_reader *reader)
     return kept;
 }
 
+char *cml_mci_find_word(char *line, const char *key)
+{
+    char *found = strstr(line, key);
+    while (found && found > line && !strchr(blanks, found[-1])) found = strstr(found + 1, key);
+    return found;
+}
+
 const char *cml_mci_raw(const struct cml_mci_reader *reader)
 {
     return reader->kept + reader->kept_last;
@@ -204,34 +211,30 @@ void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *for
     options->on_note(options->context, text);
 }
 
-/* Whole numbers go through both: cml_parse_count refuses what is not whole, the range is compared as a
- * double. */
-bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value)
+cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
+                            const char *word)
 {
-    double number = 0;
-    uint64_t count = 0;
-    if (!cml_parse_double(word, &number)) return false;
-    if (field->whole && !cml_parse_count(word, &count)) return false;
-    if (number < field->lowest || number > field->highest) return false;
-    *value = number;
-    return true;
+    char name[80], expected[CML_KEY_TEXT];
+    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key));
+    return cml_mci_fail(reader, name, word, cml_key_expected(key, expected));
 }
 
-/* One field of the current line; the message names owner and field. */
-static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
-                              const struct cml_mci_field *field, double *value)
+cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
+                          void *base)
 {
+    double value;
     const char *word = cml_text_word(&reader->cursor);
-    if (word && cml_mci_parse(field, word, value)) return CML_OK;
-    char name[80];
-    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", field->name);
-    return cml_mci_fail(reader, name, word, field->expected);
+    if (!word || !cml_key_parse(key, word, &value)) return cml_mci_fail_key(reader, owner, key, word);
+    cml_key_store(key, base, value);
+    return CML_OK;
 }
 
 cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
-                                   const struct cml_mci_field *fields, int count, double *values)
+                                   const struct cml_key_part *parts)
 {
-    for (int i = 0; i < count; i++) CML_TRY(read_number(reader, owner, &fields[i], &values[i]));
+    for (; parts->group != CML_KEYS_NONE; parts++)
+        for (const struct cml_key *key = cml_keys_of(parts->group); key->group == parts->group; key++)
+            if (key->use & CML_KEY_PLACED) CML_TRY(cml_mci_number(reader, owner, key, parts->base));
     return CML_OK;
 }
 
@@ -257,22 +260,30 @@ static bool is_other_unit(const char *word)
 
 /* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
  * number was probably meant for something, and a unit that is not ours was meant for the numbers. */
-cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
-                           const struct cml_mci_field *fields, int count, double *values)
+cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, const struct cml_key_part *parts)
 {
     cml_mci_cut_comment(reader->cursor);
-    CML_TRY(cml_mci_leading_numbers(reader, owner, fields, count, values));
+    CML_TRY(cml_mci_leading_numbers(reader, owner, parts));
     double surplus = 0;
-    const char *word = cml_text_word(&reader->cursor);
+    const char *word = cml_text_word(&reader->cursor), *before = owner ? owner : "",
+               *colon = owner ? ": " : "";
     char name[80];
     if (word && is_other_unit(word)) {
-        snprintf(name, sizeof name, "%s%sunit", owner ? owner : "", owner ? ": " : "");
+        snprintf(name, sizeof name, "%s%sunit", before, colon);
         return cml_mci_fail(reader, name, word, "none: lengths are in cm, coefficients in 1/cm");
     }
     if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
-    snprintf(name, sizeof name, "%s%snumber after %s", owner ? owner : "", owner ? ": " : "",
-             fields[count - 1].name);
+    while (parts[1].group != CML_KEYS_NONE) parts++;
+    const struct cml_key *last = cml_keys_of(parts->group);
+    while (last[1].group == last->group) last++;
+    snprintf(name, sizeof name, "%s%snumber after %s", before, colon, cml_key_shown(last));
     return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+}
+
+cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
+{
+    const char *word = cml_text_word(&reader->cursor);
+    return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
 }
 
 const char *cml_mci_why_no_name(const char *name)

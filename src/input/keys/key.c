@@ -43,15 +43,19 @@ void cml_key_store(const struct cml_key *key, void *base, double value)
         *(double *)member = key->type == CML_KEY_ANGLE ? value * (CML_PI / 180) : value;
 }
 
+double cml_key_degrees(double angle)
+{
+    char digits[32];
+    snprintf(digits, sizeof digits, "%.14g", angle * (180 / CML_PI));
+    return strtod(digits, NULL);
+}
+
 double cml_key_load(const struct cml_key *key, const void *base)
 {
     const void *member = (const char *)base + key->member;
-    char digits[32];
     if (key->type == CML_KEY_INT) return *(const int *)member;
     if (key->type == CML_KEY_COUNT) return (double)*(const uint64_t *)member;
-    if (key->type != CML_KEY_ANGLE) return *(const double *)member;
-    snprintf(digits, sizeof digits, "%.14g", *(const double *)member * (180 / CML_PI));
-    return strtod(digits, NULL);
+    return key->type == CML_KEY_ANGLE ? cml_key_degrees(*(const double *)member) : *(const double *)member;
 }
 
 /* "1e30", "1e-4", "0.01", "2^48". */
@@ -103,9 +107,10 @@ const char *cml_key_unit(const char *name)
 {
     const char *dot = strrchr(name, '.');
     const char *last = dot ? dot + 1 : name;
-    const bool phase = strstr(name, ".phase.") != NULL;
+    const bool of_phase = strstr(name, ".phase.") != NULL;
     for (const struct cml_key *key = cml_key_table; key->group != CML_KEYS_NONE; key++)
-        if (!phase && key->use & CML_KEY_SET && strcmp(key->name, last) == 0)
+        if (key->use & CML_KEY_SET && strcmp(key->name, last) == 0 &&
+            (strchr(cml_key_owners[key->group].set, '.') != NULL) == of_phase)
             return key->unit ? key->unit : "1";
     return "1";
 }

@@ -130,8 +130,10 @@ static inline const char *cml_key_shown(const struct cml_key *key)
 /* True when the entire word is a number in the key's range: *value as in the file. */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value);
 
-/* The member of a REAL, ANGLE, INT or COUNT, as in the file: degrees of up to 14 digits, as more is rounding.
- */
+/* rad in degrees of up to 14 digits, as more is rounding. */
+double cml_key_degrees(double angle);
+
+/* The member of a REAL, ANGLE, INT or COUNT, as in the file. */
 void cml_key_store(const struct cml_key *key, void *base, double value);
 double cml_key_load(const struct cml_key *key, const void *base);
 

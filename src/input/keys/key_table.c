@@ -83,7 +83,7 @@ const struct cml_key_owner cml_key_owners[CML_NUM_KEY_GROUPS] = {
 /* clang-format off */
 const struct cml_key cml_key_table[] = {
     {CML_KEYS_RUNS, "number of runs", NULL, CML_KEY_INT, POS, 0, COUNT, 1, 32767, NULL, "runs in the file"},
-    ROW(PHOTONS, "photons", NULL, COUNT, POS | SET, scene, photons, COUNT, 1, 0x1p48, NULL, "launched packets"),
+    ROW(PHOTONS, "photons", NULL, COUNT, POS | SET | JSON, scene, photons, COUNT, 1, 0x1p48, NULL, "launched packets"),
     ROW(STEPS, "dz", NULL, REAL, POS | JSON, scene, dz, LENGTH, TINY, BIG, "cm", "width of the bins of depth"),
     ROW(STEPS, "dr", NULL, REAL, POS | JSON, scene, dr, LENGTH, TINY, BIG, "cm", "width of the bins of radius; the last bin also holds what lies beyond the grid"),
     ROW(BINS, "nz", NULL, INT, POS | JSON, scene, nz, COUNT, 1, 1e9, NULL, "bins of depth; at most 2^31 cells in all arrays of a run"),

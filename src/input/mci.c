@@ -29,46 +29,25 @@ enum stage {
     STAGE_LAYERS /* b, m, rough, behind the first layer i and phase, behind the last one backing */
 };
 
-/* Lines that hold for the whole run, not for one boundary. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
-    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
-           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_FLUENCE || kind == CML_MCI_DETECTOR ||
-           kind == CML_MCI_PHOTONS;
+    return kind >= CML_MCI_BEAM && kind < CML_MCI_KEYWORDS;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
-    const char *name = kind == CML_MCI_BEAM         ? "beam"
-                       : kind == CML_MCI_MAP        ? "map"
-                       : kind == CML_MCI_TIME       ? "time"
-                       : kind == CML_MCI_DIRECTIONS ? "directions"
-                       : kind == CML_MCI_DETECTOR   ? "detector"
-                       : kind == CML_MCI_FLUENCE    ? "fluence"
-                       : kind == CML_MCI_PHOTONS    ? "photons"
-                                                    : "facets";
-    char expected[200];
-    if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected,
-                 "b, m, rough, i, phase, backing, beam, map, facets, time, directions, fluence, detector or "
-                 "photons behind #@");
-    else if (is_of_run(kind))
-        snprintf(expected, sizeof expected,
-                 "%s; a %s line stands between a run's first line and its number of layers", instead, name);
-    else if (kind == CML_MCI_PHASE)
-        snprintf(expected, sizeof expected,
-                 "%s; a phase line stands behind the line of the layer or body whose it is", instead);
-    else if (kind == CML_MCI_BACKING)
-        snprintf(expected, sizeof expected,
-                 "%s; a backing line stands behind the last layer and its lines, before n below", instead);
-    else if (kind == CML_MCI_I)
-        snprintf(expected, sizeof expected,
-                 "%s; an i line stands behind the line of the layer that it lies in", instead);
-    else
-        snprintf(expected, sizeof expected,
-                 "%s; a boundary line stands before the layer, or the n below, whose top it is", instead);
+    char expected[200], *end = expected;
+    if (kind < CML_MCI_KEYWORDS)
+        snprintf(expected, sizeof expected, "%s; %s", instead, cml_mci_keywords[kind].place);
+    for (int i = 0; kind == CML_MCI_UNKNOWN && i < CML_MCI_KEYWORDS; i++)
+        end += sprintf(end, "%s%s",
+                       i == 0                     ? ""
+                       : i + 1 < CML_MCI_KEYWORDS ? ", "
+                                                  : " or ",
+                       cml_mci_keywords[i].word);
+    if (kind == CML_MCI_UNKNOWN) strcpy(end, " behind #@");
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
@@ -82,17 +61,44 @@ static cml_status check_keyword(const struct cml_mci_reader *reader, const char 
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Reads a line of a run; lines of which there is one may stand once, which their readers check. */
+/* Lines of a run: the function that reads what stands behind the keyword, or the keys that stand there; and
+ * where the scene has the line's number, of a line that may stand once. */
+static const struct {
+    cml_status (*read)(struct cml_mci_reader *reader, struct cml_scene *scene);
+    enum cml_key_group keys;
+    size_t base, line;
+} run_lines[CML_MCI_KEYWORDS] = {
+    [CML_MCI_BEAM] = {.read = cml_mci_beam},
+    [CML_MCI_DETECTOR] = {.read = cml_mci_detector},
+    [CML_MCI_MAP] = {.read = cml_mci_map, .line = offsetof(struct cml_scene, map.line)},
+    [CML_MCI_PHOTONS] = {.read = cml_mci_photons, .line = offsetof(struct cml_scene, saved.line)},
+    [CML_MCI_FACETS] = {.line = offsetof(struct cml_scene, facets)},
+    [CML_MCI_FLUENCE] = {.line = offsetof(struct cml_scene, fluence.line)},
+    [CML_MCI_TIME] = {.keys = CML_KEYS_TIME,
+                      .base = offsetof(struct cml_scene, time),
+                      .line = offsetof(struct cml_scene, time.line)},
+    [CML_MCI_DIRECTIONS] = {.keys = CML_KEYS_DIRECTIONS,
+                            .base = offsetof(struct cml_scene, directions),
+                            .line = offsetof(struct cml_scene, directions.line)}};
+
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
-    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
-    if (kind == CML_MCI_DETECTOR) return cml_mci_detector(reader, scene);
-    if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
-    if (kind == CML_MCI_FLUENCE) return cml_mci_fluence(reader, &scene->fluence);
-    if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
-    if (kind == CML_MCI_PHOTONS) return cml_mci_photons(reader, &scene->saved);
-    return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
+    const char *word = cml_mci_keywords[kind].word;
+    char text[64];
+    if (run_lines[kind].line > 0) {
+        int *line = (int *)((char *)scene + run_lines[kind].line);
+        snprintf(text, sizeof text, "one %s line per run", word);
+        if (*line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), text);
+        *line = reader->text.line;
+    }
+    cml_mci_cut_comment(reader->cursor);
+    if (run_lines[kind].read) return run_lines[kind].read(reader, scene);
+    if (run_lines[kind].keys != CML_KEYS_NONE)
+        return cml_mci_numbers(reader, word,
+                               CML_KEY_PARTS({run_lines[kind].keys, (char *)scene + run_lines[kind].base}));
+    snprintf(text, sizeof text, "text after %s", word);
+    return cml_mci_end_line(reader, text);
 }
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the

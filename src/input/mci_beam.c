@@ -248,7 +248,6 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
     CML_TRY(cml_share_begin(&beam->users, reader->err));
     beam->given = true;
     beam->line = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
     CML_TRY(read_beam_shape(&line, beam));
     beam->inside = cml_mci_find_word(reader->cursor, "z=") != NULL;
     cml_mci_beam_parts(scene, k, true, parts);

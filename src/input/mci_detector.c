@@ -173,7 +173,6 @@ static cml_status read_table(struct cml_mci_reader *reader, struct cml_scene *sc
 
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    cml_mci_cut_comment(reader->cursor);
     char *word = cml_text_word(&reader->cursor);
     return word && strcmp(word, "table") == 0 ? read_table(reader, scene)
                                               : read_one(reader, word, NULL, scene);

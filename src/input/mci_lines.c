@@ -78,28 +78,32 @@ static bool is_marked(const char *text)
     return gap ? first != '\0' : first >= 'a' && first <= 'z';
 }
 
-static const struct {
-    const char *word;
-    enum cml_mci_kind kind;
-} keyword[] = {{"b", CML_MCI_B},
-               {"m", CML_MCI_M},
-               {"i", CML_MCI_I},
-               {"phase", CML_MCI_PHASE},
-               {"beam", CML_MCI_BEAM},
-               {"map", CML_MCI_MAP},
-               {"facets", CML_MCI_FACETS},
-               {"backing", CML_MCI_BACKING},
-               {"rough", CML_MCI_ROUGH},
-               {"time", CML_MCI_TIME},
-               {"directions", CML_MCI_DIRECTIONS},
-               {"fluence", CML_MCI_FLUENCE},
-               {"detector", CML_MCI_DETECTOR},
-               {"photons", CML_MCI_PHOTONS}};
+#define BEFORE_LAYER "a boundary line stands before the layer, or the n below, whose top it is"
+#define OF_RUN(name) "a " name " line stands between a run's first line and its number of layers"
+
+const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS] = {
+    [CML_MCI_B] = {"b", BEFORE_LAYER, "0 \""},
+    [CML_MCI_M] = {"m", BEFORE_LAYER, "\""},
+    [CML_MCI_ROUGH] = {"rough", BEFORE_LAYER, "ggx beckmann"},
+    [CML_MCI_I] = {"i", "an i line stands behind the line of the layer that it lies in",
+                   "\" sphere cylinder"},
+    [CML_MCI_PHASE] = {"phase", "a phase line stands behind the line of the layer or body whose it is",
+                       "hg2 mhg gk rayleigh table"},
+    [CML_MCI_BACKING] = {"backing",
+                         "a backing line stands behind the last layer and its lines, before n below", "0"},
+    [CML_MCI_BEAM] = {"beam", OF_RUN("beam"), "pencil disk gaussian ring rectangle image"},
+    [CML_MCI_MAP] = {"map", OF_RUN("map"), "0"},
+    [CML_MCI_FACETS] = {"facets", OF_RUN("facets"), "$"},
+    [CML_MCI_TIME] = {"time", OF_RUN("time"), "0"},
+    [CML_MCI_DIRECTIONS] = {"directions", OF_RUN("directions"), "0"},
+    [CML_MCI_FLUENCE] = {"fluence", OF_RUN("fluence"), "$"},
+    [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map"},
+    [CML_MCI_PHOTONS] = {"photons", OF_RUN("photons"), "\""}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
     struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};
-    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) cml_guess_offer(&guess, keyword[i].word);
+    for (int i = 0; i < CML_MCI_KEYWORDS; i++) cml_guess_offer(&guess, cml_mci_keywords[i].word);
     return strchr("0123456789+-.", *guess.word) ? NULL : cml_guess_best(&guess);
 }
 
@@ -108,46 +112,39 @@ static enum cml_mci_kind take_keyword(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);
     const size_t length = strcspn(word, blanks);
-    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) {
-        if (strlen(keyword[i].word) != length || memcmp(word, keyword[i].word, length) != 0) continue;
+    for (int i = 0; i < CML_MCI_KEYWORDS; i++) {
+        const char *keyword = cml_mci_keywords[i].word;
+        if (strlen(keyword) != length || memcmp(word, keyword, length) != 0) continue;
         *cursor = word + length;
-        return keyword[i].kind;
+        return (enum cml_mci_kind)i;
     }
     return CML_MCI_DATA;
 }
 
-static bool begins_with(const char *text, const char *const *beginnings)
+/* Whether the text begins like one of the words (struct cml_mci_keyword). */
+static bool looks_like(const char *text, const char *looks)
 {
-    for (; *beginnings; beginnings++)
-        if (strncmp(text, *beginnings, strlen(*beginnings)) == 0) return true;
+    const size_t own = strcspn(text, blanks);
+    for (; *looks; looks += strcspn(looks, " "), looks += *looks == ' ') {
+        const size_t length = strcspn(looks, " ");
+        if (*looks == '0'   ? *text >= '0' && *text <= '9'
+            : *looks == '$' ? !*text
+                            : *looks == '"' && *text == '"')
+            return true;
+        if (own == length && memcmp(text, looks, own) == 0) return true;
+    }
     return false;
 }
 
-/* "#b 3 0.1 ..." is a comment, but was meant as one by few: what follows the keyword must look like our line.
- */
+/* "#b 3 0.1 ..." is a comment, but was meant as one by few: the text behind the keyword must look like a line
+ * of ours. */
 static void hint_at_mark(const struct cml_mci_reader *reader)
 {
-    static const char *const sources[] = {"pencil",     "disk ",  "gaussian ", "ring ",
-                                          "rectangle ", "image ", NULL};
-    static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
-    static const char *const seen[] = {"disk ", "ring ", "rectangle ", "map ", NULL};
-    static const char *const phases[] = {"hg2 ", "mhg ", "gk ", "rayleigh", "table ", NULL};
     char *behind = reader->cursor + 1;
     if (*behind == '\0' || strchr(blanks, *behind)) return;
     const enum cml_mci_kind kind = take_keyword(&behind);
     behind += strspn(behind, blanks);
-    const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
-    const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
-                      (kind == CML_MCI_PHOTONS && name) ||
-                      (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
-                      (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
-                      ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_BACKING ||
-                        kind == CML_MCI_DIRECTIONS) &&
-                       number) ||
-                      ((kind == CML_MCI_FACETS || kind == CML_MCI_FLUENCE) && *behind == '\0') ||
-                      (kind == CML_MCI_BEAM && begins_with(behind, sources)) ||
-                      (kind == CML_MCI_DETECTOR && begins_with(behind, seen));
-    if (ours)
+    if (kind < CML_MCI_KEYWORDS && looks_like(behind, cml_mci_keywords[kind].looks))
         cml_mci_note(reader, reader->text.line, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor,
                      reader->cursor + 1);
 }

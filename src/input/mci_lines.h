@@ -21,24 +21,33 @@ struct cml_mci_reader {
 
 /* What a line is. */
 enum cml_mci_kind {
-    CML_MCI_DATA,
     CML_MCI_B,
     CML_MCI_M,
+    CML_MCI_ROUGH,
     CML_MCI_I,
     CML_MCI_PHASE,
     CML_MCI_BACKING,
-    CML_MCI_ROUGH,
-    CML_MCI_BEAM,
+    CML_MCI_BEAM, /* from here on lines that hold for the whole run, not for one boundary */
     CML_MCI_MAP,
     CML_MCI_FACETS,
     CML_MCI_TIME,
     CML_MCI_DIRECTIONS,
-    CML_MCI_DETECTOR,
     CML_MCI_FLUENCE,
+    CML_MCI_DETECTOR,
     CML_MCI_PHOTONS,
+    CML_MCI_DATA,
     CML_MCI_UNKNOWN, /* "#@ " and then none of the above */
-    CML_MCI_END,     /* of the file */
+    CML_MCI_END      /* of the file */
 };
+#define CML_MCI_KEYWORDS CML_MCI_DATA
+
+/* The keyword of a line of ours, and where such a line stands, in words. */
+struct cml_mci_keyword {
+    const char *word, *place;
+    const char *looks; /* how the text behind it begins, by which a comment is told from such a line that lost
+                        * its mark: words, 0 for a number, $ for the end of the line */
+};
+extern const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS];
 
 /* Reads the file and stands before its first line. `options` and `err` must outlive the reader; close it with
  * cml_mci_close, also after a failure. */
@@ -46,9 +55,9 @@ CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_o
                                       struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
-/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, phase, backing, beam, map,
- * facets, time, directions, fluence, detector, photons and rough also count without "#@ " before them (an
- * output may be named "b"). The cursor stands behind the keyword, or at the start of a data line. */
+/* Goes to the next line that is neither blank nor comment. `keywords`: keywords also count without "#@ "
+ * before them (an output may be named "b"). The cursor stands behind the keyword, or at the start of a data
+ * line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */

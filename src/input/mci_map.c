@@ -1,4 +1,5 @@
-/* Lines map, facets, time, directions, fluence and photons. SPDX-License-Identifier: MIT */
+/* Lines map and photons, and what they and fluence have to do with the rest of a run.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "boundary.h"
@@ -7,34 +8,16 @@
 #include <string.h>
 
 /* `top` belongs to the volume; without it the option would have no effect, and its writer would not know. */
-cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map)
+cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
+    struct cml_map_def *map = &scene->map;
     struct cml_mci_line line = {.reader = reader,
                                 .owner = "map",
                                 .parts = CML_KEY_PARTS({CML_KEYS_MAP, map}, {CML_KEYS_VOLUME, map})};
-    if (map->nx > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one map line per run");
-    map->line = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
     CML_TRY(cml_mci_leading_numbers(reader, "map", line.parts));
     CML_TRY(cml_mci_options(&line));
     if (map->volume || !cml_mci_saw(&line, "top")) return CML_OK;
     return cml_mci_fail_option(&line, "top", cml_mci_saw(&line, "top"), "volume beside it");
-}
-
-cml_status cml_mci_facets(struct cml_mci_reader *reader, int *facets)
-{
-    if (*facets) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one facets line per run");
-    *facets = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
-    return cml_mci_end_line(reader, "text after facets");
-}
-
-cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def *fluence)
-{
-    if (fluence->line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one fluence line per run");
-    fluence->line = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
-    return cml_mci_end_line(reader, "text after fluence");
 }
 
 /* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
@@ -50,29 +33,12 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
-cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time)
-{
-    if (time->gates > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one time line per run");
-    time->line = reader->text.line;
-    return cml_mci_numbers(reader, "time", CML_KEY_PARTS({CML_KEYS_TIME, time}));
-}
-
-cml_status cml_mci_directions(struct cml_mci_reader *reader, struct cml_directions_def *directions)
-{
-    if (directions->nt > 0)
-        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one directions line per run");
-    directions->line = reader->text.line;
-    return cml_mci_numbers(reader, "directions", CML_KEY_PARTS({CML_KEYS_DIRECTIONS, directions}));
-}
-
 /* The name of a file, as that of a run's output is. */
-cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_saved_def *saved)
+cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
+    struct cml_saved_def *saved = &scene->saved;
     struct cml_mci_line line = {
         .reader = reader, .owner = "photons", .parts = CML_KEY_PARTS({CML_KEYS_SAVED, saved})};
-    if (saved->limit) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one photons line per run");
-    saved->line = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
     const char *wrong = name ? cml_mci_why_no_name(name) : "a file name in a pair of quotes";
     if (wrong) return cml_mci_fail_option(&line, "file", name, wrong);

@@ -90,6 +90,8 @@ const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT])
     print_bound(key->most, most);
     if (key->type == CML_KEY_WORD)
         print_words(key->noun, text);
+    else if (key->type == CML_KEY_OWN)
+        snprintf(text, CML_KEY_TEXT, "%s", key->noun ? key->noun : "");
     else if (key->type == CML_KEY_FLAG)
         snprintf(text, CML_KEY_TEXT, "the word %s alone", key->name);
     else if (key->type == CML_KEY_XY || key->type == CML_KEY_XYZ)

@@ -10,62 +10,68 @@
 #define CML_MCI_HUGE 1e30
 #define CML_MCI_TINY 1e-30
 
-/* Keys whose members lie in one struct, and which a line has together. */
+/* Keys whose members lie in one struct, and which a line has together: the group, the line in the manual, and
+ * what stands before the dot in --set; NULL: nothing of it can be set. */
+/* clang-format off */
+#define CML_KEY_GROUPS(X) \
+    X(RUNS, "runs", NULL) \
+    X(PHOTONS, "photons", "") \
+    X(STEPS, "dz dr", NULL) \
+    X(BINS, "nz nr na", NULL) \
+    X(LAYERS, "layers", NULL) \
+    X(N_ABOVE, "n above", "above") \
+    X(N_BELOW, "n below", "below") \
+    X(MEDIUM, "a layer, `i`", "layer1") \
+    X(LAYER, "a layer", "layer1") \
+    X(HG2, "`phase hg2`", "layer1.phase") \
+    X(MHG, "`phase mhg`", "layer1.phase") \
+    X(GK, "`phase gk`", "layer1.phase") \
+    X(BACKING, "`backing`", "backing") \
+    X(METAL, "`backing metal`", "backing") \
+    X(ROUGH, "`rough`", "boundary0") \
+    X(SHAPE, "`b`, `m`", "boundary0") \
+    X(MESH, "`m`, `i`", NULL) \
+    X(SHEET, "`m`", NULL) \
+    X(TILE, "`m`", NULL) \
+    X(SOLID, "`i`", NULL) \
+    X(RELIEF, "`m gaussian`", NULL) \
+    X(PLACE, "`m`, `i`", NULL) \
+    X(SPHERE, "`i sphere`", NULL) \
+    X(CYLINDER, "`i cylinder`", NULL) \
+    X(BEAM, "`beam`", "beam") \
+    X(START, "`beam`", "beam") \
+    X(INSIDE, "`beam` with `z`", "beam") \
+    X(ABOVE, "`beam`", "beam") \
+    X(AXIS, "`beam`", "beam") \
+    X(SHARE, "`beam`", "beam1") \
+    X(LIGHT, "`beam` with `light=na:N`", "beam") \
+    X(BEAM_DISK, "`beam disk`, `gaussian`", "beam") \
+    X(BEAM_RING, "`beam ring`", "beam") \
+    X(BEAM_RECTANGLE, "`beam rectangle`", "beam") \
+    X(DETECTOR, "`detector`", "detector") \
+    X(AIM, "`detector` with `na`", "detector") \
+    X(SIGHT, "`detector`", "detector") \
+    X(DETECTOR_DISK, "`detector disk`", "detector") \
+    X(DETECTOR_RING, "`detector ring`", "detector") \
+    X(DETECTOR_RECTANGLE, "`detector rectangle`", "detector") \
+    X(DETECTOR_MAP, "`detector map`", "detector") \
+    X(MAP, "`map`", NULL) \
+    X(VOLUME, "`map` with `volume`", NULL) \
+    X(TIME, "`time`", NULL) \
+    X(DIRECTIONS, "`directions`", NULL) \
+    X(SAVED, "`photons`", NULL)
+/* clang-format on */
+
 enum cml_key_group {
     CML_KEYS_NONE, /* ends a list of parts */
-    CML_KEYS_RUNS,
-    CML_KEYS_PHOTONS,
-    CML_KEYS_STEPS,
-    CML_KEYS_BINS,
-    CML_KEYS_LAYERS,
-    CML_KEYS_N_ABOVE,
-    CML_KEYS_N_BELOW,
-    CML_KEYS_MEDIUM,
-    CML_KEYS_LAYER,
-    CML_KEYS_HG2, /* phase functions in the order of enum cml_phase_kind */
-    CML_KEYS_MHG,
-    CML_KEYS_GK,
-    CML_KEYS_BACKING,
-    CML_KEYS_METAL,
-    CML_KEYS_ROUGH,
-    CML_KEYS_SHAPE,
-    CML_KEYS_MESH,
-    CML_KEYS_SHEET, /* of a mesh that is a boundary */
-    CML_KEYS_TILE,
-    CML_KEYS_SOLID, /* of a mesh that is a body */
-    CML_KEYS_RELIEF,
-    CML_KEYS_PLACE,
-    CML_KEYS_SPHERE,
-    CML_KEYS_CYLINDER,
-    CML_KEYS_BEAM,
-    CML_KEYS_START,  /* depth of a beam that starts inside the scene */
-    CML_KEYS_INSIDE, /* angle of such a beam */
-    CML_KEYS_ABOVE,  /* angle of a beam that starts above all surfaces */
-    CML_KEYS_AXIS,
-    CML_KEYS_SHARE,
-    CML_KEYS_LIGHT,
-    CML_KEYS_BEAM_DISK,
-    CML_KEYS_BEAM_RING,
-    CML_KEYS_BEAM_RECTANGLE,
-    CML_KEYS_DETECTOR,
-    CML_KEYS_AIM,
-    CML_KEYS_SIGHT,
-    CML_KEYS_DETECTOR_DISK,
-    CML_KEYS_DETECTOR_RING,
-    CML_KEYS_DETECTOR_RECTANGLE,
-    CML_KEYS_DETECTOR_MAP,
-    CML_KEYS_MAP,
-    CML_KEYS_VOLUME,
-    CML_KEYS_TIME,
-    CML_KEYS_DIRECTIONS,
-    CML_KEYS_SAVED,
-    CML_NUM_KEY_GROUPS
+#define CML_GROUP(group, line, set) CML_KEYS_##group,
+    CML_KEY_GROUPS(CML_GROUP)
+#undef CML_GROUP
+        CML_NUM_KEY_GROUPS
 };
 
-/* What a group is of. */
 struct cml_key_owner {
-    const char *line; /* the line in the manual */
-    const char *set;  /* what stands before the dot in --set; NULL: nothing of it can be set */
+    const char *line, *set;
 };
 extern const struct cml_key_owner cml_key_owners[CML_NUM_KEY_GROUPS];
 

@@ -17,86 +17,50 @@
 
 /* ---- files: tables of intensities, images ---- */
 
-/* A table that is being read. */
-struct table {
-    struct cml_text text;
-    struct cml_light *light;
-    struct cml_error *err;
-};
-
-static cml_status fail_row(const struct table *table, const char *field, const char *value,
-                           const char *expected)
+static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light *light)
 {
-    return cml_fail_field(table->err, table->text.path, table->text.line, field, value, expected);
+    if (light->rows == MOST_ROWS) return cml_mci_fail(rows, "row", "10001", "at most 10000 rows");
+    CML_TRY(cml_array_grow(&light->t, (size_t)light->rows, sizeof *light->t, "a table", rows->err));
+    return cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", rows->err);
 }
 
-static cml_status make_room(struct table *table)
+/* One row: an angle beyond the last one, and an intensity, whose square is no subnormal number. */
+static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 {
-    struct cml_light *light = table->light;
-    if (light->rows == MOST_ROWS) return fail_row(table, "row", "10001", "at most 10000 rows");
-    CML_TRY(cml_array_grow(&light->t, (size_t)light->rows, sizeof *light->t, "a table", table->err));
-    CML_TRY(cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", table->err));
-    return CML_OK;
-}
-
-/* One row: an angle beyond the last one, and an intensity. */
-static cml_status read_row(struct table *table, const char *angle, char *cursor)
-{
-    static const struct cml_key degrees = {.name = "angle", .most = 180},
-                                shines = {.name = "intensity", .most = CML_MCI_HUGE};
-    static const char intensities[] = "an intensity of 0..1e30";
-    struct cml_light *light = table->light;
-    const double pi = CML_PI, least_step = 1e-6,
-                 faintest = 1e-30; /* squares of both are no subnormal numbers */
-    const double before = light->rows ? light->t[light->rows - 1] * 180 / pi : -1;
-    const char *word = cml_text_word(&cursor), *rest = cml_text_word(&cursor);
+    static const struct cml_key degrees = {.name = "angle", .noun = "degrees", .most = 180},
+                                shines = {.name = "intensity",
+                                          .use = CML_KEY_OR_0,
+                                          .noun = "an intensity",
+                                          .least = CML_MCI_TINY,
+                                          .most = CML_MCI_HUGE};
+    const double before = light->rows ? light->t[light->rows - 1] * 180 / CML_PI : -1, least_step = 1e-6;
+    const char *angle = cml_text_word(&rows->cursor);
     double t = 0, intensity = 0;
-    if (!cml_key_parse(&degrees, angle, &t)) return fail_row(table, degrees.name, angle, "degrees of 0..180");
-    if (light->rows == 0 && t != 0) return fail_row(table, degrees.name, angle, "0 in the first row");
+    if (!cml_key_parse(&degrees, angle, &t)) return cml_mci_fail_key(rows, NULL, &degrees, angle);
+    if (light->rows == 0 && t != 0) return cml_mci_fail(rows, degrees.name, angle, "0 in the first row");
     if (!(t > before * (1 + 1e-12)))
-        return fail_row(table, degrees.name, angle, "more than in the row before");
+        return cml_mci_fail(rows, degrees.name, angle, "more than in the row before");
     if (t < before + least_step)
-        return fail_row(table, degrees.name, angle, "1e-6 degrees or more beyond the row before");
-    if (!word || !cml_key_parse(&shines, word, &intensity))
-        return fail_row(table, shines.name, word, intensities);
-    if (intensity > 0 && intensity < faintest)
-        return fail_row(table, shines.name, word, "0, or an intensity of 1e-30..1e30");
-    if (rest) return fail_row(table, "word behind the intensity", rest, "the end of the line or a # comment");
-    CML_TRY(make_room(table));
-    light->t[light->rows] = t * pi / 180;
+        return cml_mci_fail(rows, degrees.name, angle, "1e-6 degrees or more beyond the row before");
+    CML_TRY(cml_mci_number(rows, NULL, &shines, &intensity));
+    CML_TRY(cml_mci_end_line(rows, "word behind the intensity"));
+    CML_TRY(make_room(rows, light));
+    light->t[light->rows] = t * CML_PI / 180;
     light->intensity[light->rows++] = intensity;
     return CML_OK;
 }
 
-static cml_status read_table(struct table *table)
+static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
 {
-    struct cml_light *light = table->light;
-    char rows[16];
+    struct cml_light *light = context;
+    char count[16];
     double sum = 0;
-    for (char *line = cml_text_next(&table->text); line; line = cml_text_next(&table->text)) {
-        cml_mci_cut_comment(line);
-        const char *word = cml_text_word(&line);
-        if (word) CML_TRY(read_row(table, word, line));
-    }
-    snprintf(rows, sizeof rows, "%d", light->rows);
+    while (cml_mci_next_row(rows)) CML_TRY(read_row(rows, light));
+    snprintf(count, sizeof count, "%d", light->rows);
     if (light->rows < 2)
-        return fail_row(table, "rows", rows, "2 at least, each of an angle and an intensity");
+        return cml_mci_fail(rows, "rows", count, "2 at least, each of an angle and an intensity");
     for (int i = 0; i < light->rows; i++) sum += light->intensity[i];
-    return sum > 0 ? CML_OK : fail_row(table, "intensity", "0 in all rows", "light in one row at least");
-}
-
-static cml_status read_light_table(struct cml_mci_reader *reader, const char *name, struct cml_light *light)
-{
-    struct table table = {.light = light, .err = reader->err};
-    char *path = NULL;
-    light->kind = CML_LIGHT_OF_TABLE;
-    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read_table(reader->options->source, path, &table.text, reader->err);
-    if (status == CML_OK) status = read_table(&table);
-    status = cml_mci_name_line(reader, "beam", path, status);
-    cml_text_clear(&table.text);
-    free(path);
-    return status;
+    return sum > 0 ? CML_OK : cml_mci_fail(rows, "intensity", "0 in all rows", "light in one row at least");
 }
 
 /* Rows of a heightmap begin at the smallest y. */
@@ -210,7 +174,8 @@ static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
     if (size < 3 || value[0] != '"' || value[size - 1] != '"')
         return cml_mci_fail_value(line, "parallel, na:N, lambertian, isotropic or a file in quotes");
     value[size - 1] = '\0';
-    return read_light_table(line->reader, value + 1, light);
+    light->kind = CML_LIGHT_OF_TABLE;
+    return cml_mci_table(line->reader, "beam", value + 1, "a file name", read_light_table, light);
 }
 
 /* `na` belongs to detectors. */

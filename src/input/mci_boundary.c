@@ -143,7 +143,7 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     if (*name == '"' || *name == '\0')
         return fail_sample(samples, "file", name, "a file name in a pair of quotes");
     if (rest)
-        return fail_sample(samples, "text after the file name", rest, "the end of the line or a # comment");
+        return fail_sample(samples, "text after the file name", rest, "the end of the line or a comment");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     CML_TRY(cml_text_read_table(reader->options->source, boundary->file, &samples->file, reader->err));
     samples->cursor = NULL;

@@ -137,45 +137,32 @@ static cml_status read_one(struct cml_mci_reader *reader, char *word, const stru
     return CML_OK;
 }
 
-static cml_status read_rows(struct cml_mci_reader *rows, const struct cml_mci_reader *in,
-                            struct cml_scene *scene)
+/* What the rows of a table are read into. */
+struct table {
+    const struct cml_mci_reader *in;
+    struct cml_scene *scene;
+};
+
+static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
-    const int before = scene->num_detectors;
-    while ((rows->cursor = cml_text_next(&rows->text))) {
-        cml_mci_cut_comment(rows->cursor);
-        char *word = cml_text_word(&rows->cursor);
-        if (word) CML_TRY(read_one(rows, word, in, scene));
-    }
-    return scene->num_detectors > before
+    const struct table *table = context;
+    const int before = table->scene->num_detectors;
+    while (cml_mci_next_row(rows))
+        CML_TRY(read_one(rows, cml_text_word(&rows->cursor), table->in, table->scene));
+    return table->scene->num_detectors > before
                ? CML_OK
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
-static cml_status read_table(struct cml_mci_reader *reader, struct cml_scene *scene)
-{
-    struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
-    const char *name = cml_text_word(&reader->cursor), *more = cml_text_word(&reader->cursor);
-    char *path = NULL;
-    if (!name || name[0] == '"' || name[0] == '\0')
-        return cml_mci_fail(reader, "detector: file", name,
-                            "the name of a file with a detector in each line");
-    if (more)
-        return cml_mci_fail(reader, "detector: text after the file", more,
-                            "the end of the line or a # comment");
-    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
-    if (status == CML_OK) status = read_rows(&rows, reader, scene);
-    status = cml_mci_name_line(reader, "detector", path, status);
-    cml_text_clear(&rows.text);
-    free(path);
-    return status;
-}
-
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
+    struct table table = {reader, scene};
     char *word = cml_text_word(&reader->cursor);
-    return word && strcmp(word, "table") == 0 ? read_table(reader, scene)
-                                              : read_one(reader, word, NULL, scene);
+    if (!word || strcmp(word, "table") != 0) return read_one(reader, word, NULL, scene);
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(cml_mci_end_line(reader, "detector: text after the file"));
+    return cml_mci_table(reader, "detector", name, "the name of a file with a detector in each line",
+                         read_rows, &table);
 }
 
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,

@@ -283,6 +283,32 @@ cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
     return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
 }
 
+bool cml_mci_next_row(struct cml_mci_reader *rows)
+{
+    while ((rows->cursor = cml_text_next(&rows->text))) {
+        cml_mci_cut_comment(rows->cursor);
+        if (rows->cursor[strspn(rows->cursor, blanks)] != '\0') return true;
+    }
+    return false;
+}
+
+cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const char *name,
+                         const char *expected, cml_status (*read)(struct cml_mci_reader *rows, void *context),
+                         void *context)
+{
+    struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
+    char *path = NULL, field[64];
+    snprintf(field, sizeof field, "%s: file", owner);
+    if (!name || *name == '"' || *name == '\0') return cml_mci_fail(reader, field, name, expected);
+    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
+    cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
+    if (status == CML_OK) status = read(&rows, context);
+    status = cml_mci_name_line(reader, owner, path, status);
+    cml_mci_close(&rows);
+    free(path);
+    return status;
+}
+
 const char *cml_mci_why_no_name(const char *name)
 {
     const char *slash = strrchr(name, '/');

@@ -108,6 +108,16 @@ CML_NODISCARD cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, 
 CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                                          const struct cml_key_part *parts);
 
+/* Reads a table, the file `name` beside the scene, which a line of `owner` names: `read` takes its rows, each
+ * of which begins at the cursor. NULL, or no name: CML_E_INPUT with `expected`. */
+CML_NODISCARD cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const char *name,
+                                       const char *expected,
+                                       cml_status (*read)(struct cml_mci_reader *rows, void *context),
+                                       void *context);
+
+/* Goes to the next row that is neither blank nor comment; false: there is none. */
+bool cml_mci_next_row(struct cml_mci_reader *rows);
+
 /* Refuses a word where the line should end, but for a comment. */
 CML_NODISCARD cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner);
 

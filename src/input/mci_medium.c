@@ -25,61 +25,37 @@ static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_pha
 }
 
 /* One row: angle and density. The deflection is 1 - cos, without the difference. */
-static cml_status read_row(struct cml_mci_reader *reader, const struct cml_text *file, char *line,
-                           struct cml_phase *phase)
+static cml_status read_row(struct cml_mci_reader *rows, struct cml_phase *phase)
 {
     static const struct cml_key angle = {.name = "angle", .most = 180},
-                                density = {.name = "p", .most = CML_MCI_HUGE};
+                                density = {.name = "p", .noun = "a phase function", .most = CML_MCI_HUGE};
     static const char rises[] = "degrees up to 180 that rise from row to row, the first 0";
     const int i = phase->rows;
     double t = 0, p = 0;
-    const char *word = cml_text_word(&line);
-    const bool sound = word && cml_key_parse(&angle, word, &t) && (i > 0 || t == 0);
+    const char *word = cml_text_word(&rows->cursor);
+    const bool sound = cml_key_parse(&angle, word, &t) && (i > 0 || t == 0);
     const double sine = sin(t * (CML_PI / 360)), x = t == 180 ? 2 : 2 * sine * sine;
     if (!sound || (i > 0 && !(x > phase->deflection[i - 1])))
-        return cml_fail_field(reader->err, file->path, file->line, angle.name, word, rises);
-    word = cml_text_word(&line);
-    if (!word || !cml_key_parse(&density, word, &p))
-        return cml_fail_field(reader->err, file->path, file->line, density.name, word,
-                              "a phase function of 0..1e30");
-    word = cml_text_word(&line);
-    if (word)
-        return cml_fail_field(reader->err, file->path, file->line, "row", word, "two columns: angle and p");
-    if (i == MOST_ROWS)
-        return cml_fail_field(reader->err, file->path, file->line, "row", "1000001", "at most 1000000 rows");
-    CML_TRY(grow_table(reader, phase));
+        return cml_mci_fail(rows, angle.name, word, rises);
+    CML_TRY(cml_mci_number(rows, NULL, &density, &p));
+    word = cml_text_word(&rows->cursor);
+    if (word) return cml_mci_fail(rows, "row", word, "two columns: angle and p");
+    if (i == MOST_ROWS) return cml_mci_fail(rows, "row", "1000001", "at most 1000000 rows");
+    CML_TRY(grow_table(rows, phase));
     phase->deflection[i] = x;
     phase->density[i] = p;
     phase->rows++;
     return CML_OK;
 }
 
-static cml_status read_rows(struct cml_mci_reader *reader, struct cml_text *file, struct cml_phase *phase)
+static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
-    for (char *line; (line = cml_text_next(file));) {
-        cml_mci_cut_comment(line);
-        if (line[strspn(line, " \t\v\f\r")] != '\0') CML_TRY(read_row(reader, file, line, phase));
-    }
+    struct cml_phase *phase = context;
+    while (cml_mci_next_row(rows)) CML_TRY(read_row(rows, phase));
     if (phase->rows < 2 || phase->deflection[phase->rows - 1] < 2)
-        return cml_fail_field(reader->err, file->path, file->line, "angle", NULL,
-                              "a last row at 180 degrees");
-    if (cml_phase_scale_table(phase)) return CML_OK;
-    return cml_fail_field(reader->err, file->path, file->line, "p", "0 in all rows", "light somewhere");
-}
-
-static cml_status read_table(struct cml_mci_reader *reader, const char *owner, struct cml_phase *phase)
-{
-    struct cml_text file = {0};
-    const char *name = cml_text_word(&reader->cursor);
-    char field[64];
-    snprintf(field, sizeof field, "%s: file", owner);
-    if (!name || name[0] == '"' || name[0] == '\0')
-        return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
-    CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
-    cml_status status = cml_text_read_table(reader->options->source, phase->file, &file, reader->err);
-    if (status == CML_OK) status = read_rows(reader, &file, phase);
-    cml_text_clear(&file);
-    return cml_mci_name_line(reader, owner, phase->file, status);
+        return cml_mci_fail(rows, "angle", NULL, "a last row at 180 degrees");
+    if (!cml_phase_scale_table(phase)) return cml_mci_fail(rows, "p", "0 in all rows", "light somewhere");
+    return cml_text_copy(rows->text.path, &phase->file, rows->err);
 }
 
 enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
@@ -101,7 +77,8 @@ static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, in
     if (phase->kind == CML_PHASE_KINDS)
         return cml_mci_fail(reader, field, word, "hg2, mhg, gk, rayleigh or table");
     CML_TRY(phase->kind == CML_PHASE_TABLE
-                ? read_table(reader, owner, phase)
+                ? cml_mci_table(reader, owner, cml_text_word(&reader->cursor),
+                                "the name of a file of angles and densities", read_rows, phase)
                 : cml_mci_leading_numbers(reader, owner, CML_KEY_PARTS({cml_mci_phase_keys(phase), phase})));
     return cml_mci_end_line(reader, owner);
 }

@@ -89,7 +89,14 @@ static bool is_numbered(const struct cml_scene *scene, enum owner owner)
            (owner >= BEAM && count_of(scene, owner) > 1);
 }
 
-/* What the i-th of the owners, from 0, has keys of; those of its phase function stand last. */
+/* Whether "phase." stands before the keys of the group. */
+static bool of_phase(enum cml_key_group group)
+{
+    return group >= CML_KEYS_HG2 && group <= CML_KEYS_GK;
+}
+
+/* What the i-th of the owners, from 0, has keys of; those of its phase function, which media share, stand
+ * last. */
 static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cml_key_part *part)
 {
     if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
@@ -111,6 +118,8 @@ static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cm
     if (owner == LAYER) *part++ = (struct cml_key_part){CML_KEYS_LAYER, medium};
     if (owner == BODY && medium->rough.line > 0)
         *part++ = (struct cml_key_part){CML_KEYS_ROUGH, &medium->rough};
+    if ((owner == LAYER || owner == BODY) && cml_mci_phase_keys(medium->phase) != CML_KEYS_NONE)
+        *part++ = (struct cml_key_part){cml_mci_phase_keys(medium->phase), NULL};
     *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
 
@@ -129,15 +138,10 @@ static bool find_owner(const struct cml_scene *scene, const struct name *name, e
     return false;
 }
 
-/* The medium of a layer or a body; -1: of another owner. */
-static int medium_of(const struct cml_scene *scene, enum owner owner, int i)
-{
-    return owner == LAYER ? i + 1 : owner == BODY ? cml_body_medium(scene, i) : -1;
-}
-
 static const struct cml_key *find_key(enum cml_key_group group, const char *name)
 {
     const struct cml_key *key = cml_keys_of(group);
+    if (of_phase(group)) name += strncmp(name, "phase.", 6) == 0 ? 6 : strlen(name);
     for (; key->group == group && group != CML_KEYS_NONE; key++)
         if (key->use & CML_KEY_SET && strcmp(key->name, name) == 0) return key;
     return NULL;
@@ -148,23 +152,19 @@ static const struct cml_key *find_key(enum cml_key_group group, const char *name
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
                               const struct cml_key **key, void **base)
 {
-    static const char phase[] = "phase.";
     struct cml_key_part parts[CML_MOST_KEY_PARTS], *part = parts;
+    struct cml_phase *own = NULL;
     enum owner owner;
     int i;
     *key = NULL;
     if (!find_owner(scene, name, &owner, &i)) return CML_OK;
-    const int m = medium_of(scene, owner, i);
-    if (m >= 0 && strncmp(name->member, phase, sizeof phase - 1) == 0) {
-        struct cml_phase *own = NULL;
-        *key = find_key(cml_mci_phase_keys(scene->media[m].phase), name->member + sizeof phase - 1);
-        if (*key) CML_TRY(cml_mci_own_phase(reader, scene, m, &own));
-        *base = own;
-        return CML_OK;
-    }
     for (parts_of(scene, owner, i, parts); !*key && part->group != CML_KEYS_NONE; part++) {
         *key = find_key(part->group, name->member);
         *base = part->base;
+    }
+    if (*key && of_phase((*key)->group)) {
+        CML_TRY(cml_mci_own_phase(reader, scene, owner == LAYER ? i + 1 : cml_body_medium(scene, i), &own));
+        *base = own;
     }
     if (*key && owner == DETECTOR && strcmp((*key)->name, "z") == 0) scene->detectors[i].at_z = true;
     return CML_OK;
@@ -179,7 +179,7 @@ static int write_members(FILE *out, const char *before, enum cml_key_group group
     int count = 0;
     for (; key->group == group && group != CML_KEYS_NONE; key++) {
         if (!(key->use & CML_KEY_SET)) continue;
-        if (out) fprintf(out, "%s.%s", before, key->name);
+        if (out) fprintf(out, "%s%s.%s", before, of_phase(group) ? ".phase" : "", key->name);
         count++;
     }
     return count;
@@ -217,17 +217,6 @@ static void write_owners(FILE *out, struct cml_scene *scene, enum owner owner)
     }
 }
 
-static void write_phases(FILE *out, struct cml_scene *scene, enum owner owner)
-{
-    for (int i = 0; i < count_of(scene, owner); i++) {
-        const struct cml_phase *phase = scene->media[medium_of(scene, owner, i)].phase;
-        const enum cml_key_group keys = cml_mci_phase_keys(phase);
-        if (keys == CML_KEYS_NONE) continue;
-        fprintf(out, ", %s%d.phase with", owner_words[owner], i + 1);
-        write_members(out, " ", keys);
-    }
-}
-
 /* "photons, above with .n ... , also named gel vessel". */
 static void write_names(FILE *out, struct cml_scene *scene)
 {
@@ -237,7 +226,6 @@ static void write_names(FILE *out, struct cml_scene *scene)
         for (int l = 1, named = 0; owner == LAYER && l <= scene->num_layers; l++)
             if (*cml_layer_name(scene, l))
                 fprintf(out, "%s %s", named++ ? "" : ", also named", cml_layer_name(scene, l));
-        if (owner == LAYER || owner == BODY) write_phases(out, scene, owner);
     }
 }
 
@@ -253,13 +241,6 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
     snprintf(expected, sizeof expected, "a name that the run in line %d knows: %s%s", scene->line, names,
              setting->column > 0 ? "; a label stands in quotation marks" : "");
     return cml_setting_fail(setting, expected, reader->err);
-}
-
-/* Whether a setting is of a boundary that has a line of its own, whose reader has taken the setting
- * (cml_mci_set_scaling). */
-static bool is_of_shape(const struct cml_key *key)
-{
-    return key && key->group == CML_KEYS_SHAPE;
 }
 
 /* Layers may have two names for a number: layer1.mua and gel.mua. place: what the settings before have set.
@@ -298,7 +279,8 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
         if (!key) return fail_unknown(reader, setting, scene);
         place[i] = (const char *)base + key->member;
         CML_TRY(check_once(reader, settings, i, place));
-        if (!is_of_shape(key)) CML_TRY(set(reader, setting, key, base));
+        /* the reader of a shape has taken its settings (cml_mci_set_scaling) */
+        if (key->group != CML_KEYS_SHAPE) CML_TRY(set(reader, setting, key, base));
     }
     return CML_OK;
 }

@@ -201,7 +201,7 @@ static void heightfields_that_are_none(void **state)
          "x.mci:9: boundary 0: file = \"heights.txt (expected a file name in a pair of quotes)"},
         {ONE "b \"\"\n", "x.mci:9: boundary 0: file is missing (expected a file name in a pair of quotes)"},
         {ONE "b \"heights.txt\" in mm\n",
-         "x.mci:9: boundary 0: text after the file name = in (expected the end of the line or a # comment)"},
+         "x.mci:9: boundary 0: text after the file name = in (expected the end of the line or a comment)"},
         {ONE "b \"nowhere.txt\"\n",
          "x.mci:9: boundary 0: nowhere.txt: cannot be read: No such file or directory (expected a file)"},
     };
@@ -438,7 +438,7 @@ static void detectors_that_are_none(void **state)
          "x.mci:4: detector: file is missing (expected the name of a file with a detector in each line)"},
         {NAME "detector table \"none.txt\" na=1\n",
          "x.mci:4: detector: text after the file = na=1 (expected the "
-         "end of the line or a # comment)"},
+         "end of the line or a comment)"},
         {NAME "detector disk 0\n", "x.mci:4: detector: radius = 0 (expected a length of 1e-30..1e30 cm)"},
         {NAME "detector ring 2 2\n", "x.mci:4: detector: r1 r2 = 2 2 (expected r1 < r2)"},
         {NAME "detector map 3 0 1 1\n", "x.mci:4: detector: ny = 0 (expected a whole number of 1..1e9)"},

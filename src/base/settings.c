@@ -63,15 +63,3 @@ cml_status cml_settings_text(const struct cml_settings *settings, char **text, s
         fprintf(out, "%s%s = %s", i > 0 ? "\n" : "", settings->item[i].name, settings->item[i].value);
     return cml_text_end(out, text, &size, "the settings", err);
 }
-
-const char *cml_setting_unit(const char *name)
-{
-    static const char *const lengths[] = {"d", "radius", "x", "y", "z", "r1", "r2", "w", "h", "dx", "dy"};
-    const char *dot = strrchr(name, '.');
-    const char *last = dot ? dot + 1 : name;
-    if (strcmp(last, "mua") == 0 || strcmp(last, "mus") == 0) return "1/cm";
-    if (strstr(name, ".phase.")) return "1";
-    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
-        if (strcmp(last, lengths[i]) == 0) return "cm";
-    return strcmp(last, "angle") == 0 || strcmp(last, "azimuth") == 0 ? "degree" : "1";
-}

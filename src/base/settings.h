@@ -29,9 +29,6 @@ CML_NODISCARD cml_status cml_settings_add(struct cml_settings *settings, const c
 CML_NODISCARD cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_setting *setting,
                                            struct cml_error *err);
 
-/* "1/cm", "cm", "degree" or "1", by the last word of the name. */
-const char *cml_setting_unit(const char *name);
-
 /* The setting of that name; NULL: there is none. */
 const struct cml_setting *cml_settings_find(const struct cml_settings *settings, const char *name);
 

@@ -17,8 +17,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define MAX_RUNS 32767
-#define MAX_LAYERS 100000
 #define MAX_CELLS 2147483648.0
 /* cm: what is as thick as this stands for a medium without end; 1e8 is usual */
 #define SEMI_INFINITE 1e4
@@ -31,46 +29,25 @@ enum stage {
     STAGE_LAYERS /* b, m, rough, behind the first layer i and phase, behind the last one backing */
 };
 
-/* Lines that hold for the whole run, not for one boundary. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
-    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
-           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_FLUENCE || kind == CML_MCI_DETECTOR ||
-           kind == CML_MCI_PHOTONS;
+    return kind >= CML_MCI_BEAM && kind < CML_MCI_KEYWORDS;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
-    const char *name = kind == CML_MCI_BEAM         ? "beam"
-                       : kind == CML_MCI_MAP        ? "map"
-                       : kind == CML_MCI_TIME       ? "time"
-                       : kind == CML_MCI_DIRECTIONS ? "directions"
-                       : kind == CML_MCI_DETECTOR   ? "detector"
-                       : kind == CML_MCI_FLUENCE    ? "fluence"
-                       : kind == CML_MCI_PHOTONS    ? "photons"
-                                                    : "facets";
-    char expected[200];
-    if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected,
-                 "b, m, rough, i, phase, backing, beam, map, facets, time, directions, fluence, detector or "
-                 "photons behind #@");
-    else if (is_of_run(kind))
-        snprintf(expected, sizeof expected,
-                 "%s; a %s line stands between a run's first line and its number of layers", instead, name);
-    else if (kind == CML_MCI_PHASE)
-        snprintf(expected, sizeof expected,
-                 "%s; a phase line stands behind the line of the layer or body whose it is", instead);
-    else if (kind == CML_MCI_BACKING)
-        snprintf(expected, sizeof expected,
-                 "%s; a backing line stands behind the last layer and its lines, before n below", instead);
-    else if (kind == CML_MCI_I)
-        snprintf(expected, sizeof expected,
-                 "%s; an i line stands behind the line of the layer that it lies in", instead);
-    else
-        snprintf(expected, sizeof expected,
-                 "%s; a boundary line stands before the layer, or the n below, whose top it is", instead);
+    char expected[200], *end = expected;
+    if (kind < CML_MCI_KEYWORDS)
+        snprintf(expected, sizeof expected, "%s; %s", instead, cml_mci_keywords[kind].place);
+    for (int i = 0; kind == CML_MCI_UNKNOWN && i < CML_MCI_KEYWORDS; i++)
+        end += sprintf(end, "%s%s",
+                       i == 0                     ? ""
+                       : i + 1 < CML_MCI_KEYWORDS ? ", "
+                                                  : " or ",
+                       cml_mci_keywords[i].word);
+    if (kind == CML_MCI_UNKNOWN) strcpy(end, " behind #@");
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
@@ -84,17 +61,44 @@ static cml_status check_keyword(const struct cml_mci_reader *reader, const char 
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Reads a line of a run; lines of which there is one may stand once, which their readers check. */
+/* Lines of a run: the function that reads what stands behind the keyword, or the keys that stand there; and
+ * where the scene has the line's number, of a line that may stand once. */
+static const struct {
+    cml_status (*read)(struct cml_mci_reader *reader, struct cml_scene *scene);
+    enum cml_key_group keys;
+    size_t base, line;
+} run_lines[CML_MCI_KEYWORDS] = {
+    [CML_MCI_BEAM] = {.read = cml_mci_beam},
+    [CML_MCI_DETECTOR] = {.read = cml_mci_detector},
+    [CML_MCI_MAP] = {.read = cml_mci_map, .line = offsetof(struct cml_scene, map.line)},
+    [CML_MCI_PHOTONS] = {.read = cml_mci_photons, .line = offsetof(struct cml_scene, saved.line)},
+    [CML_MCI_FACETS] = {.line = offsetof(struct cml_scene, facets)},
+    [CML_MCI_FLUENCE] = {.read = cml_mci_fluence, .line = offsetof(struct cml_scene, fluence.line)},
+    [CML_MCI_TIME] = {.keys = CML_KEYS_TIME,
+                      .base = offsetof(struct cml_scene, time),
+                      .line = offsetof(struct cml_scene, time.line)},
+    [CML_MCI_DIRECTIONS] = {.keys = CML_KEYS_DIRECTIONS,
+                            .base = offsetof(struct cml_scene, directions),
+                            .line = offsetof(struct cml_scene, directions.line)}};
+
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
-    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
-    if (kind == CML_MCI_DETECTOR) return cml_mci_detector(reader, scene);
-    if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
-    if (kind == CML_MCI_FLUENCE) return cml_mci_fluence(reader, &scene->fluence);
-    if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
-    if (kind == CML_MCI_PHOTONS) return cml_mci_photons(reader, &scene->saved);
-    return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
+    const char *word = cml_mci_keywords[kind].word;
+    char text[64];
+    if (run_lines[kind].line > 0) {
+        int *line = (int *)((char *)scene + run_lines[kind].line);
+        snprintf(text, sizeof text, "one %s line per run", word);
+        if (*line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), text);
+        *line = reader->text.line;
+    }
+    cml_mci_cut_comment(reader->cursor);
+    if (run_lines[kind].read) return run_lines[kind].read(reader, scene);
+    if (run_lines[kind].keys != CML_KEYS_NONE)
+        return cml_mci_numbers(reader, word,
+                               CML_KEY_PARTS({run_lines[kind].keys, (char *)scene + run_lines[kind].base}));
+    snprintf(text, sizeof text, "text after %s", word);
+    return cml_mci_end_line(reader, text);
 }
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
@@ -181,9 +185,9 @@ static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scen
 }
 
 /* The memory is judged before anything asks for it. */
-static cml_status check_cells(const struct cml_mci_reader *reader, const double *bins)
+static cml_status check_cells(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
-    const double nz = bins[0], nr = bins[1], na = bins[2];
+    const double nz = scene->nz, nr = scene->nr, na = scene->na;
     const double cells = nr * nz + 2 * nr * na + nz + 2 * nr + 2 * na;
     if (cells <= MAX_CELLS) return CML_OK;
     char value[80], expected[120];
@@ -196,42 +200,25 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const double 
 /* Photons, bin sizes, numbers of bins. */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
-    static const struct cml_mci_field steps[] = {{"dz", CML_MCI_TINY, CML_MCI_HUGE, false, length},
-                                                 {"dr", CML_MCI_TINY, CML_MCI_HUGE, false, length}};
-    static const struct cml_mci_field bins[] = {
-        {"nz", 1, 1e9, true, count}, {"nr", 1, 1e9, true, count}, {"na", 1, 1e9, true, count}};
-    double values[3];
-    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, cml_mci_photons_field.name));
-    CML_TRY(cml_mci_numbers(reader, NULL, &cml_mci_photons_field, 1, values));
-    scene->photons = (uint64_t)values[0];
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
+    CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_PHOTONS, scene})));
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "dz dr"));
-    CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
-    scene->dz = values[0];
-    scene->dr = values[1];
+    CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_STEPS, scene})));
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "nz nr na"));
-    CML_TRY(cml_mci_numbers(reader, NULL, bins, 3, values));
-    CML_TRY(check_cells(reader, values));
-    scene->nz = (int)values[0];
-    scene->nr = (int)values[1];
-    scene->na = (int)values[2];
-    return CML_OK;
+    CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_BINS, scene})));
+    return check_cells(reader, scene);
 }
 
 /* A number of layers is at most 1e5, so that a wrong one cannot ask for all memory. */
 static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    static const struct cml_mci_field field = {"number of layers", 1, MAX_LAYERS, true,
-                                               "a whole number of 1..100000"};
-    double number = 0;
-    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, field.name));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "number of layers"));
     const char first = (char)(*reader->cursor | 0x20);
     if (first >= 'a' && first <= 'z')
         return cml_mci_fail(
             reader, "line", cml_mci_raw(reader),
             "number of layers, or a line that begins with a word of `clustermcml help input`");
-    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &number));
-    scene->num_layers = (int)number;
+    CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_LAYERS, scene})));
     const size_t layers = (size_t)scene->num_layers;
     scene->media = calloc(layers + 2, sizeof *scene->media);
     scene->boundaries = calloc(layers + 1, sizeof *scene->boundaries);
@@ -253,35 +240,29 @@ static int numbers_alone(const char *text)
 /* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
-    const struct cml_mci_field *n = &cml_mci_medium_fields[0];
-    const struct cml_mci_field field = {above ? "n above" : "n below", n->lowest, n->highest, false,
-                                        n->expected};
-    CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
-    double *index = &scene->media[above ? 0 : scene->num_layers + 1].n;
-    if (!above && numbers_alone(reader->cursor) == CML_MCI_MEDIUM_FIELDS + 1)
-        return cml_mci_fail(reader, field.name, cml_mci_raw(reader),
+    const char *name = above ? "n above" : "n below";
+    CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, name));
+    struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
+    if (!above && numbers_alone(reader->cursor) == 5)
+        return cml_mci_fail(reader, name, cml_mci_raw(reader),
                             "one number; is the number of layers too small?");
-    return cml_mci_numbers(reader, NULL, &field, 1, index);
+    return cml_mci_numbers(reader, NULL,
+                           CML_KEY_PARTS({above ? CML_KEYS_N_ABOVE : CML_KEYS_N_BELOW, medium}));
 }
 
 /* The boundary above the layer, number layer - 1, may have its line before this one. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
-    struct cml_mci_field fields[CML_MCI_MEDIUM_FIELDS + 1];
     char owner[32];
-    double values[5];
     snprintf(owner, sizeof owner, "layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     if (numbers_alone(reader->cursor) == 1)
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
                             "n mua mus g d; is the number of layers too large?");
     CML_TRY(cml_mci_layer_name(reader, owner, layer, scene));
-    memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
-    fields[CML_MCI_MEDIUM_FIELDS] = cml_mci_thickness;
-    CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
-    scene->media[layer] = cml_mci_medium(reader, values);
-    scene->media[layer].d = values[4];
-    return CML_OK;
+    struct cml_medium_def *medium = &scene->media[layer]; /* moves where lines before this one add bodies */
+    medium->line = reader->text.line;
+    return cml_mci_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium}, {CML_KEYS_LAYER, medium}));
 }
 
 static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
@@ -417,17 +398,15 @@ static cml_status read_version(struct cml_mci_reader *reader)
 
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
-    static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
-                                               "a whole number of 1..32767"};
-    double runs = 0;
+    int runs = 0;
     CML_TRY(read_version(reader));
-    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, field.name));
-    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "number of runs"));
+    CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_RUNS, &runs})));
     if (reader->options->output && runs > 1)
         return cml_fail(reader->err, CML_E_INPUT,
-                        "--output %.80s (expected a file with one run; %.400s has %g)",
+                        "--output %.80s (expected a file with one run; %.400s has %d)",
                         reader->options->output, reader->text.path, runs);
-    while (list->count < (int)runs) CML_TRY(read_run(reader, list));
+    while (list->count < runs) CML_TRY(read_run(reader, list));
     return check_rest(reader, list);
 }
 

@@ -15,117 +15,52 @@
 #define MOST_BEAMS 32767
 #define MOST_ROWS 10000 /* of a table: adding-doubling takes seconds for ten times as many */
 
-/* The order of the keys in cml_mci_beam. */
-enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL, BEAM_NA };
-
-static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
-                  light_words[] = "parallel, na:N, lambertian, isotropic or a file in quotes";
-
-static const struct cml_mci_field x_field = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  y_field = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  z_field = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  share = {"share", CML_MCI_TINY, CML_MCI_HUGE, false,
-                                           "a share of 1e-30..1e30"},
-                                  aperture = {"na", CML_MCI_TINY, 100, false,
-                                              "a numerical aperture of 1e-30..100"},
-                                  angle_above = {"angle", 0, 89.99999999999999, false,
-                                                 "degrees, 0 <= angle < 90"},
-                                  angle_inside = {"angle", 0, 180, false, "degrees, 0 <= angle <= 180"},
-                                  azimuth = {"azimuth", -360, 360, false, "degrees, -360..360"};
-
-/* Angles are degrees in the file, as people write them, and rad from here on. */
-static const double degree = CML_PI / 180;
-
-static bool parse_angle(const struct cml_mci_field *field, const char *text, double *angle)
-{
-    double degrees = 0;
-    if (!cml_mci_parse(field, text, &degrees)) return false;
-    *angle = degrees * degree;
-    return true;
-}
-
 /* ---- files: tables of intensities, images ---- */
 
-/* A table that is being read. */
-struct table {
-    struct cml_text text;
-    struct cml_light *light;
-    struct cml_error *err;
-};
-
-static cml_status fail_row(const struct table *table, const char *field, const char *value,
-                           const char *expected)
+static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light *light)
 {
-    return cml_fail_field(table->err, table->text.path, table->text.line, field, value, expected);
+    if (light->rows == MOST_ROWS) return cml_mci_fail(rows, "row", "10001", "at most 10000 rows");
+    CML_TRY(cml_array_grow(&light->t, (size_t)light->rows, sizeof *light->t, "a table", rows->err));
+    return cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", rows->err);
 }
 
-static cml_status make_room(struct table *table)
+/* One row: an angle beyond the last one, and an intensity, whose square is no subnormal number. */
+static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 {
-    struct cml_light *light = table->light;
-    if (light->rows == MOST_ROWS) return fail_row(table, "row", "10001", "at most 10000 rows");
-    CML_TRY(cml_array_grow(&light->t, (size_t)light->rows, sizeof *light->t, "a table", table->err));
-    CML_TRY(cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", table->err));
-    return CML_OK;
-}
-
-/* One row: an angle beyond the last one, and an intensity. */
-static cml_status read_row(struct table *table, const char *angle, char *cursor)
-{
-    static const struct cml_mci_field degrees = {"angle", 0, 180, false, "degrees of 0..180"},
-                                      shines = {"intensity", 0, CML_MCI_HUGE, false,
-                                                "an intensity of 0..1e30"};
-    struct cml_light *light = table->light;
-    const double pi = CML_PI, least_step = 1e-6,
-                 faintest = 1e-30; /* squares of both are no subnormal numbers */
-    const double before = light->rows ? light->t[light->rows - 1] * 180 / pi : -1;
-    const char *word = cml_text_word(&cursor), *rest = cml_text_word(&cursor);
+    static const struct cml_key degrees = {.name = "angle", .noun = "degrees", .most = 180},
+                                shines = {.name = "intensity",
+                                          .use = CML_KEY_OR_0,
+                                          .noun = "an intensity",
+                                          .least = CML_MCI_TINY,
+                                          .most = CML_MCI_HUGE};
+    const double before = light->rows ? light->t[light->rows - 1] * 180 / CML_PI : -1, least_step = 1e-6;
+    const char *angle = cml_text_word(&rows->cursor);
     double t = 0, intensity = 0;
-    if (!cml_mci_parse(&degrees, angle, &t)) return fail_row(table, degrees.name, angle, degrees.expected);
-    if (light->rows == 0 && t != 0) return fail_row(table, degrees.name, angle, "0 in the first row");
+    if (!cml_key_parse(&degrees, angle, &t)) return cml_mci_fail_key(rows, NULL, &degrees, angle);
+    if (light->rows == 0 && t != 0) return cml_mci_fail(rows, degrees.name, angle, "0 in the first row");
     if (!(t > before * (1 + 1e-12)))
-        return fail_row(table, degrees.name, angle, "more than in the row before");
+        return cml_mci_fail(rows, degrees.name, angle, "more than in the row before");
     if (t < before + least_step)
-        return fail_row(table, degrees.name, angle, "1e-6 degrees or more beyond the row before");
-    if (!word || !cml_mci_parse(&shines, word, &intensity))
-        return fail_row(table, shines.name, word, shines.expected);
-    if (intensity > 0 && intensity < faintest)
-        return fail_row(table, shines.name, word, "0, or an intensity of 1e-30..1e30");
-    if (rest) return fail_row(table, "word behind the intensity", rest, "the end of the line or a # comment");
-    CML_TRY(make_room(table));
-    light->t[light->rows] = t * pi / 180;
+        return cml_mci_fail(rows, degrees.name, angle, "1e-6 degrees or more beyond the row before");
+    CML_TRY(cml_mci_number(rows, NULL, &shines, &intensity));
+    CML_TRY(cml_mci_end_line(rows, "word behind the intensity"));
+    CML_TRY(make_room(rows, light));
+    light->t[light->rows] = t * CML_PI / 180;
     light->intensity[light->rows++] = intensity;
     return CML_OK;
 }
 
-static cml_status read_table(struct table *table)
+static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
 {
-    struct cml_light *light = table->light;
-    char rows[16];
+    struct cml_light *light = context;
+    char count[16];
     double sum = 0;
-    for (char *line = cml_text_next(&table->text); line; line = cml_text_next(&table->text)) {
-        cml_mci_cut_comment(line);
-        const char *word = cml_text_word(&line);
-        if (word) CML_TRY(read_row(table, word, line));
-    }
-    snprintf(rows, sizeof rows, "%d", light->rows);
+    while (cml_mci_next_row(rows)) CML_TRY(read_row(rows, light));
+    snprintf(count, sizeof count, "%d", light->rows);
     if (light->rows < 2)
-        return fail_row(table, "rows", rows, "2 at least, each of an angle and an intensity");
+        return cml_mci_fail(rows, "rows", count, "2 at least, each of an angle and an intensity");
     for (int i = 0; i < light->rows; i++) sum += light->intensity[i];
-    return sum > 0 ? CML_OK : fail_row(table, "intensity", "0 in all rows", "light in one row at least");
-}
-
-static cml_status read_light_table(struct cml_mci_reader *reader, const char *name, struct cml_light *light)
-{
-    struct table table = {.light = light, .err = reader->err};
-    char *path = NULL;
-    light->kind = CML_LIGHT_OF_TABLE;
-    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read_table(reader->options->source, path, &table.text, reader->err);
-    if (status == CML_OK) status = read_table(&table);
-    status = cml_mci_name_line(reader, "beam", path, status);
-    cml_text_clear(&table.text);
-    free(path);
-    return status;
+    return sum > 0 ? CML_OK : cml_mci_fail(rows, "intensity", "0 in all rows", "light in one row at least");
 }
 
 /* Rows of a heightmap begin at the smallest y. */
@@ -166,67 +101,64 @@ static cml_status read_image(struct cml_mci_reader *reader, const char *name, st
     return status;
 }
 
-/* ---- shapes ---- */
+/* ---- what a beam has keys of ---- */
 
-/* A shape's numbers have the same names in messages and in settings. */
-struct shape {
+static const struct {
     const char *name;
-    enum cml_beam_shape shape;
-    int numbers;
-    struct cml_mci_field field[2];
-};
+    enum cml_key_group keys;
+} shapes[] = {[CML_BEAM_PENCIL] = {"pencil", CML_KEYS_NONE},
+              [CML_BEAM_DISK] = {"disk", CML_KEYS_BEAM_DISK},
+              [CML_BEAM_GAUSSIAN] = {"gaussian", CML_KEYS_BEAM_DISK},
+              [CML_BEAM_RING] = {"ring", CML_KEYS_BEAM_RING},
+              [CML_BEAM_RECTANGLE] = {"rectangle", CML_KEYS_BEAM_RECTANGLE},
+              [CML_BEAM_IMAGE] = {"image", CML_KEYS_NONE}};
+enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
-static const char length[] = "a length of 1e-30..1e30 cm";
-static const struct shape shapes[] = {
-    {"pencil", CML_BEAM_PENCIL, 0, {{0}}},
-    {"disk", CML_BEAM_DISK, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"gaussian", CML_BEAM_GAUSSIAN, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"ring",
-     CML_BEAM_RING,
-     2,
-     {{"r1", 0, CML_MCI_HUGE, false, "a length of 0..1e30 cm"},
-      {"r2", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"rectangle",
-     CML_BEAM_RECTANGLE,
-     2,
-     {{"w", CML_MCI_TINY, CML_MCI_HUGE, false, length}, {"h", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"image", CML_BEAM_IMAGE, 0, {{0}}},
-};
-
-/* The shape comes first and is no option: without it nobody would know what the numbers are of. */
-static cml_status read_beam_shape(const struct cml_mci_line_options *options, struct cml_beam *beam)
+void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml_key_part *part)
 {
-    const char *word = cml_text_word(&options->reader->cursor);
-    const struct shape *shape = NULL;
-    for (size_t i = 0; word && i < sizeof shapes / sizeof *shapes; i++)
-        if (strcmp(shapes[i].name, word) == 0) shape = &shapes[i];
-    if (!shape)
-        return cml_mci_fail_option(
-            options, "shape", word,
-            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\"");
-    beam->shape = shape->shape;
-    for (int i = 0; i < shape->numbers; i++) {
-        word = cml_text_word(&options->reader->cursor);
-        beam->of_tile = beam->shape == CML_BEAM_RECTANGLE && i == 0 && word && strcmp(word, "tile") == 0;
-        if (beam->of_tile) break;
-        if (!word || !cml_mci_parse(&shape->field[i], word, &beam->size[i]))
-            return cml_mci_fail_option(options, shape->field[i].name, word, shape->field[i].expected);
-    }
-    if (beam->shape != CML_BEAM_IMAGE) return CML_OK;
-    word = cml_text_word(&options->reader->cursor);
-    if (!word || *word == '"' || *word == '\0' || strchr(word, '='))
-        return cml_mci_fail_option(options, "file", word, "a file name in a pair of quotes");
-    return read_image(options->reader, word, beam);
+    struct cml_beam *beam = &scene->beams[k];
+    *part++ = (struct cml_key_part){CML_KEYS_BEAM, beam};
+    if (in_line || beam->inside) *part++ = (struct cml_key_part){CML_KEYS_START, beam};
+    *part++ = (struct cml_key_part){beam->inside ? CML_KEYS_INSIDE : CML_KEYS_ABOVE, beam};
+    *part++ = (struct cml_key_part){CML_KEYS_AXIS, beam};
+    if (!beam->of_tile && shapes[beam->shape].keys != CML_KEYS_NONE)
+        *part++ = (struct cml_key_part){shapes[beam->shape].keys, beam};
+    if (beam->light.kind == CML_LIGHT_OF_NA) *part++ = (struct cml_key_part){CML_KEYS_LIGHT, &beam->light};
+    if (in_line || scene->num_beams > 1) *part++ = (struct cml_key_part){CML_KEYS_SHARE, &scene->shares[k]};
+    *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
 
-/* ---- light ---- */
+/* ---- the line ---- */
 
-static cml_status set_light(const struct cml_mci_line_options *options, struct cml_light *light)
+/* The shape comes first and is no option: without it nobody would know what the numbers are of. */
+static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_beam *beam)
+{
+    char **cursor = &line->reader->cursor, *word = cml_text_word(cursor);
+    int shape = 0;
+    while (shape < NUM_SHAPES && !(word && strcmp(shapes[shape].name, word) == 0)) shape++;
+    if (shape == NUM_SHAPES)
+        return cml_mci_fail_option(
+            line, "shape", word,
+            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\"");
+    beam->shape = (enum cml_beam_shape)shape;
+    char *next = *cursor + strspn(*cursor, " \t");
+    beam->of_tile =
+        beam->shape == CML_BEAM_RECTANGLE && strcspn(next, " \t") == 4 && strncmp(next, "tile", 4) == 0;
+    if (beam->of_tile) *cursor = next + 4;
+    if (beam->shape != CML_BEAM_IMAGE) return CML_OK;
+    word = cml_text_word(cursor);
+    if (!word || *word == '"' || *word == '\0' || strchr(word, '='))
+        return cml_mci_fail_option(line, "file", word, "a file name in a pair of quotes");
+    return read_image(line->reader, word, beam);
+}
+
+static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
 {
     static const char *const words[] = {"parallel", "lambertian", "isotropic"};
     static const enum cml_light_kind kinds[] = {CML_LIGHT_OF_PARALLEL, CML_LIGHT_OF_LAMBERTIAN,
                                                 CML_LIGHT_OF_ISOTROPIC};
-    char *value = options->value;
+    const struct cml_key *aperture = cml_keys_of(CML_KEYS_LIGHT);
+    char *value = line->value, expected[CML_KEY_TEXT];
     const size_t size = strlen(value);
     const int which = cml_mci_choose(value, words, 3);
     if (which >= 0) {
@@ -235,53 +167,25 @@ static cml_status set_light(const struct cml_mci_line_options *options, struct c
     }
     if (strncmp(value, "na:", 3) == 0) {
         light->kind = CML_LIGHT_OF_NA;
-        return cml_mci_parse(&aperture, value + 3, &light->na)
+        return cml_key_parse(aperture, value + 3, &light->na)
                    ? CML_OK
-                   : cml_mci_fail_value(options, aperture.expected);
+                   : cml_mci_fail_value(line, cml_key_expected(aperture, expected));
     }
     if (size < 3 || value[0] != '"' || value[size - 1] != '"')
-        return cml_mci_fail_value(options, light_words);
+        return cml_mci_fail_value(line, "parallel, na:N, lambertian, isotropic or a file in quotes");
     value[size - 1] = '\0';
-    return read_light_table(options->reader, value + 1, light);
+    light->kind = CML_LIGHT_OF_TABLE;
+    return cml_mci_table(line->reader, "beam", value + 1, "a file name", read_light_table, light);
 }
 
-/* ---- the line ---- */
-
-static cml_status set_beam_option(const struct cml_mci_line_options *options, struct cml_beam *beam,
-                                  double *beam_share)
+/* `na` belongs to detectors. */
+static cml_status set_own(struct cml_mci_line *line)
 {
-    double values[2] = {0, 0};
-    switch (options->key) {
-    case BEAM_AT:
-        if (!cml_mci_parse_list(options->value, 2, values))
-            return cml_mci_fail_value(options, "x,y in cm without blanks");
-        beam->x = values[0];
-        beam->y = values[1];
-        return CML_OK;
-    case BEAM_Z:
-        beam->inside = true;
-        return cml_mci_parse(&z_field, options->value, &beam->z) ? CML_OK
-                                                                 : cml_mci_fail_value(options, coordinate);
-    case BEAM_ANGLE: /* whether it may be so large is known behind the last option */
-        return parse_angle(&angle_inside, options->value, &beam->angle)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, beam->inside ? angle_inside.expected : angle_above.expected);
-    case BEAM_AZIMUTH:
-        return parse_angle(&azimuth, options->value, &beam->azimuth)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, azimuth.expected);
-    case BEAM_LIGHT:
-        return set_light(options, &beam->light);
-    case BEAM_SHARE:
-        return cml_mci_parse(&share, options->value, beam_share)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, share.expected);
-    case BEAM_NA: /* as of detectors */
-        return cml_mci_fail_value(options, "light=na:N");
-    default:
-        beam->radial = true;
-        return strcmp(options->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(options, "radial=beam");
-    }
+    struct cml_beam *beam = line->context;
+    if (strcmp(line->key->name, "light") == 0) return set_light(line, &beam->light);
+    if (strcmp(line->key->name, "na") == 0) return cml_mci_fail_value(line, "light=na:N");
+    beam->radial = true;
+    return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, "radial=beam");
 }
 
 /* One more beam. The first line takes the place of the pencil that there is without one. */
@@ -300,53 +204,25 @@ cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *sce
 
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    struct cml_mci_line_options options = {
-        .reader = reader,
-        .owner = "beam",
-        .keys = {"at", "z", "angle", "azimuth", "light", "share", "radial", "na"},
-        .list = "at=, z=, angle=, azimuth=, light=, share= or radial="};
-    const char *angle = NULL;
+    struct cml_key_part parts[CML_MOST_KEY_PARTS];
     CML_TRY(cml_mci_add_beam(reader, scene));
-    CML_TRY(cml_share_begin(&scene->beams[scene->num_beams - 1].users, reader->err));
-    struct cml_beam *beam = &scene->beams[scene->num_beams - 1];
-    double *beam_share = &scene->shares[scene->num_beams - 1];
+    const int k = scene->num_beams - 1;
+    struct cml_beam *beam = &scene->beams[k];
+    struct cml_mci_line line = {
+        .reader = reader, .owner = "beam", .parts = parts, .own = set_own, .context = beam};
+    CML_TRY(cml_share_begin(&beam->users, reader->err));
     beam->given = true;
     beam->line = reader->text.line;
-    cml_mci_cut_comment(reader->cursor);
-    CML_TRY(read_beam_shape(&options, beam));
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(&options, &more));
-        if (more) CML_TRY(set_beam_option(&options, beam, beam_share));
-        if (more && options.key == BEAM_ANGLE) angle = options.value;
-    }
-    if (beam->inside || !angle || parse_angle(&angle_above, angle, &beam->angle)) return CML_OK;
-    return cml_mci_fail_option(&options, "angle", angle, angle_above.expected);
-}
-
-/* ---- settings ---- */
-
-struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const char *member)
-{
-    struct cml_beam *beam = &scene->beams[k];
-    const struct shape *shape = &shapes[beam->shape];
-    const struct {
-        bool there;
-        struct cml_mci_number number;
-    } numbers[] = {{true, {&beam->x, &x_field, 1}},
-                   {true, {&beam->y, &y_field, 1}},
-                   {beam->inside, {&beam->z, &z_field, 1}},
-                   {true, {&beam->angle, beam->inside ? &angle_inside : &angle_above, degree}},
-                   {true, {&beam->azimuth, &azimuth, degree}},
-                   {beam->light.kind == CML_LIGHT_OF_NA, {&beam->light.na, &aperture, 1}},
-                   {scene->num_beams > 1, {&scene->shares[k], &share, 1}},
-                   {shape->numbers > 0 && !beam->of_tile, {&beam->size[0], &shape->field[0], 1}},
-                   {shape->numbers > 1 && !beam->of_tile, {&beam->size[1], &shape->field[1], 1}}};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        if (numbers[i].there && strcmp(numbers[i].number.field->name, member) == 0) return numbers[i].number;
-    return (struct cml_mci_number){0};
+    CML_TRY(read_beam_shape(&line, beam));
+    beam->inside = cml_mci_find_word(reader->cursor, "z=") != NULL;
+    cml_mci_beam_parts(scene, k, true, parts);
+    CML_TRY(cml_mci_leading_numbers(reader, "beam", parts));
+    return cml_mci_options(&line);
 }
 
 /* ---- what belongs together ---- */
+
+static const double degree = CML_PI / 180;
 
 static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                             const char *field, const char *value, const char *expected)

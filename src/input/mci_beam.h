@@ -11,9 +11,8 @@ CML_NODISCARD cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct 
  * [radial=beam]", cursor behind the keyword, and the files that it names; angles become rad. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Where beam k has the number `member`, as of beam.radius: of what its line has, and a pencil has no radius.
- */
-struct cml_mci_number cml_mci_beam_number(struct cml_scene *scene, int k, const char *member);
+/* What beam k has keys of, at most CML_MOST_KEY_PARTS. in_line: also those that its line may have. */
+void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml_key_part *part);
 
 /* After all numbers are there: gives rectangles of tiles their size, and checks what lines and media have to
  * do with each other. CML_E_INPUT. */

@@ -26,65 +26,34 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_fail_memory(reader->err, (double)(capacity * sizeof *bodies), "bodies");
 }
 
-/* Behind the last number a number too many was meant for something (mci_lines.h). */
-static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, struct cml_scene_body *body,
-                             struct cml_medium_def *medium)
+static cml_status set_rough(const struct cml_mci_reader *reader, const char *owner, const char *value,
+                            struct cml_rough_def *rough)
 {
-    static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
-                      radius[] = "a radius of 1e-30..1e30 cm";
-    static const struct cml_mci_field sphere[] = {
-        {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"r", CML_MCI_TINY, CML_MCI_HUGE, false, radius},
-    };
-    static const struct cml_mci_field cylinder[] = {
-        {"x1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"y1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"z1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"x2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"y2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"z2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-        {"r", CML_MCI_TINY, CML_MCI_HUGE, false, radius},
-    };
-    const bool round = body->form == CML_BODY_SPHERE;
-    const int count = round ? 4 : 7;
-    struct cml_mci_field fields[12];
-    double values[12] = {0};
-    memcpy(fields, round ? sphere : cylinder, (size_t)count * sizeof *fields);
-    memcpy(fields + count, cml_mci_medium_fields, 4 * sizeof *fields);
-    CML_TRY(cml_mci_numbers(reader, owner, fields, count + 4, values));
-    memcpy(body->centre, values, sizeof body->centre);
-    if (!round) memcpy(body->end, values + 3, sizeof body->end);
-    body->radius = values[count - 1];
-    *medium = cml_mci_medium(reader, values + count);
-    return CML_OK;
+    char field[48], alpha[CML_KEY_TEXT], expected[CML_KEY_TEXT + 40];
+    snprintf(field, sizeof field, "%s: rough", owner);
+    snprintf(expected, sizeof expected, "ggx,ALPHA or beckmann,ALPHA, with ALPHA %s",
+             cml_key_expected(cml_keys_of(CML_KEYS_ROUGH), alpha));
+    if (rough->line) return cml_mci_fail(reader, field, value, "this option only once");
+    rough->line = reader->text.line;
+    return cml_mci_parse_rough(value, rough) ? CML_OK : cml_mci_fail(reader, field, value, expected);
 }
 
-/* Takes the word rough=KIND,ALPHA out of the line, wherever it stands behind the shape. Beside a sphere or a
- * cylinder no other word is an option: words are ignored there, but one with = or rough was meant for
- * something. */
+/* Takes the word rough=KIND,ALPHA out of the line of a sphere or a cylinder. No other word is an option:
+ * words are ignored there, but one with = or rough was meant for something. */
 static cml_status take_roughness(struct cml_mci_reader *reader, const char *owner,
                                  struct cml_rough_def *rough)
 {
     static const char blank[] = " \t\r", key[] = "rough=";
-    char value[64], field[48], *words = reader->cursor + strspn(reader->cursor, blank);
-    const char *name_end = *words == '"' ? strchr(words + 1, '"') : NULL;
-    const bool has_file = name_end != NULL;
-    if (has_file) words += name_end - words;
-    for (char *word = words; *(word += strspn(word, blank)) != '\0';) {
-        const size_t length = strcspn(word, blank);
-        const bool is_rough = strncmp(word, key, sizeof key - 1) == 0;
-        const char *begin = is_rough ? word + sizeof key - 1 : word;
-        snprintf(value, sizeof value, "%.*s", (int)(length - (size_t)(begin - word)), begin);
-        snprintf(field, sizeof field, "%s: %s", owner, is_rough ? "rough" : "option");
-        if (is_rough && rough->line) return cml_mci_fail(reader, field, value, "this option only once");
-        if (is_rough && !cml_mci_parse_rough(value, rough))
-            return cml_mci_fail(reader, field, value, cml_mci_rough_option);
-        if (!is_rough && !has_file && (strchr(value, '=') || strcmp(value, "rough") == 0))
+    char value[64], field[48];
+    snprintf(field, sizeof field, "%s: option", owner);
+    for (char *word = reader->cursor; *(word += strspn(word, blank)) != '\0';) {
+        const size_t length = strcspn(word, blank),
+                     skip = strncmp(word, key, sizeof key - 1) == 0 ? sizeof key - 1 : 0;
+        snprintf(value, sizeof value, "%.*s", (int)(length - skip), word + skip);
+        if (skip) CML_TRY(set_rough(reader, owner, value, rough));
+        if (!skip && (strchr(value, '=') || strcmp(value, "rough") == 0))
             return cml_mci_fail(reader, field, value, "rough=KIND,ALPHA, or none");
-        if (is_rough) rough->line = reader->text.line;
-        if (is_rough) memset(word, ' ', length);
+        if (skip) memset(word, ' ', length);
         word += length;
     }
     return CML_OK;
@@ -105,80 +74,72 @@ static cml_status check_axis(const struct cml_mci_reader *reader, const char *ow
     return cml_mci_fail(reader, field, "those of the first end", "another point: the axis has no length");
 }
 
-/* Name, medium, options: what comes before the file is read. */
-static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
-                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
+/* What the options of a body's mesh are read into. */
+struct mesh_line {
+    struct cml_obj_options obj;
+    struct cml_rough_def *rough;
+};
+
+static cml_status set_mesh_option(struct cml_mci_line *line)
 {
-    struct cml_mci_reader *reader = options->reader;
-    double values[CML_MCI_MEDIUM_FIELDS];
-    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
-    const char *name = cml_text_word(&reader->cursor);
-    CML_TRY(cml_mci_mesh_name(options, name, &kind));
-    if (kind != CML_MCI_FILE_OBJ)
-        return cml_mci_fail_option(options, "file", name, "an .obj file: a closed mesh");
-    CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
-    CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
-                                    values));
-    *medium = cml_mci_medium(reader, values);
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(options, &more));
-        if (more) CML_TRY(cml_mci_mesh_option(options, obj));
-    }
-    return CML_OK;
+    struct mesh_line *mesh = line->context;
+    if (strcmp(line->key->name, "rough") == 0)
+        return set_rough(line->reader, line->owner, line->value, mesh->rough);
+    return cml_mci_mesh_units(line, &mesh->obj);
 }
 
-static cml_status read_mesh(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
-                            struct cml_medium_def *medium)
+static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, int number,
+                            struct cml_scene_body *body, struct cml_medium_def *medium)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "body %d", number);
-    struct cml_mci_line_options options = {
+    struct mesh_line mesh = {.obj = {.unit = 1, .scale = 1, .height = 1, .closed = true},
+                             .rough = &medium->rough};
+    struct cml_obj_options *obj = &mesh.obj;
+    struct cml_mci_line line = {
         .reader = reader,
         .owner = owner,
-        .keys = {"up", "rotate", "units", "scale", "shift", "normals",
-                 "\n" /* no skirt: no word holds a line's end */, "union"},
-        .flag = "union",
-        .list = "up=, rotate=, units=, scale=, shift=, normals=, union or rough="};
-    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
-    CML_TRY(read_body_line(&options, body, medium, &obj));
-    obj.budget = reader->options->budget;
-    obj.budget.file = reader->text.path;
-    obj.budget.line = reader->text.line;
-    obj.budget.body = number;
+        .parts = CML_KEY_PARTS({CML_KEYS_MESH, obj}, {CML_KEYS_PLACE, obj}, {CML_KEYS_SOLID, obj}),
+        .own = set_mesh_option,
+        .context = &mesh};
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(cml_mci_mesh_name(&line, name, &kind));
+    if (kind != CML_MCI_FILE_OBJ)
+        return cml_mci_fail_option(&line, "file", name, "an .obj file: a closed mesh");
+    CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
+    CML_TRY(cml_mci_leading_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium})));
+    CML_TRY(cml_mci_options(&line));
+    obj->budget = reader->options->budget;
+    obj->budget.file = reader->text.path;
+    obj->budget.line = reader->text.line;
+    obj->budget.body = number;
     return cml_mci_name_line(
         reader, owner, body->file,
-        cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
-}
-
-static cml_status read_smooth_body(struct cml_mci_reader *reader, const char *owner, int number,
-                                   struct cml_scene_body *body, struct cml_medium_def *medium)
-{
-    reader->cursor += strspn(reader->cursor, " \t");
-    if (*reader->cursor == '"') {
-        body->form = CML_BODY_MESH;
-        return read_mesh(reader, number, body, medium);
-    }
-    const char *word = cml_text_word(&reader->cursor);
-    char field[48];
-    snprintf(field, sizeof field, "%s: form", owner);
-    if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
-        return cml_mci_fail(reader, field, word, "sphere, cylinder, or an .obj file in a pair of quotes");
-    body->form = word[0] == 's' ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
-    CML_TRY(read_shape(reader, owner, body, medium));
-    return check_axis(reader, owner, body);
+        cml_obj_read(reader->options->source, body->file, obj, &body->mesh, &body->mesh_notes, reader->err));
 }
 
 static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
                             struct cml_medium_def *medium)
 {
-    char owner[32];
-    struct cml_rough_def rough = {0};
+    char owner[32], field[48];
     snprintf(owner, sizeof owner, "body %d", number);
+    snprintf(field, sizeof field, "%s: form", owner);
+    medium->line = reader->text.line;
     cml_mci_cut_comment(reader->cursor);
-    CML_TRY(take_roughness(reader, owner, &rough));
-    CML_TRY(read_smooth_body(reader, owner, number, body, medium));
-    medium->rough = rough;
-    return CML_OK;
+    reader->cursor += strspn(reader->cursor, " \t");
+    if (*reader->cursor == '"') {
+        body->form = CML_BODY_MESH;
+        return read_mesh(reader, owner, number, body, medium);
+    }
+    CML_TRY(take_roughness(reader, owner, &medium->rough));
+    const char *word = cml_text_word(&reader->cursor);
+    if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
+        return cml_mci_fail(reader, field, word, "sphere, cylinder, or an .obj file in a pair of quotes");
+    const bool round = word[0] == 's';
+    body->form = round ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
+    CML_TRY(cml_mci_numbers(
+        reader, owner,
+        CML_KEY_PARTS({round ? CML_KEYS_SPHERE : CML_KEYS_CYLINDER, body}, {CML_KEYS_MEDIUM, medium})));
+    return check_axis(reader, owner, body);
 }
 
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
@@ -187,6 +148,8 @@ cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_sce
     const int k = scene->num_bodies++;
     struct cml_scene_body *body = &scene->bodies[k];
     *body = (struct cml_scene_body){.layer = layer, .host = layer, .line = reader->text.line};
+    struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
+    *medium = (struct cml_medium_def){0};
     CML_TRY(cml_share_begin(&scene->body_users, reader->err));
-    return read_body(reader, k + 1, body, &scene->media[cml_body_medium(scene, k)]);
+    return read_body(reader, k + 1, body, medium);
 }

@@ -71,20 +71,20 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
 /* A spacing so small that the radius stays the same in double would make a ring of no width. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
-    static const struct cml_mci_field height = {"h", -CML_MCI_HUGE, CML_MCI_HUGE, false,
-                                                "a height of -1e30..1e30 cm"};
-    static const struct cml_mci_field spacing = {"s", CML_MCI_TINY, CML_MCI_HUGE, false,
-                                                 "a spacing of 1e-30..1e30 cm"};
-    static const struct cml_mci_field last_spacing = {"s", -HUGE_VAL, HUGE_VAL, false,
-                                                      "a number, although the last spacing has no effect"};
-    const struct cml_mci_field *field = i % 2 == 0 ? &height : &spacing;
-    if (i + 1 == 2 * (size_t)n) field = &last_spacing;
+    static const struct cml_key height = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE},
+                                spacing = {.least = CML_MCI_TINY, .most = CML_MCI_HUGE},
+                                last_spacing = {.least = -HUGE_VAL, .most = HUGE_VAL};
+    const bool last = i + 1 == 2 * (size_t)n;
+    const struct cml_key *key = last ? &last_spacing : i % 2 == 0 ? &height : &spacing;
     double value = 0;
     const char *word = next_word(samples);
-    if (!word || !cml_mci_parse(field, word, &value))
-        return fail_number(samples, i, n, word, field->expected);
+    if (!word || !cml_key_parse(key, word, &value))
+        return fail_number(samples, i, n, word,
+                           last         ? "a number, although the last spacing has no effect"
+                           : i % 2 == 0 ? "a height of -1e30..1e30 cm"
+                                        : "a spacing of 1e-30..1e30 cm");
     CML_TRY(append(samples, value));
-    if (field != &spacing) return CML_OK;
+    if (key != &spacing) return CML_OK;
     const double before = samples->radius;
     samples->radius += value;
     if (samples->radius > before && samples->radius <= CML_MCI_HUGE) return CML_OK;
@@ -96,13 +96,13 @@ static cml_status read_number(struct samples *samples, size_t i, int n)
 static cml_status read_samples(struct samples *samples, int *n)
 {
     const bool in_file = samples->file.data != NULL;
-    const struct cml_mci_field field = {"n", 1, 1e7, true,
-                                        in_file ? "a whole number of 1..1e7"
-                                                : "a whole number of 1..1e7, or a file name in quotes"};
+    static const struct cml_key count = {.type = CML_KEY_INT, .least = 1, .most = 1e7};
     double number = 0, surplus = 0;
     const char *word = next_word(samples);
-    if (!word || !cml_mci_parse(&field, word, &number))
-        return fail_sample(samples, field.name, word, field.expected);
+    if (!word || !cml_key_parse(&count, word, &number))
+        return fail_sample(samples, "n", word,
+                           in_file ? "a whole number of 1..1e7"
+                                   : "a whole number of 1..1e7, or a file name in quotes");
     *n = (int)number;
     for (size_t i = 0; i < 2 * (size_t)*n; i++) CML_TRY(read_number(samples, i, *n));
     word = next_word(samples);
@@ -143,7 +143,7 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     if (*name == '"' || *name == '\0')
         return fail_sample(samples, "file", name, "a file name in a pair of quotes");
     if (rest)
-        return fail_sample(samples, "text after the file name", rest, "the end of the line or a # comment");
+        return fail_sample(samples, "text after the file name", rest, "the end of the line or a comment");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     CML_TRY(cml_text_read_table(reader->options->source, boundary->file, &samples->file, reader->err));
     samples->cursor = NULL;
@@ -172,17 +172,17 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
 
-static cml_status set_tiling(const struct cml_mci_line_options *options, enum tiling *tiling)
+static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tiling)
 {
-    const int which = options->alone ? TILE_PERIODIC : cml_mci_choose(options->value, tile_names, 2);
+    const int which = line->alone ? TILE_PERIODIC : cml_mci_choose(line->value, tile_names, 2);
     *tiling = (enum tiling)which;
-    return which >= 0 ? CML_OK : cml_mci_fail_value(options, "mirror, as-is, or the word tile alone");
+    return which >= 0 ? CML_OK : cml_mci_fail_value(line, "mirror, as-is, or the word tile alone");
 }
 
 /* A map whose ends do not fit would be a grating of cliffs. The largest of all steps may by chance be that of
  * the seam: what is up to three times as large is taken. Heights are single precision in many files: a
  * millionth of the relief is none. */
-static cml_status check_seam(const struct cml_mci_line_options *options, const struct cml_boundary *boundary)
+static cml_status check_seam(const struct cml_mci_line *line, const struct cml_boundary *boundary)
 {
     const struct cml_tile_notes *notes = &boundary->tile_notes;
     const double err_height = 1e-6 * (notes->relief.highest - notes->relief.lowest);
@@ -192,21 +192,21 @@ static cml_status check_seam(const struct cml_mci_line_options *options, const s
         snprintf(value, sizeof value, "a step of %g cm across the seam along %c, %g cm inside",
                  notes->seam[k], "xy"[k], notes -> inside[k]);
         if (notes->seam[k] > 3 * notes->inside[k] + err_height)
-            return cml_mci_fail_option(options, "tile", value,
+            return cml_mci_fail_option(line, "tile", value,
                                        "at most three times the largest step inside; tile=mirror repeats any "
                                        "map, tile=as-is this one");
-        cml_mci_note(options->reader, options->reader->text.line,
-                     "%s: tile: %s (tile=as-is if that is meant, else tile=mirror)", options->owner, value);
+        cml_mci_note(line->reader, line->reader->text.line,
+                     "%s: tile: %s (tile=as-is if that is meant, else tile=mirror)", line->owner, value);
     }
     return CML_OK;
 }
 
 /* The heights become the boundary's; triangles are made of them when it is represented. */
-static cml_status make_tile(const struct cml_mci_line_options *options, enum tiling tiling,
+static cml_status make_tile(const struct cml_mci_line *line, enum tiling tiling,
                             const struct cml_obj_options *given, struct cml_heightmap *map,
                             struct cml_boundary *boundary)
 {
-    struct cml_error *err = options->reader->err;
+    struct cml_error *err = line->reader->err;
     boundary->form = CML_FORM_TILE;
     boundary->tile_normals = given->normals;
     const cml_status status =
@@ -214,38 +214,37 @@ static cml_status make_tile(const struct cml_mci_line_options *options, enum til
     boundary->tile = *map;
     *map = (struct cml_heightmap){0};
     CML_TRY(status);
-    if (tiling != TILE_AS_IS) CML_TRY(check_seam(options, boundary));
+    if (tiling != TILE_AS_IS) CML_TRY(check_seam(line, boundary));
     const struct cml_tile_cells cells = cml_tile_patch_cells(&boundary->tile);
     return cml_mesh_budget_check(&given->budget, 2.0 * cells.count[0] * cells.count[1],
                                  "a coarser map or a larger --mesh-budget", err);
 }
 
 /* A heightmap's grid runs along x and y, and has a skirt anyway. */
-static cml_status check_heightmap_options(const struct cml_mci_line_options *options,
+static cml_status check_heightmap_options(const struct cml_mci_line *line,
                                           const struct cml_obj_options *given)
 {
-    char value[32];
+    static const char *const none[] = {"rotate", "skirt"},
+                             *const expected[] = {"no rotate= for a heightmap",
+                                                  "no skirt= for a heightmap, which has one, or needs none"};
     if (given->up != CML_UP_Z && given->up != CML_UP_MINUS_Z)
-        return cml_mci_fail_option(options, "up", cml_mci_up_names[given->up], "z or -z for a heightmap");
-    snprintf(value, sizeof value, "%g", options->seen[CML_MCI_MESH_ROTATE] ? given->rotate : given->skirt);
-    if (options->seen[CML_MCI_MESH_ROTATE])
-        return cml_mci_fail_option(options, "rotate", value, "no rotate= for a heightmap");
-    if (options->seen[CML_MCI_MESH_SKIRT])
-        return cml_mci_fail_option(options, "skirt", value,
-                                   "no skirt= for a heightmap, which has one, or needs none");
+        return cml_mci_fail_option(line, "up", cml_mci_saw(line, "up"), "z or -z for a heightmap");
+    for (int i = 0; i < 2; i++)
+        if (cml_mci_saw(line, none[i]))
+            return cml_mci_fail_option(line, none[i], cml_mci_saw(line, none[i]), expected[i]);
     return CML_OK;
 }
 
 /* The heights are needed no longer once the mesh is made. */
-static cml_status read_heightmap(const struct cml_mci_line_options *options, enum cml_mci_mesh_file kind,
+static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_mesh_file kind,
                                  enum tiling tiling, const struct cml_obj_options *given,
                                  struct cml_boundary *boundary)
 {
-    const struct cml_input_options *input = options->reader->options;
-    struct cml_error *err = options->reader->err;
-    const double unit = options->seen[CML_MCI_MESH_UNITS] ? given->unit : 0;
+    const struct cml_input_options *input = line->reader->options;
+    struct cml_error *err = line->reader->err;
+    const double unit = cml_mci_saw(line, "units") ? given->unit : 0;
     struct cml_heightmap map;
-    CML_TRY(check_heightmap_options(options, given));
+    CML_TRY(check_heightmap_options(line, given));
     CML_TRY((kind == CML_MCI_FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit,
                                                                       &map, err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
@@ -253,171 +252,121 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     const cml_status status = tiling == TILE_NONE
                                   ? cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
                                                        &boundary->mesh, &boundary->map_notes, err)
-                                  : make_tile(options, tiling, given, &map, boundary);
+                                  : make_tile(line, tiling, given, &map, boundary);
     cml_heightmap_clear(&map);
     return status;
 }
 
-static void set_budget(const struct cml_mci_reader *reader, int index, struct cml_mesh_budget *budget)
-{
-    *budget = reader->options->budget;
-    budget->file = reader->text.path;
-    budget->line = reader->text.line;
-    budget->boundary = index;
-}
+/* ---- the options of an m line ---- */
 
-/* Options are read before the file, so that a mistake in the line is found before a long read. `name`: the
- * line's first word. */
-static cml_status read_mesh(struct cml_mci_reader *reader, int index, const char *name,
-                            struct cml_boundary *boundary)
-{
-    char owner[32];
-    snprintf(owner, sizeof owner, "boundary %d", index);
-    struct cml_mci_line_options options = {
-        .reader = reader,
-        .owner = owner,
-        .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile"},
-        .flag = "tile",
-        .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is"};
-    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1};
-    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
-    enum tiling tiling = TILE_NONE;
-    CML_TRY(cml_mci_mesh_name(&options, name, &kind));
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(&options, &more));
-        if (!more) break;
-        CML_TRY(options.key == CML_MCI_MESH_TILE ? set_tiling(&options, &tiling)
-                                                 : cml_mci_mesh_option(&options, &obj));
-    }
-    CML_TRY(cml_mci_set_scaling(reader, index, &obj.scale, &obj.height));
-    boundary->scale = obj.scale;
-    boundary->height = obj.height;
-    if (tiling != TILE_NONE && kind == CML_MCI_FILE_OBJ)
-        return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
-    CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    set_budget(reader, index, &obj.budget);
-    if (kind == CML_MCI_FILE_OBJ)
-        CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
-                             &boundary->mesh_notes, reader->err));
-    else
-        CML_TRY(read_heightmap(&options, kind, tiling, &obj, boundary));
-    if (tiling == TILE_NONE) boundary->form = CML_FORM_MESH;
-    return CML_OK;
-}
+/* What they are read into. */
+struct m_line {
+    struct cml_obj_options obj;
+    struct cml_random_relief relief;
+    enum tiling tiling;
+};
 
-/* ---- m gaussian: a relief that is drawn ---- */
-
-enum { RELIEF_SEED, RELIEF_POINTS, RELIEF_SPECTRUM, RELIEF_SHIFT, RELIEF_NORMALS, RELIEF_TILE };
-
-static cml_status set_spectrum(const struct cml_mci_line_options *options, double *hurst)
+static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
 {
     static const char *const names[] = {"gaussian", "exponential"};
     static const double hursts[] = {0, 0.5};
     static const char fractal[] = "fractal:";
-    const int which = cml_mci_choose(options->value, names, 2);
+    const int which = cml_mci_choose(line->value, names, 2);
     if (which >= 0) {
         *hurst = hursts[which];
         return CML_OK;
     }
-    if (strncmp(options->value, fractal, sizeof fractal - 1) == 0 &&
-        cml_mci_parse_list(options->value + sizeof fractal - 1, 1, hurst) && *hurst >= 0.01 && *hurst <= 1)
+    if (strncmp(line->value, fractal, sizeof fractal - 1) == 0 &&
+        cml_mci_parse_list(line->value + sizeof fractal - 1, 1, hurst) && *hurst >= 0.01 && *hurst <= 1)
         return CML_OK;
-    return cml_mci_fail_value(options, "gaussian, exponential, or fractal:H with H of 0.01..1");
+    return cml_mci_fail_value(line, "gaussian, exponential, or fractal:H with H of 0.01..1");
 }
 
-static cml_status set_relief_option(const struct cml_mci_line_options *options,
-                                    struct cml_random_relief *relief, struct cml_obj_options *obj)
+static cml_status set_m_option(struct cml_mci_line *line)
 {
-    static const char *const normals[] = {"face", "vertex"};
-    uint64_t number = 0;
-    int which = -1;
-    switch (options->key) {
-    case RELIEF_SEED:
-        if (cml_parse_count(options->value, &relief->seed)) return CML_OK;
-        return cml_mci_fail_value(options, "a whole number of 0..2^53");
-    case RELIEF_POINTS:
-        if (!cml_parse_count(options->value, &number) || number < 16 || number > 8192 ||
-            (number & (number - 1)) != 0)
-            return cml_mci_fail_value(options, "a power of two of 16..8192");
-        relief->points = (int)number;
-        return CML_OK;
-    case RELIEF_SPECTRUM:
-        return set_spectrum(options, &relief->hurst);
-    case RELIEF_SHIFT:
-        if (cml_mci_parse_list(options->value, 3, obj->shift)) return CML_OK;
-        return cml_mci_fail_value(options, "x,y,z in cm without blanks");
-    case RELIEF_NORMALS:
-        which = cml_mci_choose(options->value, normals, 2);
-        if (which < 0) return cml_mci_fail_value(options, "face or vertex");
-        obj->normals = which == 0 ? CML_NORMALS_FACET : CML_NORMALS_VERTEX;
-        return CML_OK;
-    default:
-        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word tile alone");
-    }
-}
-
-/* Slope and length stand in front of the options. */
-static cml_status read_relief_numbers(const struct cml_mci_line_options *options,
-                                      struct cml_random_relief *relief)
-{
-    static const struct cml_mci_field fields[] = {
-        {"rms slope", 1e-4, 10, false, "a number of 1e-4..10"},
-        {"length", CML_MCI_TINY, CML_MCI_HUGE, false, "a correlation length of 1e-30..1e30 cm"}};
-    double *const values[] = {&relief->slope, &relief->length};
-    for (int i = 0; i < 2; i++) {
-        const char *word = cml_text_word(&options->reader->cursor);
-        if (!word || !cml_mci_parse(&fields[i], word, values[i]))
-            return cml_mci_fail_option(options, fields[i].name, word, fields[i].expected);
-    }
+    struct m_line *m = line->context;
+    const char *key = line->key->name;
+    uint64_t points = 0;
+    if (strcmp(key, "units") == 0) return cml_mci_mesh_units(line, &m->obj);
+    if (strcmp(key, "spectrum") == 0) return set_spectrum(line, &m->relief.hurst);
+    if (strcmp(key, "tile") == 0 && line->key->group == CML_KEYS_RELIEF && !line->alone)
+        return cml_mci_fail_value(line, "the word tile alone");
+    if (strcmp(key, "tile") == 0) return set_tiling(line, &m->tiling);
+    if (!cml_parse_count(line->value, &points) || points < 16 || points > 8192 ||
+        (points & (points - 1)) != 0)
+        return cml_mci_fail_value(line, "a power of two of 16..8192");
+    m->relief.points = (int)points;
     return CML_OK;
 }
 
-static cml_status make_relief(const struct cml_mci_line_options *options,
-                              const struct cml_random_relief *relief, const struct cml_obj_options *obj,
-                              struct cml_boundary *boundary)
+static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
+                              const struct cml_obj_options *obj, struct cml_boundary *boundary)
 {
     struct cml_heightmap map;
-    CML_TRY(cml_random_relief_make(relief, &map, options->reader->err));
+    CML_TRY(cml_random_relief_make(relief, &map, line->reader->err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= obj->height;
     cml_heightmap_place(&map, obj->scale, obj->shift, false);
-    const cml_status status = make_tile(options, TILE_PERIODIC, obj, &map, boundary);
+    const cml_status status = make_tile(line, TILE_PERIODIC, obj, &map, boundary);
     if (status == CML_OK) cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
     cml_heightmap_clear(&map);
     return status;
 }
 
-/* The word gaussian has been read. */
-static cml_status read_relief(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
+/* Behind the word gaussian. */
+static cml_status read_relief(struct cml_mci_line *line, int index, struct m_line *m,
+                              struct cml_boundary *boundary)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "boundary %d", index);
-    struct cml_mci_line_options options = {.reader = reader,
-                                           .owner = owner,
-                                           .keys = {"seed", "points", "spectrum", "shift", "normals", "tile"},
-                                           .flag = "tile",
-                                           .list = "tile, seed=, points=, spectrum=, shift= or normals="};
-    struct cml_random_relief relief = {.points = 512, .seed = 1};
-    struct cml_obj_options obj = {.scale = 1, .height = 1};
-    CML_TRY(read_relief_numbers(&options, &relief));
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(&options, &more));
-        if (more) CML_TRY(set_relief_option(&options, &relief, &obj));
-    }
-    if (!options.seen[RELIEF_TILE])
-        return cml_mci_fail_option(&options, "option", NULL, "the word tile: a drawn relief is repeated");
-    CML_TRY(cml_mci_set_scaling(reader, index, &obj.scale, &obj.height));
-    boundary->scale = obj.scale;
-    boundary->height = obj.height;
-    set_budget(reader, index, &obj.budget);
-    return make_relief(&options, &relief, &obj, boundary);
+    struct cml_mci_reader *reader = line->reader;
+    line->parts = CML_KEY_PARTS({CML_KEYS_RELIEF, &m->relief}, {CML_KEYS_PLACE, &m->obj});
+    CML_TRY(cml_mci_leading_numbers(reader, line->owner, line->parts));
+    CML_TRY(cml_mci_options(line));
+    if (m->tiling == TILE_NONE)
+        return cml_mci_fail_option(line, "option", NULL, "the word tile: a drawn relief is repeated");
+    CML_TRY(cml_mci_set_scaling(reader, index, &m->obj.scale, &m->obj.height));
+    return make_relief(line, &m->relief, &m->obj, boundary);
+}
+
+/* Options are read before the file, so that a mistake in the line is found before a long read. `name`: the
+ * line's first word. */
+static cml_status read_mesh(struct cml_mci_line *line, int index, const char *name, struct m_line *m,
+                            struct cml_boundary *boundary)
+{
+    struct cml_mci_reader *reader = line->reader;
+    struct cml_obj_options *obj = &m->obj;
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
+    line->parts =
+        CML_KEY_PARTS({CML_KEYS_MESH, obj}, {CML_KEYS_PLACE, obj}, {CML_KEYS_SHEET, obj}, {CML_KEYS_TILE, m});
+    CML_TRY(cml_mci_mesh_name(line, name, &kind));
+    CML_TRY(cml_mci_options(line));
+    CML_TRY(cml_mci_set_scaling(reader, index, &obj->scale, &obj->height));
+    if (m->tiling != TILE_NONE && kind == CML_MCI_FILE_OBJ)
+        return cml_mci_fail_option(line, "tile", "an .obj file", "a .gsf or .asc heightmap");
+    CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
+    CML_TRY(kind == CML_MCI_FILE_OBJ ? cml_obj_read(reader->options->source, boundary->file, obj,
+                                                    &boundary->mesh, &boundary->mesh_notes, reader->err)
+                                     : read_heightmap(line, kind, m->tiling, obj, boundary));
+    if (m->tiling == TILE_NONE) boundary->form = CML_FORM_MESH;
+    return CML_OK;
 }
 
 static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
+    char owner[32];
+    struct m_line m = {.obj = {.unit = 1, .scale = 1, .height = 1, .budget = reader->options->budget},
+                       .relief = {.points = 512, .seed = 1},
+                       .tiling = TILE_NONE};
+    struct cml_mci_line line = {.reader = reader, .owner = owner, .own = set_m_option, .context = &m};
+    snprintf(owner, sizeof owner, "boundary %d", index);
+    m.obj.budget.file = reader->text.path;
+    m.obj.budget.line = reader->text.line;
+    m.obj.budget.boundary = index;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
-    if (name && strcmp(name, "gaussian") == 0) return read_relief(reader, index, boundary);
-    return read_mesh(reader, index, name, boundary);
+    CML_TRY(name && strcmp(name, "gaussian") == 0 ? read_relief(&line, index, &m, boundary)
+                                                  : read_mesh(&line, index, name, &m, boundary));
+    boundary->scale = m.obj.scale;
+    boundary->height = m.obj.height;
+    return CML_OK;
 }
 
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,

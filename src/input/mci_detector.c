@@ -2,7 +2,6 @@
 #include "input/mci_detector.h"
 
 #include "base/array.h"
-#include "base/constants.h"
 #include "input/mci_options.h"
 
 #include <stdlib.h>
@@ -11,83 +10,53 @@
 #define MOST_DETECTORS 32767
 #define MOST_NAME 24
 
-/* The order of the keys in cml_mci_detector. */
-enum { KEY_AT, KEY_Z, KEY_SIDE, KEY_NA, KEY_ANGLE, KEY_AZIMUTH, KEY_DIFFUSE, KEY_NAME };
+/* ---- what a detector has keys of ---- */
+
+static const struct {
+    const char *name;
+    enum cml_detector_shape shape;
+    enum cml_key_group keys;
+} shapes[] = {{"disk", CML_DETECTOR_RING, CML_KEYS_DETECTOR_DISK},
+              {"ring", CML_DETECTOR_RING, CML_KEYS_DETECTOR_RING},
+              {"rectangle", CML_DETECTOR_RECTANGLE, CML_KEYS_DETECTOR_RECTANGLE},
+              {"map", CML_DETECTOR_MAP, CML_KEYS_DETECTOR_MAP}};
+enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
+
+void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
+{
+    int s = 0; /* a ring without a hole has a radius */
+    while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
+    *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
+    *part++ = (struct cml_key_part){shapes[s].keys, detector};
+    if (detector->aimed) *part++ = (struct cml_key_part){CML_KEYS_AIM, detector};
+    *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
+}
 
 /* ---- shapes ---- */
 
-static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9",
-                  inner[] = "a length of 0..1e30 cm", coordinate[] = "a coordinate of -1e30..1e30 cm";
-
-static const struct cml_mci_field x_field = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  y_field = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  z_field = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
-                                  aperture = {"na", CML_MCI_TINY, 100, false,
-                                              "a numerical aperture of 1e-30..100"},
-                                  angle_field = {"angle", 0, 90, false, "degrees, 0 <= angle <= 90"},
-                                  azimuth_field = {"azimuth", -360, 360, false, "degrees, -360..360"};
-
-/* Degrees in the file, rad from here on. */
-static const double degree = CML_PI / 180;
-
-static const struct shape {
-    const char *name;
-    enum cml_detector_shape shape;
-    int numbers;
-    struct cml_mci_field field[4]; /* their names are those of settings, too */
-} shapes[] = {
-    {"disk", CML_DETECTOR_RING, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"ring",
-     CML_DETECTOR_RING,
-     2,
-     {{"r1", 0, CML_MCI_HUGE, false, inner}, {"r2", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"rectangle",
-     CML_DETECTOR_RECTANGLE,
-     2,
-     {{"w", CML_MCI_TINY, CML_MCI_HUGE, false, length}, {"h", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-    {"map",
-     CML_DETECTOR_MAP,
-     4,
-     {{"nx", 1, 1e9, true, count},
-      {"ny", 1, 1e9, true, count},
-      {"dx", CML_MCI_TINY, CML_MCI_HUGE, false, length},
-      {"dy", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
-};
-enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
-
-static cml_status check_radii(const struct cml_mci_line_options *options, const double *radius)
+static cml_status check_radii(const struct cml_mci_line *line, const double *radius)
 {
     char value[80];
     if (radius[0] < radius[1]) return CML_OK;
     snprintf(value, sizeof value, "%g %g", radius[0], radius[1]);
-    return cml_mci_fail_option(options, "r1 r2", value, "r1 < r2");
+    return cml_mci_fail_option(line, "r1 r2", value, "r1 < r2");
 }
 
 /* Reads the shape of a detector, whose name is `word`, and its numbers. */
-static cml_status read_shape(const struct cml_mci_line_options *options, const char *word,
+static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                              struct cml_detector_def *detector)
 {
-    double number[4] = {0};
     int s = 0;
     while (s < NUM_SHAPES && !(word && strcmp(shapes[s].name, word) == 0)) s++;
     if (s == NUM_SHAPES)
-        return cml_mci_fail_option(options, "shape", word,
+        return cml_mci_fail_option(line, "shape", word,
                                    detector->table ? "disk R, ring R1 R2, rectangle W H or map NX NY DX DY"
                                                    : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or "
                                                      "table \"FILE\"");
-    for (int i = 0; i < shapes[s].numbers; i++) {
-        const struct cml_mci_field *field = &shapes[s].field[i];
-        word = cml_text_word(&options->reader->cursor);
-        if (!word || !cml_mci_parse(field, word, &number[i]))
-            return cml_mci_fail_option(options, field->name, word, field->expected);
-    }
-    const bool map = shapes[s].shape == CML_DETECTOR_MAP;
     detector->shape = shapes[s].shape;
-    detector->nx = map ? (int)number[0] : 1;
-    detector->ny = map ? (int)number[1] : 1;
-    for (int i = 0; i < 2; i++) detector->size[i] = number[map ? i + 2 : i];
-    if (shapes[s].numbers == 1) memcpy(detector->size, (double[]){0, number[0]}, sizeof detector->size);
-    return detector->shape == CML_DETECTOR_RING ? check_radii(options, detector->size) : CML_OK;
+    detector->nx = detector->ny = 1;
+    CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));
+    return detector->shape == CML_DETECTOR_RING ? check_radii(line, detector->size) : CML_OK;
 }
 
 /* ---- options ---- */
@@ -106,70 +75,28 @@ static bool ends_as_results_do(const char *name)
     return false;
 }
 
-static cml_status set_name(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+static cml_status set_name(struct cml_mci_line *line)
 {
+    struct cml_detector_def *detector = line->context;
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    const char *name = options->value;
+    const char *name = line->value;
     const size_t size = strlen(name);
     if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
-        return cml_mci_fail_value(options, "1 to 24 letters, digits and underscores");
+        return cml_mci_fail_value(line, "1 to 24 letters, digits and underscores");
     if (ends_as_results_do(name))
-        return cml_mci_fail_value(options,
-                                  "a name that does not end as results do, in _t, _later, _map, _path, "
-                                  "_interactions, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
-    return cml_text_copy(name, &detector->name, options->reader->err);
+        return cml_mci_fail_value(line, "a name that does not end as results do, in _t, _later, _map, _path, "
+                                        "_interactions, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
+    return cml_text_copy(name, &detector->name, line->reader->err);
 }
 
-static cml_status set_position(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
-{
-    double values[2];
-    if (options->key == KEY_Z) {
-        detector->at_z = true;
-        return cml_mci_parse_list(options->value, 1, &detector->z) ? CML_OK
-                                                                   : cml_mci_fail_value(options, coordinate);
-    }
-    if (!cml_mci_parse_list(options->value, 2, values))
-        return cml_mci_fail_value(options, "x,y in cm without blanks");
-    detector->x = values[0];
-    detector->y = values[1];
-    return CML_OK;
-}
-
-static cml_status set_angle(const struct cml_mci_line_options *options, const struct cml_mci_field *field,
-                            double *angle)
-{
-    double degrees;
-    if (!cml_mci_parse(field, options->value, &degrees)) return cml_mci_fail_value(options, field->expected);
-    *angle = degrees * degree;
-    return CML_OK;
-}
-
-static cml_status set_option(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+static cml_status set_own(struct cml_mci_line *line)
 {
     static const char *const sides[] = {"top", "bottom"};
-    int side;
-    switch (options->key) {
-    case KEY_SIDE:
-        side = cml_mci_choose(options->value, sides, 2);
-        detector->below = side == 1;
-        return side >= 0 ? CML_OK : cml_mci_fail_value(options, "top or bottom");
-    case KEY_NA:
-        detector->aimed = true;
-        return cml_mci_parse(&aperture, options->value, &detector->na)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, aperture.expected);
-    case KEY_ANGLE:
-        return set_angle(options, &angle_field, &detector->angle);
-    case KEY_AZIMUTH:
-        return set_angle(options, &azimuth_field, &detector->azimuth);
-    case KEY_DIFFUSE:
-        detector->diffuse = true;
-        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word diffuse alone");
-    case KEY_NAME:
-        return set_name(options, detector);
-    default:
-        return set_position(options, detector);
-    }
+    struct cml_detector_def *detector = line->context;
+    if (strcmp(line->key->name, "name") == 0) return set_name(line);
+    const int side = cml_mci_choose(line->value, sides, 2);
+    detector->below = side == 1;
+    return side >= 0 ? CML_OK : cml_mci_fail_value(line, "top or bottom");
 }
 
 /* ---- the line ---- */
@@ -187,12 +114,6 @@ static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *
 static cml_status read_one(struct cml_mci_reader *reader, char *word, const struct cml_mci_reader *in,
                            struct cml_scene *scene)
 {
-    struct cml_mci_line_options options = {
-        .reader = reader,
-        .owner = "detector",
-        .keys = {"at", "z", "side", "na", "angle", "azimuth", "diffuse", "name"},
-        .flag = "diffuse",
-        .list = "at=, z=, side=, na=, angle=, azimuth=, diffuse or name="};
     CML_TRY(add_detector(reader, scene));
     struct cml_detector_def *detector = &scene->detectors[scene->num_detectors - 1];
     if (in) {
@@ -200,60 +121,49 @@ static cml_status read_one(struct cml_mci_reader *reader, char *word, const stru
         detector->row = reader->text.line;
         CML_TRY(cml_text_copy(reader->text.path, &detector->table, reader->err));
     }
-    CML_TRY(read_shape(&options, word, detector));
-    for (bool more = true; more;) {
-        CML_TRY(cml_mci_next_option(&options, &more));
-        if (more) CML_TRY(set_option(&options, detector));
-    }
-    if (!detector->aimed && (options.seen[KEY_ANGLE] || options.seen[KEY_AZIMUTH]))
-        return cml_mci_fail_option(&options, options.seen[KEY_ANGLE] ? "angle" : "azimuth", "without na",
+    struct cml_mci_line line = {.reader = reader,
+                                .owner = "detector",
+                                .parts = CML_KEY_PARTS({CML_KEYS_DETECTOR, detector},
+                                                       {CML_KEYS_AIM, detector}, {CML_KEYS_SIGHT, detector}),
+                                .own = set_own,
+                                .context = detector};
+    CML_TRY(read_shape(&line, word, detector));
+    CML_TRY(cml_mci_options(&line));
+    detector->at_z = cml_mci_saw(&line, "z") != NULL;
+    detector->aimed = cml_mci_saw(&line, "na") != NULL;
+    if (!detector->aimed && (cml_mci_saw(&line, "angle") || cml_mci_saw(&line, "azimuth")))
+        return cml_mci_fail_option(&line, cml_mci_saw(&line, "angle") ? "angle" : "azimuth", "without na",
                                    "na= beside it: else all directions are seen");
     return CML_OK;
 }
 
-static cml_status read_rows(struct cml_mci_reader *rows, const struct cml_mci_reader *in,
-                            struct cml_scene *scene)
+/* What the rows of a table are read into. */
+struct table {
+    const struct cml_mci_reader *in;
+    struct cml_scene *scene;
+};
+
+static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
-    const int before = scene->num_detectors;
-    while ((rows->cursor = cml_text_next(&rows->text))) {
-        cml_mci_cut_comment(rows->cursor);
-        char *word = cml_text_word(&rows->cursor);
-        if (word) CML_TRY(read_one(rows, word, in, scene));
-    }
-    return scene->num_detectors > before
+    const struct table *table = context;
+    const int before = table->scene->num_detectors;
+    while (cml_mci_next_row(rows))
+        CML_TRY(read_one(rows, cml_text_word(&rows->cursor), table->in, table->scene));
+    return table->scene->num_detectors > before
                ? CML_OK
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
-static cml_status read_table(struct cml_mci_reader *reader, struct cml_scene *scene)
-{
-    struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
-    const char *name = cml_text_word(&reader->cursor), *more = cml_text_word(&reader->cursor);
-    char *path = NULL;
-    if (!name || name[0] == '"' || name[0] == '\0')
-        return cml_mci_fail(reader, "detector: file", name,
-                            "the name of a file with a detector in each line");
-    if (more)
-        return cml_mci_fail(reader, "detector: text after the file", more,
-                            "the end of the line or a # comment");
-    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
-    cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
-    if (status == CML_OK) status = read_rows(&rows, reader, scene);
-    status = cml_mci_name_line(reader, "detector", path, status);
-    cml_text_clear(&rows.text);
-    free(path);
-    return status;
-}
-
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    cml_mci_cut_comment(reader->cursor);
+    struct table table = {reader, scene};
     char *word = cml_text_word(&reader->cursor);
-    return word && strcmp(word, "table") == 0 ? read_table(reader, scene)
-                                              : read_one(reader, word, NULL, scene);
+    if (!word || strcmp(word, "table") != 0) return read_one(reader, word, NULL, scene);
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(cml_mci_end_line(reader, "detector: text after the file"));
+    return cml_mci_table(reader, "detector", name, "the name of a file with a detector in each line",
+                         read_rows, &table);
 }
-
-/* ---- settings ---- */
 
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
@@ -261,35 +171,6 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
     const struct cml_detector_def *d = &scene->detectors[k];
     return cml_fail_field(reader->err, d->table ? d->table : scene->file, d->table ? d->row : d->line, field,
                           value, expected);
-}
-
-/* A ring without a hole has a radius. */
-static const struct shape *shape_of(const struct cml_detector_def *detector)
-{
-    int s = 0;
-    while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
-    return &shapes[s];
-}
-
-struct cml_mci_number cml_mci_detector_number(struct cml_detector_def *detector, const char *member)
-{
-    if (strcmp(member, z_field.name) == 0) detector->at_z = true;
-    const struct shape *shape = shape_of(detector);
-    const struct cml_mci_field *last = &shape->field[shape->numbers - 1];
-    const struct {
-        bool there;
-        struct cml_mci_number number;
-    } numbers[] = {{true, {&detector->x, &x_field, 1}},
-                   {true, {&detector->y, &y_field, 1}},
-                   {true, {&detector->z, &z_field, 1}},
-                   {shape->numbers > 1, {&detector->size[0], last - (shape->numbers > 1), 1}},
-                   {true, {&detector->size[1], last, 1}},
-                   {detector->aimed, {&detector->na, &aperture, 1}},
-                   {detector->aimed, {&detector->angle, &angle_field, degree}},
-                   {detector->aimed, {&detector->azimuth, &azimuth_field, degree}}};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        if (numbers[i].there && strcmp(numbers[i].number.field->name, member) == 0) return numbers[i].number;
-    return (struct cml_mci_number){0};
 }
 
 /* ---- what belongs together ---- */

@@ -9,9 +9,9 @@
  * "detector table FILE", each line of which is what stands behind the keyword. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Where a detector has the number `member`, as of detector.radius: of what its line has, and one that sees
- * all directions has no axis. */
-struct cml_mci_number cml_mci_detector_number(struct cml_detector_def *detector, const char *member);
+/* What a detector has keys of that can be set, at most CML_MOST_KEY_PARTS: one that sees all directions has
+ * no axis. */
+void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part);
 
 /* After all numbers are there: fills in names and planes that lines do not give, and checks what lines have
  * to do with each other. CML_E_INPUT: two of a name, too many pixels. */

@@ -38,6 +38,13 @@ char *cml_mci_take_kept(struct cml_mci_reader *reader)
     return kept;
 }
 
+char *cml_mci_find_word(char *line, const char *key)
+{
+    char *found = strstr(line, key);
+    while (found && found > line && !strchr(blanks, found[-1])) found = strstr(found + 1, key);
+    return found;
+}
+
 const char *cml_mci_raw(const struct cml_mci_reader *reader)
 {
     return reader->kept + reader->kept_last;
@@ -71,28 +78,32 @@ static bool is_marked(const char *text)
     return gap ? first != '\0' : first >= 'a' && first <= 'z';
 }
 
-static const struct {
-    const char *word;
-    enum cml_mci_kind kind;
-} keyword[] = {{"b", CML_MCI_B},
-               {"m", CML_MCI_M},
-               {"i", CML_MCI_I},
-               {"phase", CML_MCI_PHASE},
-               {"beam", CML_MCI_BEAM},
-               {"map", CML_MCI_MAP},
-               {"facets", CML_MCI_FACETS},
-               {"backing", CML_MCI_BACKING},
-               {"rough", CML_MCI_ROUGH},
-               {"time", CML_MCI_TIME},
-               {"directions", CML_MCI_DIRECTIONS},
-               {"fluence", CML_MCI_FLUENCE},
-               {"detector", CML_MCI_DETECTOR},
-               {"photons", CML_MCI_PHOTONS}};
+#define BEFORE_LAYER "a boundary line stands before the layer, or the n below, whose top it is"
+#define OF_RUN(name) "a " name " line stands between a run's first line and its number of layers"
+
+const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS] = {
+    [CML_MCI_B] = {"b", BEFORE_LAYER, "0 \""},
+    [CML_MCI_M] = {"m", BEFORE_LAYER, "\""},
+    [CML_MCI_ROUGH] = {"rough", BEFORE_LAYER, "ggx beckmann"},
+    [CML_MCI_I] = {"i", "an i line stands behind the line of the layer that it lies in",
+                   "\" sphere cylinder"},
+    [CML_MCI_PHASE] = {"phase", "a phase line stands behind the line of the layer or body whose it is",
+                       "hg2 mhg gk rayleigh table"},
+    [CML_MCI_BACKING] = {"backing",
+                         "a backing line stands behind the last layer and its lines, before n below", "0"},
+    [CML_MCI_BEAM] = {"beam", OF_RUN("beam"), "pencil disk gaussian ring rectangle image"},
+    [CML_MCI_MAP] = {"map", OF_RUN("map"), "0"},
+    [CML_MCI_FACETS] = {"facets", OF_RUN("facets"), "$"},
+    [CML_MCI_TIME] = {"time", OF_RUN("time"), "0"},
+    [CML_MCI_DIRECTIONS] = {"directions", OF_RUN("directions"), "0"},
+    [CML_MCI_FLUENCE] = {"fluence", OF_RUN("fluence"), "$"},
+    [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map"},
+    [CML_MCI_PHOTONS] = {"photons", OF_RUN("photons"), "\""}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
     struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};
-    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) cml_guess_offer(&guess, keyword[i].word);
+    for (int i = 0; i < CML_MCI_KEYWORDS; i++) cml_guess_offer(&guess, cml_mci_keywords[i].word);
     return strchr("0123456789+-.", *guess.word) ? NULL : cml_guess_best(&guess);
 }
 
@@ -101,46 +112,39 @@ static enum cml_mci_kind take_keyword(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);
     const size_t length = strcspn(word, blanks);
-    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) {
-        if (strlen(keyword[i].word) != length || memcmp(word, keyword[i].word, length) != 0) continue;
+    for (int i = 0; i < CML_MCI_KEYWORDS; i++) {
+        const char *keyword = cml_mci_keywords[i].word;
+        if (strlen(keyword) != length || memcmp(word, keyword, length) != 0) continue;
         *cursor = word + length;
-        return keyword[i].kind;
+        return (enum cml_mci_kind)i;
     }
     return CML_MCI_DATA;
 }
 
-static bool begins_with(const char *text, const char *const *beginnings)
+/* Whether the text begins like one of the words (struct cml_mci_keyword). */
+static bool looks_like(const char *text, const char *looks)
 {
-    for (; *beginnings; beginnings++)
-        if (strncmp(text, *beginnings, strlen(*beginnings)) == 0) return true;
+    const size_t own = strcspn(text, blanks);
+    for (; *looks; looks += strcspn(looks, " "), looks += *looks == ' ') {
+        const size_t length = strcspn(looks, " ");
+        if (*looks == '0'   ? *text >= '0' && *text <= '9'
+            : *looks == '$' ? !*text
+                            : *looks == '"' && *text == '"')
+            return true;
+        if (own == length && memcmp(text, looks, own) == 0) return true;
+    }
     return false;
 }
 
-/* "#b 3 0.1 ..." is a comment, but was meant as one by few: what follows the keyword must look like our line.
- */
+/* "#b 3 0.1 ..." is a comment, but was meant as one by few: the text behind the keyword must look like a line
+ * of ours. */
 static void hint_at_mark(const struct cml_mci_reader *reader)
 {
-    static const char *const sources[] = {"pencil",     "disk ",  "gaussian ", "ring ",
-                                          "rectangle ", "image ", NULL};
-    static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
-    static const char *const seen[] = {"disk ", "ring ", "rectangle ", "map ", NULL};
-    static const char *const phases[] = {"hg2 ", "mhg ", "gk ", "rayleigh", "table ", NULL};
     char *behind = reader->cursor + 1;
     if (*behind == '\0' || strchr(blanks, *behind)) return;
     const enum cml_mci_kind kind = take_keyword(&behind);
     behind += strspn(behind, blanks);
-    const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
-    const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
-                      (kind == CML_MCI_PHOTONS && name) ||
-                      (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
-                      (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
-                      ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_BACKING ||
-                        kind == CML_MCI_DIRECTIONS) &&
-                       number) ||
-                      ((kind == CML_MCI_FACETS || kind == CML_MCI_FLUENCE) && *behind == '\0') ||
-                      (kind == CML_MCI_BEAM && begins_with(behind, sources)) ||
-                      (kind == CML_MCI_DETECTOR && begins_with(behind, seen));
-    if (ours)
+    if (kind < CML_MCI_KEYWORDS && looks_like(behind, cml_mci_keywords[kind].looks))
         cml_mci_note(reader, reader->text.line, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor,
                      reader->cursor + 1);
 }
@@ -204,34 +208,30 @@ void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *for
     options->on_note(options->context, text);
 }
 
-/* Whole numbers go through both: cml_parse_count refuses what is not whole, the range is compared as a
- * double. */
-bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value)
+cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
+                            const char *word)
 {
-    double number = 0;
-    uint64_t count = 0;
-    if (!cml_parse_double(word, &number)) return false;
-    if (field->whole && !cml_parse_count(word, &count)) return false;
-    if (number < field->lowest || number > field->highest) return false;
-    *value = number;
-    return true;
+    char name[80], expected[CML_KEY_TEXT];
+    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key));
+    return cml_mci_fail(reader, name, word, cml_key_expected(key, expected));
 }
 
-/* One field of the current line; the message names owner and field. */
-static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
-                              const struct cml_mci_field *field, double *value)
+cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
+                          void *base)
 {
+    double value;
     const char *word = cml_text_word(&reader->cursor);
-    if (word && cml_mci_parse(field, word, value)) return CML_OK;
-    char name[80];
-    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", field->name);
-    return cml_mci_fail(reader, name, word, field->expected);
+    if (!word || !cml_key_parse(key, word, &value)) return cml_mci_fail_key(reader, owner, key, word);
+    cml_key_store(key, base, value);
+    return CML_OK;
 }
 
 cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
-                                   const struct cml_mci_field *fields, int count, double *values)
+                                   const struct cml_key_part *parts)
 {
-    for (int i = 0; i < count; i++) CML_TRY(read_number(reader, owner, &fields[i], &values[i]));
+    for (; parts->group != CML_KEYS_NONE; parts++)
+        for (const struct cml_key *key = cml_keys_of(parts->group); key->group == parts->group; key++)
+            if (key->use & CML_KEY_PLACED) CML_TRY(cml_mci_number(reader, owner, key, parts->base));
     return CML_OK;
 }
 
@@ -257,22 +257,56 @@ static bool is_other_unit(const char *word)
 
 /* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
  * number was probably meant for something, and a unit that is not ours was meant for the numbers. */
-cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
-                           const struct cml_mci_field *fields, int count, double *values)
+cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, const struct cml_key_part *parts)
 {
     cml_mci_cut_comment(reader->cursor);
-    CML_TRY(cml_mci_leading_numbers(reader, owner, fields, count, values));
+    CML_TRY(cml_mci_leading_numbers(reader, owner, parts));
     double surplus = 0;
-    const char *word = cml_text_word(&reader->cursor);
+    const char *word = cml_text_word(&reader->cursor), *before = owner ? owner : "",
+               *colon = owner ? ": " : "";
     char name[80];
     if (word && is_other_unit(word)) {
-        snprintf(name, sizeof name, "%s%sunit", owner ? owner : "", owner ? ": " : "");
+        snprintf(name, sizeof name, "%s%sunit", before, colon);
         return cml_mci_fail(reader, name, word, "none: lengths are in cm, coefficients in 1/cm");
     }
     if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
-    snprintf(name, sizeof name, "%s%snumber after %s", owner ? owner : "", owner ? ": " : "",
-             fields[count - 1].name);
+    while (parts[1].group != CML_KEYS_NONE) parts++;
+    const struct cml_key *last = cml_keys_of(parts->group);
+    while (last[1].group == last->group) last++;
+    snprintf(name, sizeof name, "%s%snumber after %s", before, colon, cml_key_shown(last));
     return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+}
+
+cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
+{
+    const char *word = cml_text_word(&reader->cursor);
+    return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
+}
+
+bool cml_mci_next_row(struct cml_mci_reader *rows)
+{
+    while ((rows->cursor = cml_text_next(&rows->text))) {
+        cml_mci_cut_comment(rows->cursor);
+        if (rows->cursor[strspn(rows->cursor, blanks)] != '\0') return true;
+    }
+    return false;
+}
+
+cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const char *name,
+                         const char *expected, cml_status (*read)(struct cml_mci_reader *rows, void *context),
+                         void *context)
+{
+    struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
+    char *path = NULL, field[64];
+    snprintf(field, sizeof field, "%s: file", owner);
+    if (!name || *name == '"' || *name == '\0') return cml_mci_fail(reader, field, name, expected);
+    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
+    cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
+    if (status == CML_OK) status = read(&rows, context);
+    status = cml_mci_name_line(reader, owner, path, status);
+    cml_mci_close(&rows);
+    free(path);
+    return status;
 }
 
 const char *cml_mci_why_no_name(const char *name)

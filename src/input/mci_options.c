@@ -1,53 +1,123 @@
-/* Options of a line, one at a time, in any order. SPDX-License-Identifier: MIT */
+/* Options of a line, in any order. SPDX-License-Identifier: MIT */
 #include "input/mci_options.h"
 
 #include <string.h>
 
-cml_status cml_mci_fail_option(const struct cml_mci_line_options *options, const char *field,
-                               const char *value, const char *expected)
+cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
+                               const char *expected)
 {
     char name[80];
-    snprintf(name, sizeof name, "%s: %s", options->owner, field);
-    return cml_mci_fail(options->reader, name, value, expected);
+    snprintf(name, sizeof name, "%s: %s", line->owner, field);
+    return cml_mci_fail(line->reader, name, value, expected);
 }
 
-cml_status cml_mci_fail_value(const struct cml_mci_line_options *options, const char *expected)
+cml_status cml_mci_fail_value(const struct cml_mci_line *line, const char *expected)
 {
-    return cml_mci_fail_option(options, options->keys[options->key], options->value, expected);
+    return cml_mci_fail_option(line, line->key->name, line->value, expected);
+}
+
+const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
+{
+    for (int i = 0; i < line->num_seen; i++)
+        if (strcmp(line->seen[i].name, name) == 0) return line->seen[i].value;
+    return NULL;
+}
+
+/* "at=, z= or diffuse": all options that the line may have. */
+static cml_status fail_unknown(const struct cml_mci_line *line, const char *word)
+{
+    char list[200], *end = list, *last = list;
+    for (const struct cml_key_part *part = line->parts; part->group != CML_KEYS_NONE; part++)
+        for (const struct cml_key *key = cml_keys_of(part->group); key->group == part->group; key++) {
+            if (!(key->use & CML_KEY_OPTION)) continue;
+            const bool own = key->type == CML_KEY_OWN && key->noun;
+            last = end;
+            end += snprintf(end, (size_t)(list + sizeof list - end), "%s%s%s", end > list ? ", " : "",
+                            own ? key->noun : key->name, own || key->type == CML_KEY_FLAG ? "" : "=");
+        }
+    if (last == list || strstr(last, " or ")) return cml_mci_fail_option(line, "option", word, list);
+    char expected[220];
+    snprintf(expected, sizeof expected, "%.*s or %s", (int)(last - list), list, last + 2);
+    return cml_mci_fail_option(line, "option", word, expected);
+}
+
+/* The index of the word among those that the key knows; -1: of none. */
+static int which_word(const char *words, const char *value)
+{
+    const size_t length = strlen(value);
+    for (int i = 0; *words; i++) {
+        const size_t own = strcspn(words, " ");
+        if (own == length && memcmp(words, value, own) == 0) return i;
+        words += own + strspn(words + own, " ");
+    }
+    return -1;
+}
+
+/* Puts the value of the option read last into its member. */
+static cml_status take_value(struct cml_mci_line *line, void *base)
+{
+    const struct cml_key *key = line->key;
+    void *member = (char *)base + key->member;
+    char expected[CML_KEY_TEXT];
+    double number;
+    int word = 0;
+    bool sound = true;
+    if (key->type == CML_KEY_OWN) return line->own(line);
+    if (key->type == CML_KEY_FLAG)
+        *(bool *)member = sound = line->alone;
+    else if (key->type == CML_KEY_XY || key->type == CML_KEY_XYZ)
+        sound = cml_mci_parse_list(line->value, key->type == CML_KEY_XY ? 2 : 3, member);
+    else if (key->type == CML_KEY_WORD)
+        *(int *)member = word = which_word(key->noun, line->value);
+    else if ((sound = cml_key_parse(key, line->value, &number)))
+        cml_key_store(key, base, number);
+    return sound && word >= 0 ? CML_OK : cml_mci_fail_value(line, cml_key_expected(key, expected));
+}
+
+/* Whether the word is an option by that key: key=value, or where that may be the key alone. */
+static bool is_of_key(const struct cml_key *key, const char *word)
+{
+    const size_t length = strcspn(word, "=");
+    const bool may_stand_alone = key->type == CML_KEY_FLAG || (key->type == CML_KEY_OWN && key->noun);
+    return (key->use & CML_KEY_OPTION || key->type == CML_KEY_OWN) && (word[length] || may_stand_alone) &&
+           strlen(key->name) == length && memcmp(key->name, word, length) == 0;
 }
 
 /* An option that comes twice is refused: one of the two was not meant. */
-cml_status cml_mci_next_option(struct cml_mci_line_options *options, bool *more)
+static cml_status take_option(struct cml_mci_line *line, char *word)
 {
-    char *word = cml_text_word(&options->reader->cursor);
-    *more = word != NULL;
-    if (!word) return CML_OK;
     char *equals = strchr(word, '=');
-    const size_t end = equals ? (size_t)(equals - word) : strlen(word);
-    options->alone = !equals && options->flag && strcmp(word, options->flag) == 0;
-    for (int k = 0; (equals || options->alone) && k < CML_MCI_MAX_KEYS && options->keys[k]; k++) {
-        const size_t length = strlen(options->keys[k]);
-        if (length != end || memcmp(word, options->keys[k], length) != 0) continue;
-        options->key = k;
-        options->value = equals ? equals + 1 : word;
-        if (options->seen[k]) return cml_mci_fail_value(options, "this option only once");
-        options->seen[k] = true;
-        return CML_OK;
-    }
-    return cml_mci_fail_option(options, "option", word, options->list);
+    for (const struct cml_key_part *part = line->parts; part->group != CML_KEYS_NONE; part++)
+        for (const struct cml_key *key = cml_keys_of(part->group); key->group == part->group; key++) {
+            if (!is_of_key(key, word)) continue;
+            line->key = key;
+            line->value = equals ? equals + 1 : word;
+            line->alone = !equals;
+            if (cml_mci_saw(line, key->name)) return cml_mci_fail_value(line, "this option only once");
+            line->seen[line->num_seen].name = key->name;
+            line->seen[line->num_seen++].value = line->value;
+            return take_value(line, part->base);
+        }
+    return fail_unknown(line, word);
+}
+
+cml_status cml_mci_options(struct cml_mci_line *line)
+{
+    for (char *word; (word = cml_text_word(&line->reader->cursor));) CML_TRY(take_option(line, word));
+    return CML_OK;
 }
 
 /* Every number goes through the strict conversion by itself. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
-    static const struct cml_mci_field length = {"", -CML_MCI_HUGE, CML_MCI_HUGE, false, ""};
+    static const struct cml_key length = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE};
     for (int i = 0; i < count; i++) {
         char word[64];
         const size_t size = strcspn(text, ",");
         if (size >= sizeof word) return false;
         memcpy(word, text, size);
         word[size] = '\0';
-        if (!cml_mci_parse(&length, word, &values[i])) return false;
+        if (!cml_key_parse(&length, word, &values[i])) return false;
         text += size;
         if (*text != (i + 1 < count ? ',' : '\0')) return false;
         text++;

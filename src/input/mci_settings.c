@@ -10,31 +10,29 @@
 #include <string.h>
 #include <strings.h>
 
-const struct cml_mci_field cml_mci_photons_field = {"photons", 1, 281474976710656.0, true,
-                                                    "a whole number of 1..2^48"};
-static const struct cml_mci_field scale_field = {"scale", CML_MCI_TINY, CML_MCI_HUGE, false,
-                                                 "a number of 1e-30..1e30"},
-                                  height_field = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
-
 static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                      const struct cml_mci_number *number)
+                      const struct cml_key *key, void *base)
 {
     double value;
-    if (!cml_mci_parse(number->field, setting->value, &value))
-        return cml_setting_fail(setting, number->field->expected, reader->err);
-    *number->value = value * number->unit;
+    char expected[CML_KEY_TEXT];
+    if (!cml_key_parse(key, setting->value, &value))
+        return cml_setting_fail(setting, cml_key_expected(key, expected), reader->err);
+    cml_key_store(key, base, value);
     return CML_OK;
 }
 
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
-    const struct cml_mci_number numbers[] = {{scale, &scale_field, 1}, {height, &height_field, 1}};
+    struct cml_boundary factors = {.scale = *scale, .height = *height};
     char name[CML_SETTING_NAME];
-    for (int i = 0; reader->options->settings && i < 2; i++) {
-        snprintf(name, sizeof name, "boundary%d.%s", b, numbers[i].field->name);
+    const struct cml_key *key = cml_keys_of(CML_KEYS_SHAPE);
+    for (; reader->options->settings && key->group == CML_KEYS_SHAPE; key++) {
+        snprintf(name, sizeof name, "boundary%d.%s", b, key->name);
         const struct cml_setting *setting = cml_settings_find(reader->options->settings, name);
-        if (setting) CML_TRY(set(reader, setting, &numbers[i]));
+        if (setting) CML_TRY(set(reader, setting, key, &factors));
     }
+    *scale = factors.scale;
+    *height = factors.height;
     return CML_OK;
 }
 
@@ -65,152 +63,174 @@ static bool split(const char *text, struct name *name)
     return true;
 }
 
-/* Which of `count` it is, from 0; a single one has no number. -1: none of them. */
-static int which(const struct name *name, int count)
+/* ---- owners: what stands before the dot ---- */
+
+enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_OWNERS };
+static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
+                                                    "boundary", "backing", "beam",  "detector"};
+
+static int count_of(const struct cml_scene *scene, enum owner owner)
 {
-    if (count == 1) return name->number == -1 ? 0 : -1;
-    return name->number >= 1 && name->number <= count ? name->number - 1 : -1;
+    const int counts[NUM_OWNERS] = {1,
+                                    1,
+                                    scene->num_layers,
+                                    scene->num_bodies,
+                                    scene->num_layers + 1,
+                                    1,
+                                    scene->num_beams,
+                                    scene->num_detectors};
+    return counts[owner];
 }
 
-/* The medium of a name's owner; -1: it is none. */
-static int medium_of(const struct cml_scene *scene, const struct name *name)
+/* Whether there may be several, which have numbers; a single beam or detector has none. */
+static bool is_numbered(const struct cml_scene *scene, enum owner owner)
 {
-    const int n = name->number;
-    if (strcmp(name->owner, "above") == 0 && n == -1) return 0;
-    if (strcmp(name->owner, "below") == 0 && n == -1) return scene->num_layers + 1;
-    if (strcmp(name->owner, "layer") == 0 && n >= 1 && n <= scene->num_layers) return n;
-    if (strcmp(name->owner, "body") == 0 && n >= 1 && n <= scene->num_bodies)
-        return cml_body_medium(scene, n - 1);
-    for (int l = 1; *name->whole && scene->layer_names && l <= scene->num_layers; l++)
-        if (strcmp(scene->layer_names[l], name->whole) == 0) return l;
-    return -1;
+    return owner == LAYER || owner == BODY || owner == BOUNDARY ||
+           (owner >= BEAM && count_of(scene, owner) > 1);
 }
 
-/* The roughness of a name's owner; NULL: it has no surface. */
-static struct cml_rough_def *rough_of(const struct cml_scene *scene, const struct name *name)
+/* Whether "phase." stands before the keys of the group. */
+static bool of_phase(enum cml_key_group group)
 {
-    const int n = name->number;
-    if (strcmp(name->owner, "boundary") == 0 && n >= 0 && n <= scene->num_layers)
-        return &scene->boundaries[n].rough;
-    if (strcmp(name->owner, "body") == 0 && n >= 1 && n <= scene->num_bodies)
-        return &scene->media[cml_body_medium(scene, n - 1)].rough;
+    return group >= CML_KEYS_HG2 && group <= CML_KEYS_GK;
+}
+
+/* What the i-th of the owners, from 0, has keys of; those of its phase function, which media share, stand
+ * last. */
+static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cml_key_part *part)
+{
+    if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
+    if (owner == DETECTOR) cml_mci_detector_parts(&scene->detectors[i], part);
+    if (owner >= BEAM) return;
+    struct cml_medium_def *media = scene->media,
+                          *medium = &media[owner == BODY ? cml_body_medium(scene, i) : i + 1];
+    struct cml_boundary *boundary = &scene->boundaries[owner == BOUNDARY ? i : 0];
+    const enum cml_backing_kind backing = scene->backing.kind;
+    if (owner == ABOVE) *part++ = (struct cml_key_part){CML_KEYS_N_ABOVE, media};
+    if (owner == BELOW) *part++ = (struct cml_key_part){CML_KEYS_N_BELOW, media + scene->num_layers + 1};
+    if (owner == BACKING && backing != CML_BACKING_NONE)
+        *part++ = (struct cml_key_part){backing == CML_BACKING_METAL ? CML_KEYS_METAL : CML_KEYS_BACKING,
+                                        &scene->backing};
+    if (owner == BOUNDARY && boundary->line > 0) *part++ = (struct cml_key_part){CML_KEYS_SHAPE, boundary};
+    if (owner == BOUNDARY && boundary->rough.line > 0)
+        *part++ = (struct cml_key_part){CML_KEYS_ROUGH, &boundary->rough};
+    if (owner == LAYER || owner == BODY) *part++ = (struct cml_key_part){CML_KEYS_MEDIUM, medium};
+    if (owner == LAYER) *part++ = (struct cml_key_part){CML_KEYS_LAYER, medium};
+    if (owner == BODY && medium->rough.line > 0)
+        *part++ = (struct cml_key_part){CML_KEYS_ROUGH, &medium->rough};
+    if ((owner == LAYER || owner == BODY) && cml_mci_phase_keys(medium->phase) != CML_KEYS_NONE)
+        *part++ = (struct cml_key_part){cml_mci_phase_keys(medium->phase), NULL};
+    *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
+}
+
+/* The owner of a name, and which of them it is; false: the scene has none. */
+static bool find_owner(const struct cml_scene *scene, const struct name *name, enum owner *owner, int *i)
+{
+    for (*owner = ABOVE; *owner < NUM_OWNERS; ++*owner) {
+        if (strcmp(name->owner, owner_words[*owner]) != 0) continue;
+        const bool numbered = is_numbered(scene, *owner);
+        *i = numbered ? name->number - (*owner != BOUNDARY) : 0;
+        return numbered == (name->number >= 0) && *i >= 0 && *i < count_of(scene, *owner);
+    }
+    *owner = LAYER;
+    for (*i = 0; *name->whole && scene->layer_names && *i < scene->num_layers; ++*i)
+        if (strcmp(scene->layer_names[*i + 1], name->whole) == 0) return true;
+    return false;
+}
+
+static const struct cml_key *find_key(enum cml_key_group group, const char *name)
+{
+    const struct cml_key *key = cml_keys_of(group);
+    if (of_phase(group)) name += strncmp(name, "phase.", 6) == 0 ? 6 : strlen(name);
+    for (; key->group == group && group != CML_KEYS_NONE; key++)
+        if (key->use & CML_KEY_SET && strcmp(key->name, name) == 0) return key;
     return NULL;
 }
 
+/* Finds the number of a name, which is *key of *base; *key NULL: there is none. A medium has a phase function
+ * of its own from then on. */
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
-                              struct cml_mci_number *number)
+                              const struct cml_key **key, void **base)
 {
-    struct cml_rough_def *rough = rough_of(scene, name);
-    const int medium = medium_of(scene, name), beam = which(name, scene->num_beams),
-              detector = which(name, scene->num_detectors);
-    if (rough) *number = cml_mci_rough_number(rough, name->member);
-    if (number->value) return CML_OK;
-    if (medium >= 0) return cml_mci_medium_number(reader, scene, medium, name->member, number);
-    if (strcmp(name->owner, "backing") == 0 && name->number == -1)
-        *number = cml_mci_backing_number(&scene->backing, name->member);
-    if (strcmp(name->owner, "beam") == 0 && beam >= 0)
-        *number = cml_mci_beam_number(scene, beam, name->member);
-    if (strcmp(name->owner, "detector") == 0 && detector >= 0)
-        *number = cml_mci_detector_number(&scene->detectors[detector], name->member);
+    struct cml_key_part parts[CML_MOST_KEY_PARTS], *part = parts;
+    struct cml_phase *own = NULL;
+    enum owner owner;
+    int i;
+    *key = NULL;
+    if (!find_owner(scene, name, &owner, &i)) return CML_OK;
+    for (parts_of(scene, owner, i, parts); !*key && part->group != CML_KEYS_NONE; part++) {
+        *key = find_key(part->group, name->member);
+        *base = part->base;
+    }
+    if (*key && of_phase((*key)->group)) {
+        CML_TRY(cml_mci_own_phase(reader, scene, owner == LAYER ? i + 1 : cml_body_medium(scene, i), &own));
+        *base = own;
+    }
+    if (*key && owner == DETECTOR && strcmp((*key)->name, "z") == 0) scene->detectors[i].at_z = true;
     return CML_OK;
-}
-
-/* Whether a setting is of a boundary that has a line of its own, whose reader has taken it
- * (cml_mci_set_scaling). */
-static bool is_of_shape(const struct cml_scene *scene, const struct name *name)
-{
-    const bool has_shape = strcmp(name->owner, "boundary") == 0 && name->number >= 0 &&
-                           name->number <= scene->num_layers && scene->boundaries[name->number].line > 0;
-    return has_shape && (strcmp(name->member, "scale") == 0 || strcmp(name->member, "height") == 0);
 }
 
 /* ---- what to say of a name that there is not ---- */
 
-/* "layer1", or "layer1..3". */
-static void write_owners(FILE *out, const char *owner, int first, int last)
+/* " .n .mua" of all that can be set; returns how many there are. */
+static int write_members(FILE *out, const char *before, enum cml_key_group group)
 {
-    fprintf(out, ", %s%d", owner, first);
-    if (last > first) fprintf(out, "..%d", last);
+    const struct cml_key *key = cml_keys_of(group);
+    int count = 0;
+    for (; key->group == group && group != CML_KEYS_NONE; key++) {
+        if (!(key->use & CML_KEY_SET)) continue;
+        if (out) fprintf(out, "%s%s.%s", before, of_phase(group) ? ".phase" : "", key->name);
+        count++;
+    }
+    return count;
 }
 
-static void write_media(FILE *out, const char *kind, int count, const char *fields)
+static bool same_parts(const struct cml_key_part *one, const struct cml_key_part *other)
 {
-    if (count == 0) return;
-    write_owners(out, kind, 1, count);
-    fprintf(out, " with %s", fields);
+    for (; one->group == other->group; one++, other++)
+        if (one->group == CML_KEYS_NONE) return true;
+    return false;
 }
 
-/* ", as gel and vessel": the layers that have a name. */
-static void write_layer_names(FILE *out, const struct cml_scene *scene)
+/* ", above.n", or ", layer1..3 with .n .mua": the owners of a kind, neighbours that have the same keys
+ * together. */
+static void write_owners(FILE *out, struct cml_scene *scene, enum owner owner)
 {
-    const char *before = ", also named";
-    for (int l = 1; l <= scene->num_layers; l++) {
-        if (!*cml_layer_name(scene, l)) continue;
-        fprintf(out, "%s %s", before, cml_layer_name(scene, l));
-        before = "";
+    struct cml_key_part parts[CML_MOST_KEY_PARTS], next[CML_MOST_KEY_PARTS];
+    const int count = count_of(scene, owner), from = owner != BOUNDARY;
+    for (int first = 0, last; first < count; first = last + 1) {
+        int members = 0;
+        parts_of(scene, owner, first, parts);
+        for (last = first; last + 1 < count; last++) {
+            parts_of(scene, owner, last + 1, next);
+            if (!same_parts(parts, next)) break;
+        }
+        for (int p = 0; parts[p].group != CML_KEYS_NONE; p++)
+            members += write_members(NULL, "", parts[p].group);
+        if (members == 0) continue;
+        fprintf(out, ", %s", owner_words[owner]);
+        if (is_numbered(scene, owner)) fprintf(out, "%d", first + from);
+        if (last > first) fprintf(out, "..%d", last + from);
+        if (members > 1) fputs(" with", out);
+        for (int p = 0; parts[p].group != CML_KEYS_NONE; p++)
+            write_members(out, members > 1 ? " " : "", parts[p].group);
     }
 }
 
-static void write_phase(FILE *out, const char *kind, int number, const struct cml_phase *phase)
+/* "photons, above with .n ... , also named gel vessel". */
+static void write_names(FILE *out, struct cml_scene *scene)
 {
-    if (!phase || !*cml_phase_numbers(phase->kind)) return;
-    fprintf(out, ", %s%d.phase with", kind, number);
-    for (const char *const *name = cml_phase_numbers(phase->kind); *name; name++) fprintf(out, " .%s", *name);
-}
-
-/* Writes which settings of shapes there are; planes have none. */
-static void write_shapes(FILE *out, const struct cml_scene *scene)
-{
-    for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].line > 0) fprintf(out, ", boundary%d.scale and .height", b);
-    for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].rough.line > 0) fprintf(out, ", boundary%d.alpha", b);
-    for (int k = 0; k < scene->num_bodies; k++)
-        if (scene->media[cml_body_medium(scene, k)].rough.line > 0) fprintf(out, ", body%d.alpha", k + 1);
-}
-
-/* A pencil has no numbers, other shapes have those that their names say. */
-static void write_beams(FILE *out, const struct cml_scene *scene)
-{
-    static const char *const of_shape[] = {"", " .radius", " .radius", " .r1 .r2", " .w .h", ""};
-    for (int k = 0; k < scene->num_beams && k < 9; k++) {
-        const struct cml_beam *beam = &scene->beams[k];
-        fputs(", beam", out);
-        if (scene->num_beams > 1) fprintf(out, "%d", k + 1);
-        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "",
-                beam->of_tile ? "" : of_shape[beam->shape], beam->light.kind == CML_LIGHT_OF_NA ? " .na" : "",
-                scene->num_beams > 1 ? " .share" : "");
+    fputs("photons", out);
+    for (enum owner owner = ABOVE; owner < NUM_OWNERS; owner++) {
+        write_owners(out, scene, owner);
+        for (int l = 1, named = 0; owner == LAYER && l <= scene->num_layers; l++)
+            if (*cml_layer_name(scene, l))
+                fprintf(out, "%s %s", named++ ? "" : ", also named", cml_layer_name(scene, l));
     }
-}
-
-static void write_detectors(FILE *out, const struct cml_scene *scene)
-{
-    const int n = scene->num_detectors;
-    if (n == 1) fputs(", detector", out);
-    if (n > 1) write_owners(out, "detector", 1, n);
-    if (n > 0) fputs(" with .x .y .z, what its shape has, and with na= .na .angle .azimuth", out);
-}
-
-static void write_names(FILE *out, const struct cml_scene *scene)
-{
-    fputs("photons, above.n, below.n", out);
-    write_media(out, "layer", scene->num_layers, ".n .mua .mus .g .d");
-    write_layer_names(out, scene);
-    write_media(out, "body", scene->num_bodies, ".n .mua .mus .g");
-    for (int l = 1; l <= scene->num_layers; l++) write_phase(out, "layer", l, scene->media[l].phase);
-    for (int k = 0; k < scene->num_bodies; k++)
-        write_phase(out, "body", k + 1, scene->media[cml_body_medium(scene, k)].phase);
-    if (scene->backing.kind == CML_BACKING_METAL)
-        fputs(", backing.n, backing.k", out);
-    else if (scene->backing.kind != CML_BACKING_NONE)
-        fputs(", backing.r", out);
-    write_shapes(out, scene);
-    write_beams(out, scene);
-    write_detectors(out, scene);
 }
 
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                               const struct cml_scene *scene)
+                               struct cml_scene *scene)
 {
     char names[600] = "", expected[750];
     FILE *out = fmemopen(names, sizeof names, "w");
@@ -223,19 +243,10 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
     return cml_setting_fail(setting, expected, reader->err);
 }
 
-static cml_status set_photons(const struct cml_mci_reader *reader, const struct cml_setting *setting,
-                              struct cml_scene *scene)
-{
-    double photons = 0;
-    CML_TRY(set(reader, setting, &(struct cml_mci_number){&photons, &cml_mci_photons_field, 1}));
-    scene->photons = (uint64_t)photons;
-    return CML_OK;
-}
-
 /* Layers may have two names for a number: layer1.mua and gel.mua. place: what the settings before have set.
  */
 static cml_status check_once(const struct cml_mci_reader *reader, const struct cml_settings *settings, int i,
-                             double *const *place)
+                             const void *const *place)
 {
     char expected[256];
     int k = 0;
@@ -246,25 +257,30 @@ static cml_status check_once(const struct cml_mci_reader *reader, const struct c
     return cml_setting_fail(&settings->item[i], expected, reader->err);
 }
 
+/* The key of a text, and the struct of its member; *key NULL: the scene has none of that name. */
+static cml_status find(struct cml_mci_reader *reader, struct cml_scene *scene, const char *text,
+                       const struct cml_key **key, void **base)
+{
+    struct name name;
+    *base = scene;
+    *key = find_key(CML_KEYS_PHOTONS, text);
+    return *key || !split(text, &name) ? CML_OK : find_number(reader, scene, &name, key, base);
+}
+
 cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const struct cml_settings *settings = reader->options->settings;
-    double *place[CML_MOST_SETTINGS] = {NULL};
+    const void *place[CML_MOST_SETTINGS] = {NULL};
     for (int i = 0; settings && i < settings->count; i++) {
         const struct cml_setting *setting = &settings->item[i];
-        struct cml_mci_number number = {0};
-        struct name name;
-        if (strcmp(setting->name, cml_mci_photons_field.name) == 0) {
-            CML_TRY(set_photons(reader, setting, scene));
-            continue;
-        }
-        const bool sound = split(setting->name, &name);
-        if (sound && is_of_shape(scene, &name)) continue;
-        if (sound) CML_TRY(find_number(reader, scene, &name, &number));
-        if (!number.value) return fail_unknown(reader, setting, scene);
-        place[i] = number.value;
+        const struct cml_key *key;
+        void *base;
+        CML_TRY(find(reader, scene, setting->name, &key, &base));
+        if (!key) return fail_unknown(reader, setting, scene);
+        place[i] = (const char *)base + key->member;
         CML_TRY(check_once(reader, settings, i, place));
-        CML_TRY(set(reader, setting, &number));
+        /* the reader of a shape has taken its settings (cml_mci_set_scaling) */
+        if (key->group != CML_KEYS_SHAPE) CML_TRY(set(reader, setting, key, base));
     }
     return CML_OK;
 }
@@ -272,8 +288,9 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
 int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
 {
     struct name name;
-    const int medium = split(text, &name) ? medium_of(scene, &name) : -1;
-    return medium >= 1 && medium <= scene->num_layers ? medium : 0;
+    enum owner owner;
+    int i;
+    return split(text, &name) && find_owner(scene, &name, &owner, &i) && owner == LAYER ? i + 1 : 0;
 }
 
 /* A copy is asked, as a medium that is asked for a number of its phase function gets a function of its own.
@@ -282,34 +299,95 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
                               struct cml_error *err)
 {
     struct cml_mci_reader reader = {.err = err};
-    struct cml_mci_number number = {0};
+    const struct cml_key *key = NULL;
     struct cml_scene copy;
-    struct name name;
-    *known = strcmp(text, cml_mci_photons_field.name) == 0;
-    if (*known || !split(text, &name)) return CML_OK;
-    *known = is_of_shape(scene, &name);
-    if (*known) return CML_OK;
+    void *base;
+    *known = false;
     CML_TRY(cml_scene_copy(scene, &copy, err));
-    const cml_status status = find_number(&reader, &copy, &name, &number);
-    *known = number.value != NULL;
+    const cml_status status = find(&reader, &copy, text, &key, &base);
+    *known = status == CML_OK && key;
     cml_scene_clear(&copy);
     return status;
 }
 
 bool cml_mci_resembles_setting(const char *text)
 {
-    static const char *const begins[] = {"above",    "below",   "layer", "body",
-                                         "boundary", "backing", "beam",  "detector"},
-                             *const short_ones[] = {"n", "g", "d",  "x",  "y",  "z",  "r", "k",
-                                                    "w", "h", "na", "r1", "r2", "dx", "dy"},
-                             *const long_ones[] = {"photons", "seed",   "mua",   "mus",     "radius",
-                                                   "scale",   "height", "angle", "azimuth", "share"};
     struct cml_guess guess = {.word = text, .length = strlen(text)};
     if (strchr(text, '.')) return true;
-    for (size_t i = 0; i < sizeof begins / sizeof *begins; i++)
-        if (strncasecmp(text, begins[i], strlen(begins[i])) == 0) return true;
-    for (size_t i = 0; i < sizeof short_ones / sizeof *short_ones; i++)
-        if (strcasecmp(text, short_ones[i]) == 0) return true;
-    for (size_t i = 0; i < sizeof long_ones / sizeof *long_ones; i++) cml_guess_offer(&guess, long_ones[i]);
+    for (int i = 0; i < NUM_OWNERS; i++)
+        if (strncasecmp(text, owner_words[i], strlen(owner_words[i])) == 0) return true;
+    for (const struct cml_key *key = cml_key_table; key->group != CML_KEYS_NONE; key++) {
+        if (!(key->use & CML_KEY_SET) || strchr(cml_key_owners[key->group].set, '.')) continue;
+        if (strcasecmp(text, key->name) == 0) return true;
+        if (strlen(key->name) > 2) cml_guess_offer(&guess, key->name);
+    }
+    cml_guess_offer(&guess, "seed");
     return cml_guess_best(&guess) != NULL;
+}
+
+/* ---- the name of a layer ---- */
+
+/* Roughness belongs to a boundary and has a line of its own. Original MCML passes over any word behind the
+ * five numbers, so only words that can mean nothing else are refused. */
+static cml_status refuse_rough(struct cml_mci_reader *reader, const char *owner)
+{
+    static const char *const keys[] = {"rough=", "rough ggx", "rough beckmann"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const char *word = cml_mci_find_word(reader->cursor, keys[i]);
+        if (word)
+            return cml_mci_fail(reader, owner, word,
+                                "a line `rough KIND ALPHA` before the layer whose top it is");
+    }
+    return CML_OK;
+}
+
+/* Words that `--set` and columns of a sweep have for something else: photons, above, layer2 ... */
+static bool is_taken(const char *name)
+{
+    for (enum owner owner = ABOVE; owner < NUM_OWNERS; owner++) {
+        const size_t length = strlen(owner_words[owner]);
+        const char *rest = name + length;
+        if (strncmp(name, owner_words[owner], length) != 0) continue;
+        if (owner == ABOVE || owner == BELOW || owner == BACKING ? !*rest : !rest[strspn(rest, "0123456789")])
+            return true;
+    }
+    return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
+}
+
+/* What the name was expected to be; NULL: it is one. */
+static const char *why_no_layer_name(const struct cml_scene *scene, int layer, const char *name)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    const size_t length = strlen(name);
+    if (length == 0 || length >= CML_LAYER_NAME || name[strspn(name, letters)] != '\0' ||
+        strchr("0123456789", *name))
+        return "1 to 24 letters, digits and underscores, the first of them no digit";
+    if (is_taken(name)) return "a name that no other part of a scene has";
+    for (int l = 1; l < layer; l++)
+        if (strcmp(cml_layer_name(scene, l), name) == 0) return "a name that no layer before has";
+    return NULL;
+}
+
+cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
+                              struct cml_scene *scene)
+{
+    char field[64];
+    cml_mci_cut_comment(reader->cursor);
+    CML_TRY(refuse_rough(reader, owner));
+    char *word = cml_mci_find_word(reader->cursor, "name=");
+    if (!word) return CML_OK;
+    *word = '\0'; /* the numbers end here */
+    const char *name = word += strlen("name=");
+    word += strcspn(word, " \t\v\f\r");
+    const bool again = *word && cml_mci_find_word(word + 1, "name=");
+    *word = '\0';
+    const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
+    snprintf(field, sizeof field, "%s: name", owner);
+    if (expected) return cml_mci_fail(reader, field, name, expected);
+    const size_t layers = (size_t)scene->num_layers + 1;
+    if (!scene->layer_names) scene->layer_names = calloc(layers, sizeof *scene->layer_names);
+    if (!scene->layer_names)
+        return cml_fail_memory(reader->err, (double)(layers * sizeof *scene->layer_names), "the layers");
+    strcpy(scene->layer_names[layer], name);
+    return CML_OK;
 }

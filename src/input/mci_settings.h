@@ -21,8 +21,6 @@
 CML_NODISCARD cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale,
                                              double *height);
 
-extern const struct cml_mci_field cml_mci_photons_field;
-
 /* Puts all settings in the place of what the file says. CML_E_INPUT when a value is not in the field's range,
  * or the scene has no such number; the message has the names that it knows. */
 CML_NODISCARD cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene);
@@ -34,6 +32,11 @@ CML_NODISCARD cml_status cml_mci_is_setting(const struct cml_scene *scene, const
 
 /* The layer that a setting is of, by number or name; 0: of none. */
 int cml_mci_layer_of(const struct cml_scene *scene, const char *name);
+
+/* Takes name=NAME, which may stand behind the numbers of layer `layer`, off the current line. The name is the
+ * scene's from then on. CML_E_INPUT: a word that is no name, or one that something else has. */
+CML_NODISCARD cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
+                                            struct cml_scene *scene);
 
 /* Whether a word that is no setting of a scene was perhaps meant for one: it has a dot, begins like the owner
  * of numbers (layer1_mua), or is nearly the name of a number (mua). */

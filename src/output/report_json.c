@@ -4,6 +4,7 @@
 
 #include "base/json_name.h"
 #include "base/settings.h"
+#include "input/keys/key.h"
 #include "scene/body/body_shape.h"
 #include "base/version.h"
 #include "tally/deal.h"
@@ -92,12 +93,26 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     return medium;
 }
 
-/* Degrees as the file has them, of up to 14 digits: more is rounding, on the way to radians and back. */
-static double in_degrees(double angle)
+/* The numbers and flags of a scene's line, as in the file; base NULL: null for each. */
+static void set_keys(json_t *object, enum cml_key_group group, const void *base)
 {
-    char digits[32];
-    snprintf(digits, sizeof digits, "%.14g", angle * (180 / acos(-1.0)));
-    return strtod(digits, NULL);
+    for (const struct cml_key *key = cml_keys_of(group); key->group == group; key++) {
+        const bool flag = key->type == CML_KEY_FLAG,
+                   whole = key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
+        if (!(key->use & CML_KEY_JSON)) continue;
+        json_object_set_new(object, key->name,
+                            !base   ? json_null()
+                            : flag  ? json_boolean(*(const bool *)((const char *)base + key->member))
+                            : whole ? json_integer((json_int_t)cml_key_load(key, base))
+                                    : json_real(cml_key_load(key, base)));
+    }
+}
+
+static json_t *keys_json(enum cml_key_group group, const void *base)
+{
+    json_t *object = json_object();
+    set_keys(object, group, base);
+    return object;
 }
 
 /* Sizes as behind the word. `z` is null where packets start above all surfaces. */
@@ -105,21 +120,25 @@ static json_t *beam_json(const struct subject *subject, int k)
 {
     static const int sizes[] = {0, 1, 1, 2, 2, 2};
     const struct cml_beam *beam = &subject->scene->beams[k];
+    const struct cml_light *light = &beam->light;
     char name[CML_MEDIUM_NAME];
     json_t *size = json_array();
     for (int i = 0; i < sizes[beam->shape]; i++) json_array_append_new(size, json_real(beam->size[i]));
-    json_t *object =
-        json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
-                  cml_beam_word(beam->shape), "size", size, "x", beam->x, "y", beam->y, "z",
-                  beam->inside ? json_real(beam->z) : json_null(), "angle", in_degrees(beam->angle),
-                  "azimuth", in_degrees(beam->azimuth), "light", cml_light_word(beam->light.kind), "na",
-                  beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
-                  beam->radial, "share", subject->scene->shares[k], "photons", (json_int_t)subject->dealt[k]);
+    json_t *object = json_pack("{s:s, s:o}", "shape", cml_beam_word(beam->shape), "size", size);
+    set_keys(object, CML_KEYS_BEAM, beam);
+    set_keys(object, CML_KEYS_START, beam->inside ? beam : NULL);
+    set_keys(object, CML_KEYS_INSIDE, beam);
+    set_keys(object, CML_KEYS_AXIS, beam);
+    json_object_set_new(object, "light", json_string(cml_light_word(light->kind)));
+    set_keys(object, CML_KEYS_LIGHT, light->kind == CML_LIGHT_OF_NA ? light : NULL);
+    json_object_set_new(object, "radial", json_boolean(beam->radial));
+    set_keys(object, CML_KEYS_SHARE, &subject->scene->shares[k]);
+    json_object_set_new(object, "photons", json_integer((json_int_t)subject->dealt[k]));
     if (!subject->starts) return object;
     cml_medium_name(subject->scene, subject->starts[k], name);
     json_object_set_new(object, "medium", beam->inside ? json_string(name) : json_null());
     set_real(object, "spread",
-             in_degrees(cml_light_spread(&beam->light, subject->scene->media[subject->starts[k]].n)));
+             cml_key_degrees(cml_light_spread(light, subject->scene->media[subject->starts[k]].n)));
     return object;
 }
 
@@ -138,9 +157,12 @@ static json_t *backing_json(const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return json_null();
     const char *kind = cml_backing_word(backing->kind);
-    return backing->kind == CML_BACKING_METAL
-               ? json_pack("{s:s, s:f, s:f}", "kind", kind, "n", backing->n, "k", backing->k)
-               : json_pack("{s:s, s:f}", "kind", kind, "R", backing->R);
+    json_t *object = json_pack("{s:s}", "kind", kind);
+    if (backing->kind == CML_BACKING_METAL)
+        set_keys(object, CML_KEYS_METAL, backing);
+    else
+        set_real(object, "R", backing->R);
+    return object;
 }
 
 /* "layer" or "body", and its number from 1. */
@@ -164,18 +186,16 @@ static json_t *body_json(const struct subject *subject, int k)
     const struct cml_scene *scene = subject->scene;
     const struct cml_body_surface *surface = &subject->surfaces->bodies.item[k];
     const int m = cml_body_medium(scene, k);
-    const struct cml_medium_def *medium = &scene->media[m];
-    json_t *body = json_pack("{s:s, s:s, s:I, s:o, s:f, s:f, s:f, s:f}", "form",
-                             cml_body_form_name(scene->bodies[k].form), "kind",
-                             cml_surface_kind_name(surface->kind), "primitives",
-                             (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host),
-                             "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
+    json_t *body = json_pack("{s:s, s:s, s:I, s:o}", "form", cml_body_form_name(scene->bodies[k].form),
+                             "kind", cml_surface_kind_name(surface->kind), "primitives",
+                             (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host));
+    set_keys(body, CML_KEYS_MEDIUM, &scene->media[m]);
     const struct cml_result *result = subject->sums;
     if (subject->mean) set_box(body, &scene->bodies[k]);
-    if (subject->mean) set_rough(body, &medium->rough);
+    if (subject->mean) set_rough(body, &scene->media[m].rough);
     if (result) set_real(body, "A", cml_result_absorbed(result, m));
     if (result) set_real(body, "A_se", cml_result_absorbed_error(result, m));
-    return with_phase(body, medium->phase);
+    return with_phase(body, scene->media[m].phase);
 }
 
 /* The main result comes first, as it was written first. */
@@ -382,20 +402,12 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
 static json_t *layer_json(const struct subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
-    json_t *object =
-        json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus", medium->mus,
-                  "g", medium->g, "d", medium->d, "mean_d", subject->mean->thickness[l]);
+    json_t *object = keys_json(CML_KEYS_MEDIUM, medium);
+    set_keys(object, CML_KEYS_LAYER, medium);
+    set_real(object, "mean_d", subject->mean->thickness[l]);
     const char *name = cml_layer_name(subject->scene, l + 1);
     if (*name) json_object_set_new(object, "name", json_string(name));
     return with_phase(object, medium->phase);
-}
-
-/* null where the scene asks for no map. */
-static json_t *map_json(const struct cml_map_def *map)
-{
-    if (map->nx == 0) return json_null();
-    return json_pack("{s:i, s:i, s:f, s:f, s:b, s:b}", "nx", map->nx, "ny", map->ny, "dx", map->dx, "dy",
-                     map->dy, "angles", map->angles, "volume", map->volume);
 }
 
 /* Sizes as behind the word: radii, lengths, or those of a pixel. */
@@ -403,10 +415,12 @@ static json_t *detector_json(const struct subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];
     json_t *object =
-        json_pack("{s:s, s:s, s:[f,f], s:i, s:i, s:f, s:f, s:f, s:s, s:f, s:f, s:b}", "name", d->name,
-                  "shape", cml_detector_word(d), "size", d->size[0], d->size[1], "nx", d->nx, "ny", d->ny,
-                  "x", d->x, "y", d->y, "z", d->z, "side", d->below ? "bottom" : "top", "angle",
-                  in_degrees(d->angle), "azimuth", in_degrees(d->azimuth), "diffuse", d->diffuse);
+        json_pack("{s:s, s:s, s:[f,f], s:i, s:i}", "name", d->name, "shape", cml_detector_word(d), "size",
+                  d->size[0], d->size[1], "nx", d->nx, "ny", d->ny);
+    set_keys(object, CML_KEYS_DETECTOR, d);
+    json_object_set_new(object, "side", json_string(d->below ? "bottom" : "top"));
+    set_keys(object, CML_KEYS_AIM, d);
+    set_keys(object, CML_KEYS_SIGHT, d);
     json_object_set_new(object, "na", d->aimed ? json_real(d->na) : json_null());
     return object;
 }
@@ -446,27 +460,25 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     json_t *object = json_pack("{s:o, s:i, s:o, s:s}", "scene", cml_json_name(scene->file), "line",
                                scene->line, "output", cml_json_name(scene->output), "format", format);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
-    set_integer(object, "photons", scene->photons);
+    set_keys(object, CML_KEYS_PHOTONS, scene);
     set_real(object, "n_above", scene->media[0].n);
     json_object_set_new(object, "layers", json_null());
     set_real(object, "n_below", scene->media[scene->num_layers + 1].n);
     json_object_set_new(object, "backing", backing_json(&scene->backing));
     json_object_set_new(object, "beams", json_null());
-    json_object_set_new(object, "grid",
-                        json_pack("{s:f, s:f, s:i, s:i, s:i}", "dz", scene->dz, "dr", scene->dr, "nz",
-                                  scene->nz, "nr", scene->nr, "na", scene->na));
-    json_object_set_new(object, "map", map_json(&scene->map));
+    json_t *grid = keys_json(CML_KEYS_STEPS, scene);
+    set_keys(grid, CML_KEYS_BINS, scene);
+    json_object_set_new(object, "grid", grid);
+    json_object_set_new(object, "map",
+                        scene->map.nx > 0 ? keys_json(CML_KEYS_MAP, &scene->map) : json_null());
     json_object_set_new(object, "facets", json_boolean(scene->facets));
     if (scene->fluence.line)
         json_object_set_new(object, "fluence", scene->fluence.times ? json_string("time") : json_true());
     if (scene->saved.limit) json_object_set_new(object, "saved", saved_json(scene));
     if (scene->directions.nt > 0)
-        json_object_set_new(object, "directions",
-                            json_pack("{s:i, s:i}", "nt", scene->directions.nt, "np", scene->directions.np));
+        json_object_set_new(object, "directions", keys_json(CML_KEYS_DIRECTIONS, &scene->directions));
     if (scene->num_detectors > 0) json_object_set_new(object, "detectors", json_null());
-    if (scene->time.gates > 0)
-        json_object_set_new(object, "time",
-                            json_pack("{s:f, s:i}", "end", scene->time.end, "gates", scene->time.gates));
+    if (scene->time.gates > 0) json_object_set_new(object, "time", keys_json(CML_KEYS_TIME, &scene->time));
     json_object_set_new(object, "boundaries", json_null());
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     if (sweep->rows > 0)

@@ -52,7 +52,7 @@ for file in "$work/a/p-0002.mco" "$work/b/p.mco"; do sed -e '/^# User time/d' -e
 cmp -s "$work/a/p-0002.mco.bare" "$work/b/p.mco.bare" || complain "a row is not the run with --set: $(diff "$work/a/p-0002.mco.bare" "$work/b/p.mco.bare" | head -4)"
 expect_error 2 "$work/hg2.mci:10: layer 1: phase: mean cosine = 0.65 (expected the medium's g = 0.8 to 1e-3)" \
     "$work/hg2.mci" --set layer1.phase.g1=0.2 --quiet -o "$work/b"
-expect_error 2 "--set: layer1.phase.a = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, layer1.phase with .g1 .g2 .w, beam with .x .y .angle .azimuth)" \
+expect_error 2 "--set: layer1.phase.a = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d .phase.g1 .phase.g2 .phase.w, layer2 with .n .mua .mus .g .d, beam with .x .y .angle .azimuth)" \
     "$work/hg2.mci" --set layer1.phase.a=1 --quiet -o "$work/b"
 
 scene p.mco '#phase rayleigh' >"$work/hint.mci"

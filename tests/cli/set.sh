@@ -128,14 +128,14 @@ for case in 'detector1.x=0.1|disk 0.1 at=0.1,0 na=0.4 angle=20' 'detector1.y=0.3
 done
 seen "$work/edited.mci" "${disk}detector map 3 2 0.2 0.1 side=bottom\ndetector ring 0.15 0.3\n"
 same_as_edited "detector2.dx=0.2 detector2.dy=0.1 detector3.r1=0.15 detector3.r2=0.3" "$work/seen.mci"
-expect_error 2 "--set: detector1.angle = 91 (expected degrees, 0 <= angle <= 90)" "$work/seen.mci" --set detector1.angle=91
+expect_error 2 "--set: detector1.angle = 91 (expected degrees of 0..90)" "$work/seen.mci" --set detector1.angle=91
 expect_error 2 "$work/seen.mci:9: detector: r1 r2 = 0.3 0.2 (expected r1 < r2)" "$work/seen.mci" --set detector3.r1=0.3
 for name in detector1.r1 detector2.radius detector2.na detector4.x detector.x; do
-    expect_error 2 "--set: $name = 0.3 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, beam with .x .y .angle .azimuth, detector1..3 with .x .y .z, what its shape has, and with na= .na .angle .azimuth)" \
+    expect_error 2 "--set: $name = 0.3 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, beam with .x .y .angle .azimuth, detector1 with .x .y .z .radius .na .angle .azimuth, detector2 with .x .y .z .dx .dy, detector3 with .x .y .z .r1 .r2)" \
         "$work/seen.mci" --set $name=0.3
 done
 
-names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam with .x .y .angle .azimuth .radius'
+names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0..1 with .scale .height, beam with .x .y .angle .azimuth .radius'
 expect_error 2 "--set: layer3.n = 1.4 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set layer3.n=1.4
 expect_error 2 "--set: boundary2.scale = 2 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set boundary2.scale=2
 expect_error 2 "--set: layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/plain.mci" --set layer1.mua=-1

@@ -130,6 +130,9 @@ for text in samples/input samples/output samples/cluster samples/appearance src/
 done
 expect_error 2 "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml help fit says more)" \
     fit scene.mci measured.csv layer1.mua=1:2 --flights 3
+expect_code 0 help keys # the table of samples/input.md has the same rows
+sed -n '/^| key, and its name/,/^$/{/^|/p;}' samples/input.md | cmp -s - "$work/out" ||
+    complain "samples/input.md, Every key, is not what help keys prints: $(sed -n '/^| key, and its name/,/^$/{/^|/p;}' samples/input.md | diff - "$work/out")"
 expect_code 0 help --set
 test "$(head -1 "$work/out" | cut -c 1-18)" = "  --set NAME=VALUE" && grep -q "^| .above.n., .below.n. | n of the media outside |$" "$work/out" &&
     ! grep -q "^\*\*.--sweep" "$work/out" || complain "help --set: $(cat "$work/out")"
@@ -154,7 +157,7 @@ for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r; do
     expect_code 0 help $word
     test "$(grep -c '^| `' "$work/out")" -ge 1 || complain "help $word: $(cat "$work/out")"
 done
-for word in 'mua:^| mua, mus |' 'g:^| g |' 'n:^| n |' 'd:^| d |' 'light:^| .na:N. |' 'name:name of the result' 'InParm:layout, byte by byte' 'Identity:is a checksum' \
+for word in 'mua:^| .mua., .layer1.mua. |' 'g:^| .g., .layer1.g. |' 'n:^| .n., .above.n. |' 'd:^| .d., .layer1.d. |' 'light:na:N' 'name:^| .name. | .detector.' 'InParm:layout, byte by byte' 'Identity:is a checksum' \
     '-o:^  -o, --output FILE'; do
     expect_code 0 help "${word%%:*}"
     grep -q -e "${word#*:}" "$work/out" && test "$(wc -l <"$work/out")" -le 16 || complain "help ${word%%:*}: $(cat "$work/out")"

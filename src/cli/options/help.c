@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "cli/options/option_table.h"
+#include "input/keys/key.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -86,6 +87,7 @@ static void print_topics(FILE *stream)
     fprintf(stream, "\ntopics of help\n");
     print_item(stream, "COMMAND", "what it does, its options and an example");
     print_item(stream, "options", "all options");
+    print_item(stream, "keys", "all keys of a scene's lines, with their ranges and names for --set");
     print_item(stream, "--OPTION", "one, and what the texts say of it, as the names that --set takes");
     print_item(stream, "WORD",
                "a line of the scene (beam) or a word of one (mua), a name that --set takes (layer1.mua), an "
@@ -95,6 +97,20 @@ static void print_topics(FILE *stream)
         const char *begin = text->text + strspn(text->text, "# ");
         snprintf(title, sizeof title, "%.*s", (int)strcspn(begin, "\n"), begin);
         print_item(stream, text->name, title);
+    }
+}
+
+/* The table that samples/input.md shows. */
+static void print_keys(FILE *stream)
+{
+    char value[CML_KEY_TEXT];
+    fputs("| key, and its name for `--set` | line | value | meaning |\n|---|---|---|---|\n", stream);
+    for (const struct cml_key *key = cml_key_table; key->group != CML_KEYS_NONE; key++) {
+        const struct cml_key_owner *owner = &cml_key_owners[key->group];
+        if (!key->meaning) continue;
+        fprintf(stream, "| `%s`", key->name);
+        if (key->use & CML_KEY_SET && *owner->set) fprintf(stream, ", `%s.%s`", owner->set, key->name);
+        fprintf(stream, " | %s | %s | %s |\n", owner->line, cml_key_expected(key, value), key->meaning);
     }
 }
 
@@ -312,6 +328,10 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
 {
     if (!topic) {
         print_list(stream);
+        return CML_OK;
+    }
+    if (strcmp(topic, "keys") == 0) {
+        print_keys(stream);
         return CML_OK;
     }
     if (strcmp(topic, "options") == 0) {

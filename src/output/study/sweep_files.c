@@ -3,7 +3,7 @@
 
 #include "base/array.h"
 #include "base/atomic_file.h"
-#include "base/settings.h"
+#include "input/keys/key.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "result/quantity.h"
@@ -191,7 +191,7 @@ static bool find_axes(struct grid *grid)
         if (grid->num_axes == CML_SWEEP_AXES) return false;
         grid->column[grid->num_axes] = c;
         grid->axis[grid->num_axes++] =
-            (struct cml_axis){r->name[c], "what was swept", cml_setting_unit(r->name[c]), n, 0, 0, values};
+            (struct cml_axis){r->name[c], "what was swept", cml_key_unit(r->name[c]), n, 0, 0, values};
     }
     return grid->num_axes > 0;
 }
@@ -362,7 +362,7 @@ static void fill(struct fields *list)
     for (int c = 0; c < r->num_columns; c++) {
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
-                                 : add(list, r->name[c], "what was swept", cml_setting_unit(r->name[c]));
+                                 : add(list, r->name[c], "what was swept", cml_key_unit(r->name[c]));
         cml_sweep_h5_name(list->field[list->count - 1].name);
         for (int i = 0; i < r->num_rows; i++)
             to[i] = grid->value[(size_t)grid->row[i] * (size_t)r->num_columns + (size_t)c];

@@ -83,7 +83,7 @@ static void what_is_refused(void **state)
         {LAYER(0) "phase hg2 0.5 0\n1\n", "x.mci:10: " PHASE ": w is missing (expected a share of 0..1)"},
         {LAYER(0) "phase mhg 0.5 1.1\n1\n", "x.mci:10: " PHASE ": w = 1.1 (expected a share of 0..1)"},
         {LAYER(0) "phase gk 0.5 -0.5\n1\n",
-         "x.mci:10: " PHASE ": a = -0.5 (expected a number above -0.5 and up to 100)"},
+         "x.mci:10: " PHASE ": a = -0.5 (expected a number, -0.5 < a <= 100)"},
         {LAYER(0) "phase rayleigh 1\n1\n",
          "x.mci:10: " PHASE " = 1 (expected the end of the line or a comment)"},
         {LAYER(0.9) "phase rayleigh\n1\n",

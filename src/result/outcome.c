@@ -62,7 +62,9 @@ static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_bins(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
-        return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
+        return ring * (axis[1] == CML_AXIS_z      ? o->dz
+                       : axis[1] == CML_AXIS_gate ? gate
+                                                  : cml_projected_solid_angle(da, (int)(i % n)));
     }
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
     if (axis[0] == CML_AXIS_gate) return gate;

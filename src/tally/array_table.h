@@ -158,6 +158,14 @@ enum cml_holder {
     CML_OF_ROW_GRIDS /* behind those of all batches */
 };
 
+/* Whether an array is a grid of radius and another axis: each group of packets has one, or all share one. */
+static inline bool cml_is_radial_grid(enum cml_array array)
+{
+    const struct cml_array_info *info = &cml_arrays[array];
+    return info->axis[0] == CML_CELLS_r && info->axis[1] != CML_CELLS_none &&
+           info->spread == CML_KEPT_BY_GROUP;
+}
+
 /* Where arrays begin in the block of cells of a holder, and how many cells there are. */
 struct cml_layout {
     union {

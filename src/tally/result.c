@@ -71,20 +71,21 @@ void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_
     const struct cml_array_info *info = &cml_arrays[array];
     const size_t *size = result->layout.size;
     if (!size[array]) return;
-    const bool one = info->axis[1] == CML_CELLS_none, grid = info->spread == CML_KEPT_BY_GROUP,
-               gates = info->axis[one ? 0 : 1] == CML_CELLS_gate;
+    const bool one = info->axis[1] == CML_CELLS_none, gates = info->axis[one ? 0 : 1] == CML_CELLS_gate,
+               grid = info->spread == CML_KEPT_BY_GROUP && !gates;
     const struct cml_extent rows = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES),
                             columns = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
     const size_t num_rows = cml_extent_cells(rows), num_columns = cml_extent_cells(columns);
     cml_u128 *const to = result->array[array] + part * size[array], *const balance = result->summary.balance;
     for (size_t row = 0; row < num_rows; row++) {
-        const size_t first = row * num_columns, inside = first + columns.before, end = inside + columns.bins;
-        cml_u128 *const line = to + (row < rows.bins ? row : rows.bins - 1) * columns.bins;
+        const size_t first = row * num_columns, inside = first + columns.before, end = inside + columns.bins,
+                     bin = row < rows.bins ? row : rows.bins - 1;
+        cml_u128 *const line = to + bin * columns.bins;
         const cml_u128 sum = add_line(from, inside, columns.bins, line),
                        above = columns.before ? cell_of(from, first) : 0,
                        behind = columns.behind ? cell_of(from, end) : 0;
         line[0] += above;
-        *(gates ? &result->array[array + 1][part * size[array + 1] + row] : &line[columns.bins - 1]) +=
+        *(gates ? &result->array[array + 1][part * size[array + 1] + bin] : &line[columns.bins - 1]) +=
             behind;
         if (!grid) continue;
         if (row == rows.bins) balance[CML_BALANCE_OVERFLOW_R] += sum + above + behind;
@@ -190,9 +191,8 @@ static void add_grid(struct cml_result *result, enum cml_array array, const stru
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
-    add_grid(result, CML_ARRAY_Rd_ra, tally);
-    add_grid(result, CML_ARRAY_Tt_ra, tally);
-    add_grid(result, CML_ARRAY_A_rz, tally);
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (cml_is_radial_grid((enum cml_array)i)) add_grid(result, (enum cml_array)i, tally);
     if (own->size[CML_ARRAY_phi_rz]) add_fluence(result, tally->phi_rz);
     add_sparse(result->cells + result->layout.Rd_xya, tally->cells + own->Rd_xya, own->cells - own->Rd_xya);
     add_rows(result->rows, tally->rows, own->size[CML_ARRAY_rows]);
@@ -263,7 +263,8 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
 {
     const struct cml_layout *layout = &result->layout;
     const struct cml_array_info *info = &cml_arrays[array];
-    const bool gates = info->axis[0] == CML_CELLS_gate, samples = array == CML_ARRAY_A_rz;
+    const bool gates = info->axis[0] == CML_CELLS_gate || info->axis[1] == CML_CELLS_gate,
+               samples = array == CML_ARRAY_A_rz;
     const size_t size = layout->size[array], step = layout->once[array].step;
     cml_u128 sum = 0;
     if (info->term == CML_NO_TERM || !size || (samples && result->grid.row_depths)) return 0;

@@ -23,6 +23,8 @@ struct cml_row_sums {
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
     uint64_t *rz;          /* A_rz, where rows have one */
+    uint64_t *radii;       /* Rd_rt; NULL: there is none */
+    size_t transmitted_rt; /* from there to Tt_rt */
     uint64_t *dir;         /* Rd_dir, then Tt_dir; NULL: there are none */
     struct cml_once once;  /* of these, in bins of all rows */
 };
@@ -46,6 +48,8 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.rz = sums.ra + grids.A_rz * stride;
     if (grids.size[CML_ARRAY_Rd_dir]) sums.dir = sums.ra + grids.Rd_dir * stride;
     sums.once = grids.once[CML_ARRAY_Rd_dir];
+    if (grids.size[CML_ARRAY_Rd_rt]) sums.radii = sums.ra + grids.Rd_rt * stride;
+    sums.transmitted_rt = (grids.Tt_rt - grids.Rd_rt) * stride;
     return sums;
 }
 
@@ -409,18 +413,32 @@ struct cml_row_light {
     int fresh; /* it weighs as much in all rows, and has no score */
 };
 
-/* Adds the light, as each row weighs it, to the row's bin. */
-static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
+/* Adds the light, as each row weighs it, to the row's bin, of which the first row's is given. */
+static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
 {
     const struct cml_row_packet *rows = of->rows;
     const int count = rows->sums->count, scores = rows->sums->scores;
     const real unit = cml_row_unit(of->light->w), rounding = rows->rounding;
     const uint64_t whole = scores ? 0 : cml_row_weight(unit, 1, rounding);
-    uint64_t *to = cml_row_bin(rows, bin);
     if (of->fresh)
         for (int i = 0; i < count; i++) to[i] += whole;
     else
         for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
+}
+
+static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
+{
+    cml_rows_add_to(of, cml_row_bin(of->rows, bin));
+}
+
+/* The bin of radius and gate into which rows have left. */
+static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
+                                                const struct cml_row_packet *rows,
+                                                const struct cml_exit *exit)
+{
+    const struct cml_row_sums *sums = rows->sums;
+    const size_t cell = (size_t)exit->r * ((size_t)setup->gates.count + 1) + (size_t)exit->gate;
+    return sums->radii + (exit->up ? 0 : sums->transmitted_rt) + cell * (size_t)sums->count;
 }
 
 /* The light, as each row weighs it, times a number, which counts 2^-16, into both parts of a row's moment. */
@@ -497,6 +515,7 @@ static inline void cml_rows_end(const struct cml_world *world, const struct cml_
     const struct cml_row_light of = {rows, light, exit->fresh};
     if (exit->up | exit->down) {
         cml_rows_leave(&world->setup, rows, exit, light->w);
+        if (rows->sums->radii) cml_rows_add_to(&of, cml_row_radius_and_gate(&world->setup, rows, exit));
         if (rows->sums->dir) cml_rows_direct(&world->setup, &of);
     }
     if (cml_has_left(exit) && world->detection.num_detectors) cml_rows_detect(world, &of);

@@ -155,6 +155,16 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     tally->count[CML_COUNT_BRANCHES] += branches;
 }
 
+/* Packet i of the collection, which has been reflected or transmitted, by radius and gate. */
+static inline void cml_score_radius_and_gate(const struct cml_exit *exit, cml_u32 index, uint64_t weight,
+                                             const struct cml_tally *tally)
+{
+    const struct cml_tally_grid *grid = &tally->grid;
+    const size_t cell = (size_t)exit->r * ((size_t)grid->gates + 1) + (size_t)exit->gate,
+                 first = grid->gate_errors ? index % CML_NUM_GROUPS * cml_rt_cells(grid) : 0;
+    cml_add_shared((exit->up ? tally->Rd_rt : tally->Tt_rt) + first + cell, weight);
+}
+
 /* Scores the gates of those that have left (P11), where time is asked for. */
 static inline void cml_terminated_score_gates(const struct cml_setup *setup,
                                               const struct cml_terminated *terminated, uint64_t times,
@@ -164,6 +174,8 @@ static inline void cml_terminated_score_gates(const struct cml_setup *setup,
         const struct cml_exit exit = cml_terminated_exit(setup, terminated, i);
         if (exit.up) tally->Rd_t[exit.gate] += times * terminated->w[i];
         if (exit.down) tally->Tt_t[exit.gate] += times * terminated->w[i];
+        if (tally->Rd_rt && (exit.up | exit.down))
+            cml_score_radius_and_gate(&exit, terminated->index_low[i], times * terminated->w[i], tally);
     }
 }
 

@@ -84,13 +84,17 @@ cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def
 }
 
 /* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
- * (kernels/marks.h).
- */
+ * (kernels/marks.h). As many bins of radius and gate are enough, too. */
 cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
-    if (!scene->fluence.line || bins <= most) return CML_OK;
     char value[64];
+    if (scene->time.radii && (scene->nr + 1.0) * (scene->time.gates + 1.0) > most) {
+        snprintf(value, sizeof value, "%d %d", scene->nr, scene->time.gates);
+        return cml_fail_field(reader->err, scene->file, scene->time.line, "time: nr gates", value,
+                              "at most 67108863 bins, (nr + 1) times (gates + 1)");
+    }
+    if (!scene->fluence.line || bins <= most) return CML_OK;
     snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);
     return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr", value,
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
@@ -105,10 +109,14 @@ cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time
     double values[2];
     if (time->gates > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one time line per run");
     time->line = reader->text.line;
-    CML_TRY(cml_mci_numbers(reader, "time", fields, 2, values));
+    cml_mci_cut_comment(reader->cursor);
+    CML_TRY(cml_mci_leading_numbers(reader, "time", fields, 2, values));
     time->end = values[0];
     time->gates = (int)values[1];
-    return CML_OK;
+    const char *word = cml_text_word(&reader->cursor);
+    time->radii = word && strcmp(word, "radii") == 0;
+    if (time->radii) word = cml_text_word(&reader->cursor);
+    return word ? cml_mci_fail(reader, "time: option", word, "radii, or the end of the line") : CML_OK;
 }
 
 cml_status cml_mci_directions(struct cml_mci_reader *reader, struct cml_directions_def *directions)

@@ -455,7 +455,8 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     if (scene->num_detectors > 0) json_object_set_new(object, "detectors", json_null());
     if (scene->time.gates > 0)
         json_object_set_new(object, "time",
-                            json_pack("{s:f, s:i}", "end", scene->time.end, "gates", scene->time.gates));
+                            json_pack("{s:f, s:i, s:b}", "end", scene->time.end, "gates", scene->time.gates,
+                                      "radii", scene->time.radii));
     json_object_set_new(object, "boundaries", json_null());
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     if (sweep->rows > 0)

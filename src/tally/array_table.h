@@ -50,6 +50,7 @@ enum cml_array_when {
     CML_IF_ABSORPTION, /* absorption by radius and depth; of rows of a sweep where they have depths */
     CML_IF_DEPTHS,     /* the same by depth alone: a tally has it instead where threads share A_rz */
     CML_IF_TIMES,      /* absorption by time */
+    CML_IF_RADII,      /* what leaves by radius and time; all threads share one */
     CML_IF_MEANS,      /* all detectors have moments, of rows of a sweep only if asked for */
     CML_IF_FLUENCE,
     CML_IF_OWNER /* all threads share one, which the tally of the first owns */
@@ -85,6 +86,14 @@ enum cml_array_when {
     A(A_t, gate, none, BY_BATCH, TIMES, ABSORBED, ARRAY, "1/ps", OVER1(gate), H5, "absorption by time") \
     A(A_t_later, none, none, BY_BATCH, TIMES, none, ARRAY, "1", NUMBER, H5 | JSON, \
       "absorption later than all gates") \
+    A(Rd_rt, r, gate, BY_GROUP, RADII, REFLECTED, ARRAY, "1/(cm2 ps)", OVER2(r, gate), H5, \
+      "diffuse reflectance by radius and time") \
+    A(Rd_rt_later, r, none, BY_GROUP, RADII, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "diffuse reflectance by radius, later than all gates") \
+    A(Tt_rt, r, gate, BY_GROUP, RADII, TRANSMITTED, ARRAY, "1/(cm2 ps)", OVER2(r, gate), H5, \
+      "transmittance by radius and time") \
+    A(Tt_rt_later, r, none, BY_GROUP, RADII, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "transmittance by radius, later than all gates") \
     A(phi_z, z, none, BY_BATCH, FLUENCE, none, ARRAY, "1", OVER1(z), H5, "fluence by depth, over all radii") \
     A(phi_rz, r, z, AS_BATCHES, FLUENCE, none, ARRAY, "1/cm2", OVER2(r, z), H5, "fluence by radius and depth") \
     A(Rd_dir, theta, phi, ONCE, OWNER, REFLECTED, ARRAY, "1/sr", OVER2(theta, phi), H5, \

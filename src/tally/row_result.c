@@ -132,6 +132,7 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                         .row_depths = flown->row_depths,
                                         .row_times = flown->row_times,
                                         .gates = flown->gates,
+                                        .radii = flown->radii,
                                         .nt = flown->derivatives ? 0 : flown->nt,
                                         .np = flown->np,
                                         .direction_once = flown->direction_once,

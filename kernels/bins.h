@@ -1,5 +1,5 @@
-/* Bins of positions and directions (P7): of radius, depth, pixel and angle.
- * SPDX-License-Identifier: MIT */
+/* Bins of positions and directions (P7): of radius, depth, pixel and angle; of times (P11); and the bins into
+ * which a finished packet has left. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "mathf.h"
@@ -54,4 +54,44 @@ CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
     const real size = CML_FABS(uz), bin = cml_acos(size < 1 ? size : (real)1) * setup->per_da;
     const int ia = (int)bin;
     return ia < setup->na ? ia : setup->na - 1;
+}
+
+/* P11: gate of a path, the one for all that is later behind the last. What is not scored may have any path.
+ */
+CML_FN int cml_gate(struct cml_gates gates, real path)
+{
+    const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
+    return (int)(at > 0 ? at : (real)0);
+}
+
+/* P6: the end of a packet that has left for good; entered: it has been in the material. */
+CML_FN int cml_fate_outside(int entered, int above)
+{
+    const int fate = above ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
+    return entered ? fate : CML_FATE_SPECULAR;
+}
+
+/* Where a finished packet has left to: its side, and its bins there. A packet that has not left has no side.
+ */
+struct cml_exit {
+    int up, down,
+        fresh;    /* 1 on one side at most: reflected, transmitted, or back up without having entered */
+    int r, alpha; /* bins of radius and angle (P7), whatever the side */
+    int gate;     /* P11 */
+};
+
+/* fate: enum cml_fate; x, y, uz, path: of a packet at its end. Inlined, each member costs only where it is
+ * used. */
+CML_FN struct cml_exit cml_exit_of(const struct cml_setup *setup, int fate, real x, real y, real uz,
+                                   real path)
+{
+    const struct cml_exit exit = {fate == CML_FATE_REFLECTED, fate == CML_FATE_TRANSMITTED,
+                                  fate == CML_FATE_SPECULAR,  cml_radial_bin(setup, x, y),
+                                  cml_angle_bin(setup, uz),   cml_gate(setup->gates, path)};
+    return exit;
+}
+
+CML_FN int cml_has_left(const struct cml_exit *exit)
+{
+    return exit->up | exit->down | exit->fresh;
 }

@@ -202,9 +202,8 @@ CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml
 CML_FN void cml_mark_last(const struct cml_world *world, const struct cml_deposits *to,
                           const struct cml_packet *packet)
 {
-    const int fate = packet->fate;
-    if (!cml_has_marks(to)) return;
-    if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
+    const struct cml_exit exit = cml_exit_of(&world->setup, packet->fate, 0, 0, 0, 0);
+    if (!cml_has_marks(to) || !cml_has_left(&exit)) return;
     const struct cml_stretch s = cml_stretch_of(packet, packet->p, packet->path);
     (void)cml_mark_far(world, to, &s, packet->mark, CML_INFINITY);
 }

@@ -107,11 +107,3 @@ CML_FN void cml_end_visit(const struct cml_world *world, CML_PACKET struct cml_p
     packet->before = packet->interactions;
 #endif
 }
-
-/* P11: gate of a path, the one for all that is later behind the last. What is not scored may have any path.
- */
-CML_FN int cml_gate(struct cml_gates gates, real path)
-{
-    const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
-    return (int)(at > 0 ? at : (real)0);
-}

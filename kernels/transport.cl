@@ -22,10 +22,10 @@ CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                            const struct cml_deposits *to)
 {
-    if (packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED) {
-        const int ir = cml_radial_bin(setup, packet->exit_x, packet->exit_y);
-        const int cell = ir * setup->na + cml_angle_bin(setup, packet->u.z);
-        cml_add_exit(to, packet->fate == CML_FATE_REFLECTED, cell, packet->w);
+    const struct cml_exit exit =
+        cml_exit_of(setup, packet->fate, packet->exit_x, packet->exit_y, packet->u.z, 0);
+    if (exit.up | exit.down) {
+        cml_add_exit(to, exit.up, exit.r * setup->na + exit.alpha, packet->w);
     } else if (packet->fate == CML_FATE_TRAPPED) {
         cml_add_count(to, CML_COUNT_TRAPPED, 1);
     } else if (packet->fate == CML_FATE_LOST) {

@@ -176,7 +176,8 @@ static void print_map(const struct cml_scene *scene)
                scene->saved.detected ? " of what detectors see" : "", cml_saved_file_bytes(&kind) / 1048576);
     }
     if (scene->time.gates > 0)
-        printf("  time: %d gates of %g ps\n", scene->time.gates, scene->time.end / scene->time.gates);
+        printf("  time: %d gates of %g ps%s\n", scene->time.gates, scene->time.end / scene->time.gates,
+               scene->time.radii ? ", by radius, too" : "");
 }
 
 /* Prints the scene for people. */

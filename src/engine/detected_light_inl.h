@@ -2,6 +2,7 @@
  * that has left into what detectors have seen (P13). SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "bins.h"
 #include "detector.h"
 #include "tally/tally.h"
 #include "walk.h"
@@ -16,6 +17,16 @@ struct cml_light_out {
     cml_u64 index;                 /* of the packet, or of any of its group */
     const struct cml_trail *trail; /* of the packet; NULL: it went straight back at the depth 0 */
 };
+
+/* Light of weight w that leaves with a finished packet from p (frame of the medium) in direction u. */
+static inline struct cml_light_out cml_light_of(const struct cml_exit *exit, struct cml_vec p,
+                                                struct cml_vec u, cml_u32 w)
+{
+    return (struct cml_light_out){.ray = {.p = p, .u = u, .below = exit->down, .fresh = exit->fresh},
+                                  .w = w,
+                                  .times = 1,
+                                  .gate = exit->gate};
+}
 
 /* The optical path of a packet, all media together. */
 static inline double cml_trail_path(const struct cml_world *world, const struct cml_trail *trail)

@@ -66,6 +66,7 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
         .num_bodies = scene->num_bodies,
         .absorption = options->absorption,
         .gates = scene->time.gates,
+        .radii = scene->time.radii,
         .phi_volume = map->volume && scene->fluence.line,
         .phi_times = scene->fluence.times,
         .marks = spacing_of_marks(scene),

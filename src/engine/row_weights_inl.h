@@ -23,6 +23,8 @@ struct cml_row_sums {
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
     size_t transmitted_ra; /* from there to Tt_ra */
     uint64_t *rz;          /* A_rz, where rows have one */
+    uint64_t *radii;       /* Rd_rt; NULL: there is none */
+    size_t transmitted_rt; /* from there to Tt_rt */
     uint64_t *dir;         /* Rd_dir, then Tt_dir; NULL: there are none */
     struct cml_once once;  /* of these, in bins of all rows */
 };
@@ -46,6 +48,8 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     sums.rz = sums.ra + grids.A_rz * stride;
     if (grids.size[CML_ARRAY_Rd_dir]) sums.dir = sums.ra + grids.Rd_dir * stride;
     sums.once = grids.once[CML_ARRAY_Rd_dir];
+    if (grids.size[CML_ARRAY_Rd_rt]) sums.radii = sums.ra + grids.Rd_rt * stride;
+    sums.transmitted_rt = (grids.Tt_rt - grids.Rd_rt) * stride;
     return sums;
 }
 
@@ -360,17 +364,19 @@ static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 b
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
 }
 
-/* Rows have no sums over both radius and angle where they are scores. */
-CML_ROWS_INLINE void cml_rows_leave_as(int scores, const struct cml_setup *setup,
-                                       const struct cml_row_packet *rows, int up, real unit, size_t ir,
-                                       size_t ia)
+/* Rows have no sums over both radius and angle where they are scores. timed: they have gates. */
+CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_setup *setup,
+                                       const struct cml_row_packet *rows, const struct cml_exit *exit,
+                                       real unit)
 {
     const struct cml_row_sums *sums = rows->sums;
-    const int count = sums->count;
+    const int count = sums->count, up = exit->up;
+    const size_t ir = (size_t)exit->r, ia = (size_t)exit->alpha;
     const real rounding = rows->rounding;
     const real *restrict factor = rows->factor;
     uint64_t *restrict by_r = cml_row_bin(rows, (up ? sums->at.Rd_r : sums->at.Tt_r) + ir);
     uint64_t *restrict by_a = cml_row_bin(rows, (up ? sums->at.Rd_a : sums->at.Tt_a) + ia);
+    uint64_t *restrict by_t = cml_row_bin(rows, (up ? sums->at.Rd_t : sums->at.Tt_t) + (size_t)exit->gate);
     uint64_t *restrict by_ra =
         sums->ra + (up ? 0 : sums->transmitted_ra) + (ir * (size_t)setup->na + ia) * (size_t)count;
     uint64_t *restrict total = cml_row_bin(rows, up ? CML_BALANCE_REFLECTED : CML_BALANCE_TRANSMITTED);
@@ -379,39 +385,26 @@ CML_ROWS_INLINE void cml_rows_leave_as(int scores, const struct cml_setup *setup
         const uint64_t part = cml_row_part(scores, unit, factor[i], rounding);
         by_r[i] += part;
         by_a[i] += part;
+        if (timed) by_t[i] += part;
         if (!scores) by_ra[i] += part;
         total[i] += part;
     }
 }
 
-/* A packet of weight w has left the scene at x, y. */
-static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows, int up,
-                                  cml_u32 w, real x, real y, real uz)
+/* A packet of weight w has been reflected or transmitted. Scores have no gates. */
+static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows,
+                                  const struct cml_exit *exit, cml_u32 w)
 {
     const real unit = cml_row_unit(w);
-    const size_t ir = (size_t)cml_radial_bin(setup, x, y), ia = (size_t)cml_angle_bin(setup, uz);
     if (rows->sums->scores)
-        cml_rows_leave_as(1, setup, rows, up, unit, ir, ia);
+        cml_rows_leave_as(1, 0, setup, rows, exit, unit);
+    else if (setup->gates.count)
+        cml_rows_leave_as(0, 1, setup, rows, exit, unit);
     else
-        cml_rows_leave_as(0, setup, rows, up, unit, ir, ia);
+        cml_rows_leave_as(0, 0, setup, rows, exit, unit);
 }
 
-/* A packet of weight w has ended. x, y, uz: where it has left the scene, if it has. What was never inside is
- * in the flight's own specular part. */
-static inline void cml_rows_end(const struct cml_setup *setup, const struct cml_row_packet *rows, int fate,
-                                cml_u32 w, real x, real y, real uz)
-{
-    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED)
-        cml_rows_leave(setup, rows, fate == CML_FATE_REFLECTED, w, x, y, uz);
-    else if (fate == CML_FATE_TRAPPED)
-        cml_rows_change(rows, w, 0, CML_BALANCE_TRAPPED, CML_BALANCE_TRAPPED);
-    else if (fate == CML_FATE_LOST)
-        cml_rows_change(rows, w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
-    else if (fate == CML_FATE_SPECULAR)
-        cml_rows_launch(rows, w, -1, 0);
-}
-
-/* ---- where they have left to, besides radius and angle: detectors (P13), gates (P11), directions (P7) ----
+/* ---- detectors (P13) and directions (P7) ----
  * Light that was never inside, and what is split off a packet at its launch, weighs as much in all rows. */
 
 /* Light that has left, as rows weigh it. */
@@ -421,18 +414,32 @@ struct cml_row_light {
     int fresh; /* it weighs as much in all rows, and has no score */
 };
 
-/* Adds the light, as each row weighs it, to the row's bin. */
-static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
+/* Adds the light, as each row weighs it, to the row's bin, of which the first row's is given. */
+static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
 {
     const struct cml_row_packet *rows = of->rows;
     const int count = rows->sums->count, scores = rows->sums->scores;
     const real unit = cml_row_unit(of->light->w), rounding = rows->rounding;
     const uint64_t whole = scores ? 0 : cml_row_weight(unit, 1, rounding);
-    uint64_t *to = cml_row_bin(rows, bin);
     if (of->fresh)
         for (int i = 0; i < count; i++) to[i] += whole;
     else
         for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
+}
+
+static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
+{
+    cml_rows_add_to(of, cml_row_bin(of->rows, bin));
+}
+
+/* The bin of radius and gate into which rows have left. */
+static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
+                                                const struct cml_row_packet *rows,
+                                                const struct cml_exit *exit)
+{
+    const struct cml_row_sums *sums = rows->sums;
+    const size_t cell = (size_t)exit->r * ((size_t)setup->gates.count + 1) + (size_t)exit->gate;
+    return sums->radii + (exit->up ? 0 : sums->transmitted_rt) + cell * (size_t)sums->count;
 }
 
 /* The light, as each row weighs it, times a number, which counts 2^-16, into both parts of a row's moment. */
@@ -502,20 +509,22 @@ static inline void cml_rows_direct(const struct cml_setup *setup, const struct c
     }
 }
 
-/* A packet whose light has left as it says. The trail has its time: the clock of its path begins anew
- * whenever rows are booked. */
-static inline void cml_rows_place(const struct cml_world *world, const struct cml_row_packet *rows,
-                                  const struct cml_light_out *light)
+/* A packet has ended, and its light has left if it has a side. What was never inside is in the flight's own
+ * specular part. */
+static inline void cml_rows_end(const struct cml_world *world, const struct cml_row_packet *rows, int fate,
+                                const struct cml_exit *exit, const struct cml_light_out *light)
 {
-    const struct cml_setup *setup = &world->setup;
-    const int gates = setup->gates.count, below = light->ray.below;
-    struct cml_light_out timed = *light;
-    if (gates) timed.gate = cml_gate(setup->gates, (real)cml_trail_path(world, light->trail));
-    const struct cml_row_light of = {rows, &timed, light->ray.fresh};
-    if (world->detection.num_detectors) cml_rows_detect(world, &of);
-    if (of.fresh) return;
-    if (gates) cml_rows_add(&of, (below ? rows->sums->at.Tt_t : rows->sums->at.Rd_t) + (size_t)timed.gate);
-    if (rows->sums->dir) cml_rows_direct(setup, &of);
+    const struct cml_row_light of = {rows, light, exit->fresh};
+    if (exit->up | exit->down) {
+        cml_rows_leave(&world->setup, rows, exit, light->w);
+        if (rows->sums->radii) cml_rows_add_to(&of, cml_row_radius_and_gate(&world->setup, rows, exit));
+        if (rows->sums->dir) cml_rows_direct(&world->setup, &of);
+    }
+    if (cml_has_left(exit) && world->detection.num_detectors) cml_rows_detect(world, &of);
+    if (exit->fresh) cml_rows_launch(rows, light->w, -1, 0);
+    if (fate == CML_FATE_TRAPPED)
+        cml_rows_change(rows, light->w, 0, CML_BALANCE_TRAPPED, CML_BALANCE_TRAPPED);
+    if (fate == CML_FATE_LOST) cml_rows_change(rows, light->w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
 }
 
 /* What was split off packet `index` at its launch. */

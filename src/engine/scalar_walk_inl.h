@@ -104,7 +104,6 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     rows->gained = packet->gained;
     rows->roulette = packet->roulette;
     rows->backing = packet->backing;
-    cml_rows_end(&world->setup, &its, packet->fate, packet->w, packet->exit_x, packet->exit_y, packet->u.z);
 }
 
 /* One thread's walk of packets, one after the other. */
@@ -229,16 +228,12 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
 static void trace_detectors(const struct tracing *tracing, const struct cml_packet *packet, uint64_t *sums)
 {
     const struct cml_world *world = tracing->world;
-    const int fate = packet->fate;
-    const struct cml_light_out light = {.ray = {.p = {packet->exit_x, packet->exit_y, packet->p.z},
-                                                .u = packet->u,
-                                                .below = fate == CML_FATE_TRANSMITTED,
-                                                .fresh = fate == CML_FATE_SPECULAR},
-                                        .w = packet->w,
-                                        .times = 1};
+    const struct cml_exit exit =
+        cml_exit_of(&world->setup, packet->fate, packet->exit_x, packet->exit_y, packet->u.z, packet->path);
+    const struct cml_vec place = {packet->exit_x, packet->exit_y, packet->p.z};
+    const struct cml_light_out light = cml_light_of(&exit, place, packet->u, packet->w);
     cml_score_split_off(world, packet->index, 1, sums, NULL);
-    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR)
-        cml_score_light(world, &light, NULL, sums, NULL);
+    if (cml_has_left(&exit)) cml_score_light(world, &light, NULL, sums, NULL);
     for (int k = 0; k < world->detection.num_detectors; k++) {
         const struct cml_trace_event seen = {
             .what = "detect", .detector = k, .weight = (double)sums[k] * CML_WEIGHT_UNIT};

@@ -7,6 +7,7 @@
 
 #include "engine/detected_light_inl.h"
 #include "engine/row_weights_inl.h"
+#include "bins.h"
 #include "tally/tally.h"
 #include "walk.h"
 
@@ -35,6 +36,14 @@ struct cml_terminated {
     cml_u32 scored[CML_TERMINATED]; /* into it */
 };
 
+/* Entry i of the collection. */
+static inline struct cml_exit cml_terminated_exit(const struct cml_setup *setup,
+                                                  const struct cml_terminated *terminated, int i)
+{
+    return cml_exit_of(setup, terminated->fate[i], terminated->exit_x[i], terminated->exit_y[i],
+                       terminated->uz[i], terminated->path[i]);
+}
+
 /* Sums over the collected packets, in 64 bits, which vectors have. */
 struct cml_terminated_sums {
     uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
@@ -53,16 +62,15 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
     const cml_u32 step = tally->grid.cell_errors ? (cml_u32)cml_ra_cells(&tally->grid) : 0;
 #pragma omp simd
     for (int i = 0; i < CML_TERMINATED; i++) {
-        const int fate = terminated->fate[i], up = fate == CML_FATE_REFLECTED,
-                  down = fate == CML_FATE_TRANSMITTED;
-        const int ir = cml_radial_bin(&setup, terminated->exit_x[i], terminated->exit_y[i]);
+        const struct cml_exit exit = cml_terminated_exit(&setup, terminated, i);
         terminated->cell[i] =
-            ir * na + (down ? below : 0) + (int)(terminated->index_low[i] % CML_NUM_GROUPS * step);
-        terminated->scored[i] = up | down ? terminated->w[i] : 0u;
+            exit.r * na + (exit.down ? below : 0) + (int)(terminated->index_low[i] % CML_NUM_GROUPS * step);
+        terminated->scored[i] = exit.up | exit.down ? terminated->w[i] : 0u;
     }
     if (na == 1) return;
 #pragma omp simd
-    for (int i = 0; i < CML_TERMINATED; i++) terminated->cell[i] += cml_angle_bin(&setup, terminated->uz[i]);
+    for (int i = 0; i < CML_TERMINATED; i++)
+        terminated->cell[i] += cml_terminated_exit(&setup, terminated, i).alpha;
 }
 
 /* A mask for `&`: gcc 14.2 compiles sums of `condition ? value : 0` wrongly for AVX-512 (two of those in the
@@ -74,16 +82,17 @@ static inline uint64_t cml_all_bits_if(int condition)
 
 /* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
  * 0. */
-static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
+static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_setup *setup,
+                                                            const struct cml_terminated *terminated)
 {
     struct cml_terminated_sums sums = {0};
     for (int i = 0; i < terminated->count; i++) {
-        const int fate = terminated->fate[i];
+        const struct cml_exit exit = cml_terminated_exit(setup, terminated, i);
         const uint64_t w = terminated->w[i], deposit = terminated->deposit[i];
-        const uint64_t up = cml_all_bits_if(fate == CML_FATE_REFLECTED);
+        const uint64_t up = cml_all_bits_if(exit.up);
         sums.reflected += w & up;
-        sums.transmitted += w & cml_all_bits_if(fate == CML_FATE_TRANSMITTED);
-        sums.specular += w & cml_all_bits_if(fate == CML_FATE_SPECULAR);
+        sums.transmitted += w & cml_all_bits_if(exit.down);
+        sums.specular += w & cml_all_bits_if(exit.fresh);
         sums.absorbed += terminated->absorbed[i] + deposit;
         sums.deposited += deposit;
         sums.deposited_above += deposit & up;
@@ -129,7 +138,7 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
                                            struct cml_tally *tally)
 {
     const struct cml_setup *setup = &world->setup;
-    const struct cml_terminated_sums sums = cml_terminated_sum(terminated);
+    const struct cml_terminated_sums sums = cml_terminated_sum(setup, terminated);
     const uint64_t branches = (uint64_t)terminated->branches,
                    count = times * ((uint64_t)terminated->count - branches), specular = setup->specular;
     tally->balance[CML_BALANCE_LAUNCHED] += count * CML_WEIGHT_ONE;
@@ -146,15 +155,27 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     tally->count[CML_COUNT_BRANCHES] += branches;
 }
 
+/* Packet i of the collection, which has been reflected or transmitted, by radius and gate. */
+static inline void cml_score_radius_and_gate(const struct cml_exit *exit, cml_u32 index, uint64_t weight,
+                                             const struct cml_tally *tally)
+{
+    const struct cml_tally_grid *grid = &tally->grid;
+    const size_t cell = (size_t)exit->r * ((size_t)grid->gates + 1) + (size_t)exit->gate,
+                 first = grid->gate_errors ? index % CML_NUM_GROUPS * cml_rt_cells(grid) : 0;
+    cml_add_shared((exit->up ? tally->Rd_rt : tally->Tt_rt) + first + cell, weight);
+}
+
 /* Scores the gates of those that have left (P11), where time is asked for. */
 static inline void cml_terminated_score_gates(const struct cml_setup *setup,
                                               const struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
 {
     for (int i = 0; i < terminated->count; i++) {
-        const int fate = terminated->fate[i], gate = cml_gate(setup->gates, terminated->path[i]);
-        if (fate == CML_FATE_REFLECTED) tally->Rd_t[gate] += times * terminated->w[i];
-        if (fate == CML_FATE_TRANSMITTED) tally->Tt_t[gate] += times * terminated->w[i];
+        const struct cml_exit exit = cml_terminated_exit(setup, terminated, i);
+        if (exit.up) tally->Rd_t[exit.gate] += times * terminated->w[i];
+        if (exit.down) tally->Tt_t[exit.gate] += times * terminated->w[i];
+        if (tally->Rd_rt && (exit.up | exit.down))
+            cml_score_radius_and_gate(&exit, terminated->index_low[i], times * terminated->w[i], tally);
     }
 }
 
@@ -195,23 +216,23 @@ struct cml_termination {
     struct cml_trail trail;                        /* P13, P18, where somebody wants it */
 };
 
-/* Packet i of the collection, which has left, into its pixel. */
+/* Packet i of the collection, which has been reflected or transmitted, into its pixel. */
 static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
-                                   int i, const struct cml_tally *tally)
+                                   int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
-    const int up = terminated->fate[i] == CML_FATE_REFLECTED, na = setup->map.na;
+    const int na = setup->map.na;
     const size_t cell = cml_map_pixel(setup, terminated->exit_x[i], terminated->exit_y[i]) * (size_t)na +
-                        (size_t)(na > 1 ? cml_angle_bin(setup, terminated->uz[i]) : 0);
-    cml_add_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, tally->grid.map_once, terminated->index_low[i],
-                 terminated->w[i], 1);
+                        (size_t)(na > 1 ? exit->alpha : 0);
+    cml_add_once((exit->up ? tally->Rd_xya : tally->Tt_xya) + cell, tally->grid.map_once,
+                 terminated->index_low[i], terminated->w[i], 1);
 }
 
-/* Adds the weight of a packet that has left to the facet that it touched last. */
+/* Adds the weight of such a packet to the facet that it touched last. */
 static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
-                                    int i, int primitive, const struct cml_tally *tally)
+                                    int i, const struct cml_exit *exit, int primitive,
+                                    const struct cml_tally *tally)
 {
-    const struct cml_facet_range *range =
-        &setup->outer_facets[terminated->fate[i] == CML_FATE_REFLECTED ? 0 : 1];
+    const struct cml_facet_range *range = &setup->outer_facets[exit->up ? 0 : 1];
     if (range->count == 0) return;
     uint64_t *score = tally->facets + (size_t)cml_facet_index(range, primitive) * CML_FACET_SCORES;
     cml_add_once(score + CML_FACET_ESCAPED, cml_facet_once(&tally->grid), terminated->index_low[i],
@@ -220,22 +241,12 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
 
 /* Packet i of the collection, which has left, into the bin of its direction. */
 static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
-                                       int i, const struct cml_tally *tally)
+                                       int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
-    const int fate = terminated->fate[i];
-    uint64_t *const to = fate == CML_FATE_REFLECTED     ? tally->Rd_dir
-                         : fate == CML_FATE_TRANSMITTED ? tally->Tt_dir
-                         : fate == CML_FATE_SPECULAR    ? tally->Rsp_dir
-                                                        : NULL;
-    if (!to) return;
+    uint64_t *const to = exit->up ? tally->Rd_dir : exit->down ? tally->Tt_dir : tally->Rsp_dir;
     uint64_t *const cell =
         to + cml_direction_bin(&setup->directions, terminated->ux[i], terminated->uy[i], terminated->uz[i]);
     cml_add_once(cell, tally->grid.direction_once, terminated->index_low[i], terminated->w[i], 1);
-}
-
-static inline int cml_has_left(int fate)
-{
-    return fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR;
 }
 
 /* P13: what rounds a share of what leaves of a packet, or of a branch; 0: no share is asked for. */
@@ -248,42 +259,37 @@ static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
 /* Packet i of the collection, which has left. */
 static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
                                                         const struct cml_terminated *terminated, int i,
+                                                        const struct cml_exit *exit,
                                                         const struct cml_trail *trail)
 {
-    const int fate = terminated->fate[i];
-    return (struct cml_light_out){
-        .ray = {.p = {terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]},
-                .u = {terminated->ux[i], terminated->uy[i], terminated->uz[i]},
-                .below = fate == CML_FATE_TRANSMITTED,
-                .fresh = fate == CML_FATE_SPECULAR},
-        .w = terminated->w[i],
-        .lot = cml_lot_of(world, cml_terminated_index(terminated, i)),
-        .times = 1,
-        .gate = cml_gate(world->setup.gates, terminated->path[i]),
-        .index = terminated->index_low[i],
-        .trail = trail};
+    const struct cml_vec p = {terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]},
+                         u = {terminated->ux[i], terminated->uy[i], terminated->uz[i]};
+    struct cml_light_out light = cml_light_of(exit, p, u, terminated->w[i]);
+    light.lot = cml_lot_of(world, cml_terminated_index(terminated, i));
+    light.index = terminated->index_low[i];
+    light.trail = trail;
+    return light;
 }
 
 /* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
  * sums, pixels, what is returned: as in cml_score_light. */
 static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
-                                      int i, const struct cml_trail *trail, uint64_t *sums,
-                                      const struct cml_tally *pixels)
+                                      int i, const struct cml_exit *exit, const struct cml_trail *trail,
+                                      uint64_t *sums, const struct cml_tally *pixels)
 {
-    if (!cml_has_left(terminated->fate[i])) return 0;
+    if (!cml_has_left(exit)) return 0;
     const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
-    const struct cml_light_out light = cml_terminated_light(world, terminated, i, trail);
+    const struct cml_light_out light = cml_terminated_light(world, terminated, i, exit, trail);
     return cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
 }
 
 /* P18: packet i of the collection, whatever its end. detector: the first that has seen it, from 1. */
 static inline void cml_save_packet(const struct cml_world *world, const struct cml_terminated *terminated,
-                                   int i, int detector, const struct cml_trail *trail,
-                                   struct cml_saved_part *part)
+                                   int i, const struct cml_exit *exit, int detector,
+                                   const struct cml_trail *trail, struct cml_saved_part *part)
 {
     const struct cml_setup *setup = &world->setup;
-    const int fate = terminated->fate[i], below = fate == CML_FATE_TRANSMITTED;
-    if (!cml_has_left(fate) || (part->detected && !detector)) return;
+    if (!cml_has_left(exit) || (part->detected && !detector)) return;
     struct cml_saved_row *row = cml_saved_next(part);
     float *const length = (float *)(row + 1);
     uint32_t *const count = (uint32_t *)(length + part->media);
@@ -293,13 +299,14 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->touches = terminated->boundary_events[i];
     row->place[0] = (float)(terminated->exit_x[i] + setup->x0);
     row->place[1] = (float)(terminated->exit_y[i] + setup->y0);
-    row->place[2] = (float)(terminated->exit_z[i] + world->media[below ? setup->num_layers + 1 : 0].depth);
+    row->place[2] =
+        (float)(terminated->exit_z[i] + world->media[exit->down ? setup->num_layers + 1 : 0].depth);
     row->direction[0] = (float)terminated->ux[i];
     row->direction[1] = (float)terminated->uy[i];
     row->direction[2] = (float)terminated->uz[i];
     row->deepest = trail->deepest > -CML_INFINITY ? (float)trail->deepest : NAN;
     row->detector = (uint32_t)detector;
-    row->side = fate == CML_FATE_SPECULAR ? CML_SAVED_FRESH : below ? CML_SAVED_BOTTOM : CML_SAVED_TOP;
+    row->side = exit->fresh ? CML_SAVED_FRESH : exit->down ? CML_SAVED_BOTTOM : CML_SAVED_TOP;
     for (size_t m = 0; m < part->media; m++) {
         length[m] = (float)trail->stay[m].length;
         count[m] = trail->stay[m].interactions;
@@ -308,44 +315,46 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->optical = (float)cml_trail_path(world, trail);
 }
 
-/* P16: the rows of packet i of the collection, whatever its end. */
-static inline void cml_tally_row_places(const struct cml_world *world,
-                                        const struct cml_terminated *terminated, int i,
-                                        const struct cml_trail *trail, const struct cml_row_packet *rows)
+/* P16: the rows of packet i of the collection end with it, whatever its end. Scores of many rows: a function
+ * of its own, since few flights have rows. */
+__attribute__((noinline)) static void
+cml_tally_rows(const struct cml_world *world, const struct cml_terminated *terminated, int i,
+               const struct cml_exit *exit, const struct cml_trail *trail, const struct cml_row_packet *rows)
 {
     if (world->detection.num_detectors)
         cml_rows_place_split_off(world, rows, cml_terminated_index(terminated, i));
-    if (!cml_has_left(terminated->fate[i])) return;
-    const struct cml_light_out light = cml_terminated_light(world, terminated, i, trail);
-    cml_rows_place(world, rows, &light);
+    const struct cml_light_out light = cml_terminated_light(world, terminated, i, exit, trail);
+    cml_rows_end(world, rows, terminated->fate[i], exit, &light);
 }
 
-/* primitive: touched last; 0 on planes. trail: where somebody wants it. rows: of the packet; NULL: none. */
-static inline void cml_tally_places(const struct cml_world *world, const struct cml_terminated *terminated,
-                                    int i, int primitive, const struct cml_trail *trail,
+/* primitive: touched last; 0 on planes. trail: where somebody wants it. rows: of the packet; NULL: none. Rows
+ * restart the clock of a path whenever they are booked; the trail has the whole time. */
+static inline void cml_tally_places(const struct cml_world *world, struct cml_terminated *terminated, int i,
+                                    int primitive, const struct cml_trail *trail,
                                     const struct cml_row_packet *rows, const struct cml_tally *tally)
 {
     const struct cml_setup *setup = &world->setup;
+    if (rows && setup->gates.count && trail->stay) terminated->path[i] = (real)cml_trail_path(world, trail);
+    const struct cml_exit exit = cml_terminated_exit(setup, terminated, i);
     int detector = 0;
     if (tally->detector) {
         if (world->detection.split == CML_SPLIT_APART)
             cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detector, tally);
-        detector = cml_tally_detectors(world, terminated, i, trail, tally->detector, tally);
+        detector = cml_tally_detectors(world, terminated, i, &exit, trail, tally->detector, tally);
     }
-    if (rows) cml_tally_row_places(world, terminated, i, trail, rows);
-    if (tally->saved) cml_save_packet(world, terminated, i, detector, trail, tally->saved);
-    if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
-    if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
-    if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
-    if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
+    if (rows) cml_tally_rows(world, terminated, i, &exit, trail, rows);
+    if (tally->saved) cml_save_packet(world, terminated, i, &exit, detector, trail, tally->saved);
+    if (tally->Rd_dir && cml_has_left(&exit)) cml_tally_direction(setup, terminated, i, &exit, tally);
+    if (!(exit.up | exit.down)) return;
+    if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, &exit, tally);
+    if (tally->facets) cml_tally_escape(setup, terminated, i, &exit, primitive, tally);
 }
 
-/* Whether maps, facets, directions or detectors are scored, or gates of rows, or packets saved, for which
- * every packet must be looked at by itself. */
+/* Whether maps, facets, directions, detectors or rows are scored, or packets saved, for which every packet
+ * must be looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved ||
-           (tally->rows && tally->Rd_t);
+    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved || tally->rows;
 }
 
 /* P9: what is rare goes into the tally at once. */

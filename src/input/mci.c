@@ -11,6 +11,7 @@
 #include "input/mci_map.h"
 #include "input/mci_settings.h"
 #include "input/mci_medium.h"
+#include "input/mci_options.h"
 #include "scene/body/body_place.h"
 
 #include <stdlib.h>
@@ -73,7 +74,9 @@ static const struct {
     [CML_MCI_MAP] = {.read = cml_mci_map, .line = offsetof(struct cml_scene, map.line)},
     [CML_MCI_PHOTONS] = {.read = cml_mci_photons, .line = offsetof(struct cml_scene, saved.line)},
     [CML_MCI_FACETS] = {.line = offsetof(struct cml_scene, facets)},
-    [CML_MCI_FLUENCE] = {.read = cml_mci_fluence, .line = offsetof(struct cml_scene, fluence.line)},
+    [CML_MCI_FLUENCE] = {.keys = CML_KEYS_FLUENCE,
+                         .base = offsetof(struct cml_scene, fluence),
+                         .line = offsetof(struct cml_scene, fluence.line)},
     [CML_MCI_TIME] = {.keys = CML_KEYS_TIME,
                       .base = offsetof(struct cml_scene, time),
                       .line = offsetof(struct cml_scene, time.line)},
@@ -94,11 +97,14 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     }
     cml_mci_cut_comment(reader->cursor);
     if (run_lines[kind].read) return run_lines[kind].read(reader, scene);
-    if (run_lines[kind].keys != CML_KEYS_NONE)
-        return cml_mci_numbers(reader, word,
-                               CML_KEY_PARTS({run_lines[kind].keys, (char *)scene + run_lines[kind].base}));
     snprintf(text, sizeof text, "text after %s", word);
-    return cml_mci_end_line(reader, text);
+    if (run_lines[kind].keys == CML_KEYS_NONE) return cml_mci_end_line(reader, text);
+    struct cml_mci_line line = {
+        .reader = reader,
+        .owner = word,
+        .parts = CML_KEY_PARTS({run_lines[kind].keys, (char *)scene + run_lines[kind].base})};
+    CML_TRY(cml_mci_leading_numbers(reader, word, line.parts));
+    return cml_mci_options(&line);
 }
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the

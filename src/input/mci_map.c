@@ -20,16 +20,8 @@ cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_mci_fail_option(&line, "top", cml_mci_saw(&line, "top"), "volume beside it");
 }
 
-cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_scene *scene)
-{
-    struct cml_mci_line line = {
-        .reader = reader, .owner = "fluence", .parts = CML_KEY_PARTS({CML_KEYS_FLUENCE, &scene->fluence})};
-    return cml_mci_options(&line);
-}
-
 /* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
- * (kernels/marks.h).
- */
+ * (kernels/marks.h). As many bins of radius and gate are enough, too. */
 cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
@@ -42,6 +34,11 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
         snprintf(value, sizeof value, "%d %d %d", scene->nz, scene->nr, scene->time.gates);
         return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence time: nz nr gates",
                               value, "at most 1048576 bins of r, z and time, nz times nr times gates");
+    }
+    if (scene->time.radii && (scene->nr + 1.0) * (scene->time.gates + 1.0) > most) {
+        snprintf(value, sizeof value, "%d %d", scene->nr, scene->time.gates);
+        return cml_fail_field(reader->err, scene->file, scene->time.line, "time: nr gates", value,
+                              "at most 67108863 bins, (nr + 1) times (gates + 1)");
     }
     if (!scene->fluence.line || bins <= most) return CML_OK;
     snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);

@@ -8,8 +8,6 @@
 /* Reads the current line "map nx ny dx dy [angles] [volume] [top=z]", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-CML_NODISCARD cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_scene *scene);
-
 /* When the run's grid is known: refuses a fluence of too many bins. */
 CML_NODISCARD cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader,
                                                const struct cml_scene *scene);

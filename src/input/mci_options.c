@@ -23,10 +23,10 @@ const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
     return NULL;
 }
 
-/* "at=, z= or diffuse": all options that the line may have. */
+/* "at=, z= or diffuse": all options that the line may have, if any. */
 static cml_status fail_unknown(const struct cml_mci_line *line, const char *word)
 {
-    char list[200], *end = list, *last = list;
+    char list[200] = "the end of the line or a comment", *end = list, *last = list;
     for (const struct cml_key_part *part = line->parts; part->group != CML_KEYS_NONE; part++)
         for (const struct cml_key *key = cml_keys_of(part->group); key->group == part->group; key++) {
             if (!(key->use & CML_KEY_OPTION)) continue;

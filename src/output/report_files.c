@@ -306,6 +306,7 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_gr
                          2.0 * grid->na + 2.0 * (grid->num_layers + grid->num_bodies);
     const double asked = 6.0 * grid->nt * grid->np + /* three of directions, with errors */
                          2.0 * grid->detectors * (2.0 + grid->gates + (double)cml_tally_moments(grid)) +
+                         (grid->radii ? 4.0 * (grid->nr + 1.0) * (grid->gates + 1.0) : 0) +
                          (grid->marks > 0 ? 2.0 * (grid->nr + 1.0) * grid->nz : 0);
     const double line_of_detector = 250;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +

@@ -152,6 +152,7 @@ struct cml_map_def {
 struct cml_time_def {
     int gates;  /* 0: no time line */
     double end; /* ps */
+    bool radii; /* what leaves is wanted by radius and gate, too */
     int line;   /* of the .mci */
 };
 

@@ -19,16 +19,16 @@ const struct cml_array_info cml_arrays[CML_NUM_ARRAYS] = {
 
 static const enum cml_array
     of_tally[] = {_(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt), _(detector), _(detector_t), _(moments),
-                  _(expected), _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), _(phi_rzt), MAPS},
+                  _(expected), _(Rd_ra), _(Tt_ra), _(rows), _(A_rz), _(A_z), _(phi_rz), _(phi_rzt), _(Rd_rt), _(Tt_rt), MAPS},
     of_result[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(rows), MAPS, _(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a),
                    _(A_l), _(A_z), _(Rd_t), _(Rd_t_later), _(Tt_t), _(Tt_t_later), _(A_t), _(A_t_later), _(A_lt), _(A_lt_later),
                    _(detector), _(detector_t), _(detector_t_later), _(detector_path),
-                   _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z), _(phi_rzt), _(phi_rzt_later)},
+                   _(detector_interactions), _(detector_momentum), _(detector_deepest), _(expected), _(phi_rz), _(phi_z), _(phi_rzt), _(phi_rzt_later), _(Rd_rt), _(Rd_rt_later), _(Tt_rt), _(Tt_rt_later)},
     of_profiles[] = {_(totals), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_z), _(A_l), _(Rd_t), _(Tt_t), _(A_t), _(A_lt),
                      _(detector), _(detector_t), _(moments), _(expected)},
     of_row_bins[] = {_(terms), _(Rd_r), _(Tt_r), _(Rd_a), _(Tt_a), _(A_l), _(Rd_t), _(Tt_t), _(detector),
                      _(detector_t), _(moments), _(A_t), _(A_z)},
-    of_row_grids[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(Rd_dir), _(Tt_dir)};
+    of_row_grids[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(Rd_dir), _(Tt_dir), _(Rd_rt), _(Tt_rt)};
 
 struct cml_array_order cml_order_of(enum cml_holder holder)
 {
@@ -99,6 +99,7 @@ static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, 
     case CML_IF_GATES: return grid->gates > 0;
     case CML_IF_TIMES: return rows ? grid->row_times : grid->gates > 0 && (timed || grid->depths);
     case CML_IF_MEDIUM_TIMES: return cml_has_medium_times(grid) && !rows;
+    case CML_IF_RADII: return grid->radii && (holder != CML_OF_TALLY || !grid->of_thread);
     case CML_IF_MEANS: return !rows || grid->row_means;
     case CML_IF_FLUENCE: return grid->marks > 0;
     case CML_IF_OWNER: return holder != CML_OF_TALLY || !grid->of_thread;
@@ -127,7 +128,7 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     case CML_CELLS_pixel: return grid->map_once.step > 0;
     case CML_CELLS_detector_pixel: return grid->pixel_once.step > 0;
     case CML_CELLS_theta: return grid->direction_once.step > 0;
-    default: return grid->cell_errors;
+    default: return info->when == CML_IF_RADII ? grid->gate_errors : grid->cell_errors;
     }
 }
 

@@ -52,6 +52,7 @@ enum cml_array_when {
     CML_IF_DEPTHS,       /* the same by depth alone: a tally has it instead where threads share A_rz */
     CML_IF_TIMES,        /* absorption by time */
     CML_IF_MEDIUM_TIMES, /* the same by medium: of few enough cells, and not of rows */
+    CML_IF_RADII,        /* what leaves by radius and time; all threads share one */
     CML_IF_MEANS,        /* all detectors have moments, of rows of a sweep only if asked for */
     CML_IF_FLUENCE,
     CML_IF_OWNER /* all threads share one, which the tally of the first owns */
@@ -91,6 +92,14 @@ enum cml_array_when {
       "absorption by layer and time") \
     A(A_lt_later, medium, none, BY_BATCH, MEDIUM_TIMES, none, LAYERS, "1", OVER1(layer), H5, \
       "absorption by layer later than all gates") \
+    A(Rd_rt, r, gate, BY_GROUP, RADII, REFLECTED, ARRAY, "1/(cm2 ps)", OVER2(r, gate), H5, \
+      "diffuse reflectance by radius and time") \
+    A(Rd_rt_later, r, none, BY_GROUP, RADII, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "diffuse reflectance by radius, later than all gates") \
+    A(Tt_rt, r, gate, BY_GROUP, RADII, TRANSMITTED, ARRAY, "1/(cm2 ps)", OVER2(r, gate), H5, \
+      "transmittance by radius and time") \
+    A(Tt_rt_later, r, none, BY_GROUP, RADII, none, ARRAY, "1/cm2", OVER1(r), H5, \
+      "transmittance by radius, later than all gates") \
     A(phi_z, z, none, BY_BATCH, FLUENCE, none, ARRAY, "1", OVER1(z), H5, "fluence by depth, over all radii") \
     A(phi_rz, r, z, AS_BATCHES, FLUENCE, none, ARRAY, "1/cm2", OVER2(r, z), H5, "fluence by radius and depth") \
     A(phi_rzt, place, gate, BY_GROUP, OWNER, none, ARRAY, "1/(cm2 ps)", OVER3(r, z, gate), H5, \
@@ -169,6 +178,14 @@ enum cml_holder {
     CML_OF_ROW_BINS, /* of a batch, and of a row of a sweep or a score; in bins */
     CML_OF_ROW_GRIDS /* behind those of all batches */
 };
+
+/* Whether an array is a grid of radius and another axis: each group of packets has one, or all share one. */
+static inline bool cml_is_radial_grid(enum cml_array array)
+{
+    const struct cml_array_info *info = &cml_arrays[array];
+    return (info->axis[0] == CML_CELLS_r || info->axis[0] == CML_CELLS_place) &&
+           info->axis[1] != CML_CELLS_none && info->spread == CML_KEPT_BY_GROUP;
+}
 
 /* Where arrays begin in the block of cells of a holder, and how many cells there are. */
 struct cml_layout {

@@ -4,6 +4,6 @@
 
 #include "tally/tally.h"
 
-/* Sets cell_errors, voxel_step, facet_step, map_once, pixel_once and direction_once of a grid from its other
- * members but row_cells, which comes of them. */
+/* Sets cell_errors, gate_errors, voxel_step, facet_step, map_once, pixel_once and direction_once of a grid
+ * from its other members but row_cells, which comes of them. */
 void cml_tally_set_groups(struct cml_tally_grid *grid);

@@ -33,48 +33,65 @@ void cml_result_free(struct cml_result *result)
     *result = (struct cml_result){0};
 }
 
-/* The bin that cell number i counts in: the outermost ones have what lies beyond the axis. */
-static size_t bin_of(struct cml_extent axis, size_t i)
+/* Cell number i, in units of weight. */
+static cml_u128 cell_of(const struct cml_cell_source *from, size_t i)
 {
-    if (i < axis.before) return 0;
-    return i - axis.before < axis.bins ? i - axis.before : axis.bins - 1;
+    return from->narrow ? from->narrow[i] : from->unit * from->wide[i * from->stride];
 }
 
-/* What of a grid lies beyond its bins. Arrays over radius alone are margins of grids, which count. */
-static void book(struct cml_result *result, struct cml_extent rows, struct cml_extent columns, size_t row,
-                 size_t column, cml_u128 cell)
+/* Adds n cells, of which the first has the number `first`, to as many bins. Most are 0: a batch has few
+ * packets, and most groups get nothing in one range. Returns their sum. */
+static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_t n, cml_u128 *to)
 {
-    cml_u128 *balance = result->summary.balance;
-    if (row == rows.bins) balance[CML_BALANCE_OVERFLOW_R] += cell;
-    if (column < columns.before) balance[CML_BALANCE_ABOVE] += cell;
-    if (column >= columns.before + columns.bins) balance[CML_BALANCE_OVERFLOW_Z] += cell;
+    const uint64_t *narrow = from->narrow + first;
+    const cml_u128 *wide = from->wide + first * from->stride;
+    const size_t stride = from->stride;
+    cml_u128 sum = 0;
+    for (size_t i = 0; from->narrow && i < n; i++) {
+        while (i + 4 < n && !(narrow[i] | narrow[i + 1] | narrow[i + 2] | narrow[i + 3])) i += 4;
+        if (!narrow[i]) continue;
+        to[i] += narrow[i];
+        sum += narrow[i];
+    }
+    for (size_t i = 0; !from->narrow && i < n; i++, wide += stride) {
+        if (!*wide) continue;
+        const cml_u128 cell = from->unit * *wide;
+        to[i] += cell;
+        sum += cell;
+    }
+    return sum;
 }
 
-/* The only axis of an array is that of columns. Most cells are 0: most groups get nothing in one range. */
+/* Rows have no cell before the first bin, and rows and columns one behind the last at most. The only axis of
+ * an array is that of columns. Arrays over radius alone are margins of grids, whose cells
+ * beyond the bins count in the books. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
     const struct cml_array_info *info = &cml_arrays[array];
     const size_t *size = result->layout.size;
     if (!size[array]) return;
-    const bool one = info->axis[1] == CML_CELLS_none, grid = info->axis[0] == CML_CELLS_r && !one;
+    const bool one = info->axis[1] == CML_CELLS_none, gates = info->axis[one ? 0 : 1] == CML_CELLS_gate,
+               grid = info->spread == CML_KEPT_BY_GROUP && !gates;
     const struct cml_extent rows = cml_extent_of(&result->grid, info->axis[one ? 1 : 0], CML_OF_PROFILES),
                             columns = cml_extent_of(&result->grid, info->axis[one ? 0 : 1], CML_OF_PROFILES);
-    const size_t num_rows = cml_extent_cells(rows), num_columns = cml_extent_cells(columns),
-                 gates = info->axis[one ? 0 : 1] == CML_CELLS_gate ? columns.bins : num_columns;
-    const struct cml_cell_source source = *from;
-    cml_u128 *const to = result->array[array] + part * size[array];
-    for (size_t row = 0, i = 0; row < num_rows; row++)
-        for (size_t column = 0; column < num_columns; column++, i++) {
-            if (source.narrow ? !source.narrow[i] : !source.wide[i * source.stride]) continue;
-            const cml_u128 cell =
-                source.narrow ? source.narrow[i] : source.unit * source.wide[i * source.stride];
-            if (column >= gates)
-                result->array[array + 1][part * size[array + 1] + row] += cell;
-            else
-                to[bin_of(rows, row) * columns.bins + bin_of(columns, column)] += cell;
-            if (grid) book(result, rows, columns, row, column, cell);
-        }
+    const size_t num_rows = cml_extent_cells(rows), num_columns = cml_extent_cells(columns);
+    cml_u128 *const to = result->array[array] + part * size[array], *const balance = result->summary.balance;
+    for (size_t row = 0; row < num_rows; row++) {
+        const size_t first = row * num_columns, inside = first + columns.before, end = inside + columns.bins,
+                     bin = row < rows.bins ? row : rows.bins - 1;
+        cml_u128 *const line = to + bin * columns.bins;
+        const cml_u128 sum = add_line(from, inside, columns.bins, line),
+                       above = columns.before ? cell_of(from, first) : 0,
+                       behind = columns.behind ? cell_of(from, end) : 0;
+        line[0] += above;
+        *(gates ? &result->array[array + 1][part * size[array + 1] + bin] : &line[columns.bins - 1]) +=
+            behind;
+        if (!grid) continue;
+        if (row == rows.bins) balance[CML_BALANCE_OVERFLOW_R] += sum + above + behind;
+        balance[CML_BALANCE_ABOVE] += above;
+        balance[CML_BALANCE_OVERFLOW_Z] += behind;
+    }
 }
 
 /* A moment from the parts of which tallies keep it (CML_MOMENT_CELLS). */
@@ -173,10 +190,8 @@ static void add_grid(struct cml_result *result, enum cml_array array, const stru
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
-    add_grid(result, CML_ARRAY_Rd_ra, tally);
-    add_grid(result, CML_ARRAY_Tt_ra, tally);
-    add_grid(result, CML_ARRAY_A_rz, tally);
-    add_grid(result, CML_ARRAY_phi_rzt, tally);
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (cml_is_radial_grid((enum cml_array)i)) add_grid(result, (enum cml_array)i, tally);
     if (own->size[CML_ARRAY_phi_rz]) add_fluence(result, tally->phi_rz);
     add_sparse(result->cells + result->layout.Rd_xya, tally->cells + own->Rd_xya, own->cells - own->Rd_xya);
     add_rows(result->rows, tally->rows, own->size[CML_ARRAY_rows]);
@@ -351,7 +366,7 @@ static double error_by_groups(const struct cml_result *result, int groups, const
 {
     double of[CML_NUM_BATCHES], sum = 0, squares = 0, found = 0;
     const double photons = (double)result->photons;
-    for (int b = 0; b < groups; b++) sum += of[b] = as_number(sums[(size_t)b * n]);
+    for (int b = 0; b < groups; b++) sum += of[b] = sums[(size_t)b * n] ? as_number(sums[(size_t)b * n]) : 0;
     if (sum == 0) return photons > 1 ? 0 : NAN; /* most cells of a grid are dark */
     const double mean = sum / photons;
     for (int b = 0; b < groups; b++) {

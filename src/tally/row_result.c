@@ -132,6 +132,7 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
                                         .row_depths = flown->row_depths,
                                         .row_times = flown->row_times,
                                         .gates = flown->gates,
+                                        .radii = flown->radii,
                                         .nt = flown->derivatives ? 0 : flown->nt,
                                         .np = flown->np,
                                         .direction_once = flown->direction_once,
@@ -156,9 +157,8 @@ cml_status cml_row_result(const struct cml_result *flight, int number, struct cm
     const size_t grids = CML_NUM_BATCHES * row.at.cells;
     CML_TRY(take_batches(&row, err));
     take_launch(&row);
-    take(&row, CML_ARRAY_Rd_ra, 0, grids + row.grids.Rd_ra);
-    take(&row, CML_ARRAY_Tt_ra, 0, grids + row.grids.Tt_ra);
-    take(&row, CML_ARRAY_A_rz, 0, grids + row.grids.A_rz);
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (cml_is_radial_grid((enum cml_array)i)) take(&row, (enum cml_array)i, 0, grids + row.grids.at[i]);
     if (to->Rd_dir) take_directions(&row, grids + row.grids.Rd_dir);
     return CML_OK;
 }

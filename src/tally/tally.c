@@ -168,9 +168,9 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
     const struct cml_layout *own = &from->layout;
     add_cells(to->cells, from->cells, own->A_rz); /* what is before it, all have alike */
-    if (own->size[CML_ARRAY_A_rz]) add_cells(to->A_rz, from->A_rz, cells_of(own, CML_ARRAY_A_rz));
-    if (own->size[CML_ARRAY_phi_rz]) add_cells(to->phi_rz, from->phi_rz, cells_of(own, CML_ARRAY_phi_rz));
-    if (own->size[CML_ARRAY_phi_rzt]) add_cells(to->phi_rzt, from->phi_rzt, cells_of(own, CML_ARRAY_phi_rzt));
+    for (int i = 0; i < CML_NUM_ARRAYS; i++)
+        if (own->size[i] && own->at[i] >= own->A_rz && own->at[i] < own->Rd_xya && i != CML_ARRAY_A_z)
+            add_cells(to->array[i], from->array[i], cells_of(own, (enum cml_array)i));
     add_cells(to->cells + to->layout.Rd_xya, from->cells + own->Rd_xya, own->cells - own->Rd_xya);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];

@@ -16,11 +16,13 @@ struct cml_tally_grid {
     bool absorption;               /* A_rz is tallied; false: its cells do not exist */
     bool depths;                   /* A_z is tallied, of a thread that scores into an A_rz of others */
     bool cell_errors;              /* each group of photons has an A_rz, an Rd_ra and a Tt_ra of its own */
+    bool gate_errors;              /* and an Rd_rt and a Tt_rt */
     size_t voxel_step, facet_step; /* the same of A_xyz, and of facets: cells from those of a group to those
                                     * of the next; 0: groups share them */
     struct cml_once map_once, pixel_once, direction_once; /* of Rd_xya and Tt_xya, of detectors that are maps,
                                                            * of Rd_dir to Rsp_dir */
-    int gates; /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
+    int gates;  /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
+    bool radii; /* Rd_rt and Tt_rt are tallied; only with gates */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
     int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
@@ -109,4 +111,8 @@ static inline size_t cml_rz_cells(const struct cml_tally_grid *grid)
 static inline size_t cml_ra_cells(const struct cml_tally_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
+}
+static inline size_t cml_rt_cells(const struct cml_tally_grid *grid)
+{
+    return ((size_t)grid->nr + 1) * ((size_t)grid->gates + 1);
 }

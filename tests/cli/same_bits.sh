@@ -15,7 +15,7 @@ result() { # scene, then options: prints a checksum of all lines but the time
 timed=$(mktemp -d)
 trap 'rm -rf "$scratch" "$timed"' EXIT
 # a fluence of so many bins that threads share it
-sed "s/^90 200 1/90 400 1/; s/^\(.*# nz, nr, na\)/\1\ntime 100 200\ndirections 9 12\nfluence\ndetector ring 0.1 2 na=0.6\ndetector disk 1 side=bottom/; s#\"\.\./meshes#\"$PWD/meshes#" samples/mixed.mci >"$timed/mixed.mci"
+sed "s/^90 200 1/90 400 1/; s/^\(.*# nz, nr, na\)/\1\ntime 100 200 radii\ndirections 9 12\nfluence\ndetector ring 0.1 2 na=0.6\ndetector disk 1 side=bottom/; s#\"\.\./meshes#\"$PWD/meshes#" samples/mixed.mci >"$timed/mixed.mci"
 grep -q "^time" "$timed/mixed.mci" && grep -q "^90 400" "$timed/mixed.mci"
 
 for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci "$timed/mixed.mci"; do

@@ -170,7 +170,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         set_detectors(&list.scenes[i], true);
         if (i == 0 && timeless && !strstr(path, "shapes/"))
             compare_scores(&list.scenes[i], kind, photons / 16);
-        list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
+        list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20, .radii = true};
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         compare_rows(&list.scenes[i], kind, photons / 4);
         list.scenes[i].directions = (struct cml_directions_def){0};

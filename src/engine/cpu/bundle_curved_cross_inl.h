@@ -42,7 +42,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
     if (b->stay) cml_leave_lane(f, i, to, p.z);
     const struct cml_termination end = {
         .index = cml_lane_index(b, i),
-        .fate = to == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED,
+        .fate = cml_fate_outside(1, to == 0),
         .cause = CML_LOST_NOT,
         .w = b->w[i],
         .interactions = b->interactions[i],

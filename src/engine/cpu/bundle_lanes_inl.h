@@ -296,34 +296,23 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     const struct cml_setup *setup = &f->world->setup;
     const struct cml_terminated *terminated = &f->terminated;
     const struct cml_layout *begin = &f->tally->profile;
-    const int fate = terminated->fate[at], up = fate == CML_FATE_REFLECTED;
+    const struct cml_exit exit = cml_terminated_exit(setup, terminated, at);
+    const int up = exit.up;
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
     const cml_u64 index = cml_lane_index(f->b, i);
-    row[CML_TOTAL_SPECULAR] +=
-        (cml_is_branch(index) ? 0u : setup->specular) + (fate == CML_FATE_SPECULAR ? w : 0u);
+    row[CML_TOTAL_SPECULAR] += (cml_is_branch(index) ? 0u : setup->specular) + (exit.fresh ? w : 0u);
     if (f->tally->detector) {
         cml_score_split_off(f->world, index, 1, row + begin->detector, NULL);
-        cml_tally_detectors(f->world, terminated, at, trail, row + begin->detector, NULL);
+        cml_tally_detectors(f->world, terminated, at, &exit, trail, row + begin->detector, NULL);
     }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
     row[begin->A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
-    if (!up && fate != CML_FATE_TRANSMITTED) return;
+    if (!(up | exit.down)) return;
     row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
-    row[(up ? begin->Rd_r : begin->Tt_r) +
-        (size_t)cml_radial_bin(setup, terminated->exit_x[at], terminated->exit_y[at])] += w;
-    row[(up ? begin->Rd_a : begin->Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
-    if (setup->gates.count)
-        row[(up ? begin->Rd_t : begin->Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
-}
-
-/* P16: the rows of a lane's packet, whose deposits have been booked, end with it. */
-__attribute__((noinline)) static void cml_end_lane_rows(const struct cml_flight *f, int i, int fate,
-                                                        cml_u32 w, real x, real y, real uz)
-{
-    const struct cml_row_packet rows = cml_lane_rows(f, i);
-    cml_rows_backing(&rows, f->b->w[i], w);
-    cml_rows_end(&f->world->setup, &rows, fate, w, x, y, uz);
+    row[(up ? begin->Rd_r : begin->Tt_r) + (size_t)exit.r] += w;
+    row[(up ? begin->Rd_a : begin->Tt_a) + (size_t)exit.alpha] += w;
+    if (setup->gates.count) row[(up ? begin->Rd_t : begin->Tt_t) + (size_t)exit.gate] += w;
 }
 
 /* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
@@ -335,9 +324,8 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     cml_flush_deposits(f, i);
     struct cml_row_packet rows;
     if (f->factors) {
-        cml_end_lane_rows(f, i, end.fate, end.w, end.exit_x, end.exit_y, end.uz);
-        end.path = f->b->path[i]; /* it begins anew where rows are booked */
         rows = cml_lane_rows(f, i);
+        cml_rows_backing(&rows, f->b->w[i], end.w);
     }
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;

@@ -104,12 +104,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
-        const int outer_fate = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
-        fate[k] = b->entered[first + k] ? outer_fate : CML_FATE_SPECULAR;
-    }
-    for (cml_u32 rest = f->factors ? exits : 0; rest; rest &= rest - 1) {
-        const int k = __builtin_ctz(rest), i = first + k;
-        cml_end_lane_rows(f, i, fate[k], b->w[i], b->x[i], b->y[i], b->uz[i]);
+        fate[k] = cml_fate_outside(b->entered[first + k], b->uz[first + k] < 0);
     }
     cml_group_pack(deposit, exits, terminated->deposit + at);
     cml_group_pack(fate, exits, terminated->fate + at);

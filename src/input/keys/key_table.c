@@ -138,6 +138,7 @@ const struct cml_key cml_key_table[] = {
     ROW(FLUENCE, "time", NULL, FLAG, OPT, fluence_def, times, NULL, 0, 0, NULL, "by the gates of `time`, too"),
     ROW(TIME, "end", "T1", REAL, POS | JSON, time_def, end, "a time", 1e-6, 1e12, "ps", "end of the last gate but the one for all that is later"),
     ROW(TIME, "gates", "number of gates", INT, POS | JSON, time_def, gates, COUNT, 1, 100000, NULL, "gates from 0 to the end, all as long"),
+    ROW(TIME, "radii", NULL, FLAG, OPT | JSON, time_def, radii, NULL, 0, 0, NULL, "what leaves also by radius and gate"),
     ROW(DIRECTIONS, "nt", "NT", INT, POS | JSON, directions_def, nt, COUNT, 1, 3600, NULL, "bins of the angle from the outward vertical"),
     ROW(DIRECTIONS, "np", "NP", INT, POS | JSON, directions_def, np, COUNT, 1, 3600, NULL, "bins of the azimuth of flight"),
     ROW(SAVED, "detected", NULL, FLAG, OPT, saved_def, detected, NULL, 0, 0, NULL, "only packets that some `detector` sees"),

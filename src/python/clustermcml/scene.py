@@ -187,6 +187,7 @@ class Map:
 @dataclass
 class Time:
     """Gates of time: n of them from 0 to end [ps], all as long. What comes later is counted as such.
+    radii: each gate also has the scene's radial bins.
 
     >>> Time(end=2000, n=200).line()
     'time 2000 200'
@@ -194,13 +195,15 @@ class Time:
 
     end: float
     n: int
+    radii: bool = False
 
     def __post_init__(self) -> None:
         errors.above_zero("Time.end", self.end)
         errors.whole("Time.n", self.n, 1, 100_000)
+        errors.flag("Time.radii", self.radii)
 
     def line(self) -> str:
-        return f"time {shortest(self.end)} {int(self.n)}"
+        return f"time {shortest(self.end)} {int(self.n)}" + " radii" * self.radii
 
 
 @dataclass

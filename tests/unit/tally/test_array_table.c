@@ -13,6 +13,7 @@ static const struct cml_tally_grid of_all = {.nr = 3,
                                              .num_bodies = 1,
                                              .absorption = true,
                                              .gates = 6,
+                                             .radii = true,
                                              .nx = 7,
                                              .ny = 2,
                                              .map_na = 2,
@@ -53,6 +54,10 @@ static const size_t sizes[CML_NUM_ARRAYS][5] = {
     [CML_ARRAY_Tt_t_later] = {0, 1, 0, 0, 0},
     [CML_ARRAY_A_t] = {7, 6, 7, 7, 0},
     [CML_ARRAY_A_t_later] = {0, 1, 0, 0, 0},
+    [CML_ARRAY_Rd_rt] = {4 * 7, 3 * 6, 0, 0, 4 * 7},
+    [CML_ARRAY_Rd_rt_later] = {0, 3, 0, 0, 0},
+    [CML_ARRAY_Tt_rt] = {4 * 7, 3 * 6, 0, 0, 4 * 7},
+    [CML_ARRAY_Tt_rt_later] = {0, 3, 0, 0, 0},
     [CML_ARRAY_phi_z] = {0, 4, 0, 0, 0},
     [CML_ARRAY_phi_rz] = {4 * 6, 3 * 4, 0, 0, 0},
     [CML_ARRAY_phi_rzt] = {3 * 4 * 7, 3 * 4 * 6, 0, 0, 0},
@@ -104,7 +109,7 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(tally.expected, 5 + 3 * 7 + 2 + 14 + 96);
     assert_int_equal(tally.Rd_ra, tally.expected + 3);
     assert_int_equal(tally.A_rz, tally.Rd_ra + 2 * 16 * 8 + 77);
-    assert_int_equal(tally.Rd_xya, tally.A_rz + 16 * 24 + 64 * 24 + 16 * 84);
+    assert_int_equal(tally.Rd_xya, tally.A_rz + 16 * 24 + 64 * 24 + 16 * 84 + 2 * 16 * 28);
     assert_int_equal(tally.cells - tally.Rd_xya, result.totals - result.Rd_xya);
     assert_int_equal(result.Rd_ra, 0);
     assert_int_equal(result.Tt_ra, 16 * 6);
@@ -113,7 +118,7 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(result.A_t_later, result.A_l + 64 * (5 + 4 + 7 + 7 + 6));
     assert_int_equal(result.detector_path, result.A_t_later + 64 * (1 + 2 + 12 + 2));
     assert_int_equal(result.phi_z, result.detector_path + 64 * (32 + 3 + 12));
-    assert_int_equal(result.cells, result.phi_z + 64 * 4 + 16 * (72 + 12));
+    assert_int_equal(result.cells, result.phi_z + 64 * 4 + 16 * (72 + 12) + 2 * 16 * (18 + 3));
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].squares, 60);
     assert_int_equal(result.once[CML_ARRAY_Tt_xya].step, 0);
     assert_int_equal(result.once[CML_ARRAY_Tt_dir].step, 24);
@@ -147,6 +152,7 @@ static struct cml_tally_grid random_grid(struct dice *dice)
                                 .num_bodies = dice_below(dice, 2),
                                 .absorption = dice_below(dice, 2),
                                 .gates = dice_below(dice, 2) * dice_below(dice, 5),
+                                .radii = dice_below(dice, 2),
                                 .nx = dice_below(dice, 3),
                                 .ny = 1,
                                 .map_na = 1 + dice_below(dice, 2),
@@ -203,12 +209,40 @@ static void threads_borrow_what_they_have_not(void **state)
     struct cml_tally owner = make_tally(&of_all), thread = make_tally(&of);
     cml_tally_borrow(&thread, &owner);
     for (int i = 0; i < CML_NUM_ARRAYS; i++) {
-        const bool shared = cml_arrays[i].when == CML_IF_OWNER;
+        const bool shared = cml_arrays[i].when == CML_IF_OWNER || cml_arrays[i].when == CML_IF_RADII;
         assert_int_equal(thread.layout.size[i], shared ? 0 : owner.layout.size[i]);
         assert_int_equal(thread.array[i] == owner.array[i], shared || !owner.array[i]);
     }
     cml_tally_free(&thread);
     cml_tally_free(&owner);
+}
+
+/* Gates lie side by side: radius and gate of a cell decide where its weight comes to. What lies beyond the
+ * last radius is in the last bin, what is later than all gates in the array behind. */
+static void radii_have_gates_side_by_side(void **state)
+{
+    (void)state;
+    const size_t nr = 3, gates = 6, group = 5;
+    struct cml_result result;
+    struct cml_error err;
+    struct cml_tally_grid of = of_all;
+    cml_tally_set_groups(&of);
+    struct cml_tally tally = make_tally(&of);
+    assert_int_equal(cml_result_create(&of, 64, &result, &err), CML_OK);
+    uint64_t *cells = tally.Tt_rt + group * (nr + 1) * (gates + 1);
+    for (size_t r = 0; r <= nr; r++)
+        for (size_t t = 0; t <= gates; t++) cells[r * (gates + 1) + t] = 100 * r + t;
+    cml_result_add(&result, &tally);
+    for (size_t r = 0; r < nr; r++)
+        for (size_t t = 0; t <= gates; t++) {
+            const cml_u128 found =
+                t < gates ? result.Tt_rt[(group * nr + r) * gates + t] : result.Tt_rt_later[group * nr + r];
+            assert_true(found == 100 * r + t + (r + 1 == nr ? 100 * nr + t : 0));
+        }
+    assert_true(result.Rd_rt[group * nr * gates + 1] == 0 &&
+                result.summary.balance[CML_BALANCE_OVERFLOW_R] == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
 }
 
 int main(void)
@@ -219,6 +253,7 @@ int main(void)
         cmocka_unit_test(places_are_those_of_checkpoints),
         cmocka_unit_test(arrays_fill_their_block_and_share_no_cell),
         cmocka_unit_test(threads_borrow_what_they_have_not),
+        cmocka_unit_test(radii_have_gates_side_by_side),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

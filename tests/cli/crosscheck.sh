@@ -5,22 +5,24 @@
 expect_code 0 devices
 grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
 
-checked=0
+checked=0 turn=0
 for sample in samples/*.mci samples/shapes/*.mci; do
     grep -q '^\(#@ \)\?\(m\|i "\)' "$sample" && continue
-    photons=4e3
+    turn=$(((turn + 1) % 2)) # every second one, or all where the environment has ALL_CASES
+    test $turn = 1 || test -n "${ALL_CASES:-}" || continue
+    photons=${ALL_CASES:+4e3}
     case $sample in
         */skin7.mci | */thick.mci | */fig7text.mci) photons=1e3 ;;
     esac
-    expect_code 0 crosscheck "$sample" --photons $photons
+    expect_code 0 crosscheck "$sample" --photons "${photons:-1e3}"
     grep -q '^opencl against .*: agree$' "$work/out" || complain "$sample: $(cat "$work/out")"
     grep -q 'residue [^0]' "$work/out" && complain "$sample: $(cat "$work/out")"
     checked=$((checked + 1))
 done
-test "$checked" -ge 14 || complain "only $checked samples were checked"
+test "$checked" -ge 7 || complain "only $checked samples were checked"
 
 # Packets of planes start as those of a mesh: in a mesh without heights every one has the same fate, whatever the seed.
-for seed in 1 2 3 4 5 6; do
+for seed in 1 2 ${ALL_CASES:+3 4 5 6}; do
     expect_code 0 crosscheck samples/shapes/flat50.mci --photons 1e4 --seed $seed
     grep -q 'equal fates and steps: 100 % (0 of 10000 packets differ; another geometry)' "$work/out" ||
         complain "flat50, seed $seed: $(cat "$work/out")"

@@ -2,6 +2,7 @@
 or the last one, with an older result in the folder or without. Where a result cannot be written the exit code is 5 and
 one line names the file; what stood there stays, nothing half written does, and --resume brings the bytes of the run
 without faults. A checkpoint that cannot be written is noted, and the run goes on. Short writes are no failure.
+Every third of these failures is tried, and all where the environment has ALL_CASES.
 
 Shares all of the program with what it judges, but for the fault. Standard library only."""
 import errno
@@ -103,13 +104,16 @@ def read_only(folder):
 def main():
     complaints, number = [], 0
     with Folder() as folder:
-        for aim in aims(folder):
+        tried = list(aims(folder))[::1 if "ALL_CASES" in os.environ else 3]
+        for aim in tried:
             complaints += fail(folder, number, aim)
             number += 1
+        if {aim[0] for aim in tried} != set(REASONS):
+            complaints.append("a kind of call is missing")
         complaints += stopped(folder) + read_only(folder)
     print(f"{number} failing calls")
     print("\n".join("FAILED " + complaint for complaint in complaints))
-    sys.exit(1 if complaints or number < 50 else 0)
+    sys.exit(1 if complaints or number < 15 else 0)
 
 
 main()

@@ -3,9 +3,10 @@ that stands under the name of a result afterwards is that of a run without fault
 means that all of them are those of a run without faults; else the exit code is 5, and one line names the file and says why.
 Nothing temporary is left. A link that takes the place of a temporary .h5 file is not followed.
 
-WHOLE=1: all of these calls, each in both ways; else the first and last ones on each file, in turns. Shares all of the
+WHOLE=1: all of these calls, each in both ways; else a third of the first and last ones on each file, in turns. Shares all of the
 program with what it judges, but for the fault. Standard library only."""
 import errno
+import itertools
 import os
 import re
 import shutil
@@ -156,9 +157,10 @@ def main():
     with tempfile.TemporaryDirectory() as root:
         root = os.path.realpath(root)
         prepare(root)
-        for name, (before, command) in WORK.items():
+        whole = "WHOLE" in os.environ
+        for first, (name, (before, command)) in enumerate(WORK.items()):
             work = Work(root, before, command)
-            for fault in work.faults("WHOLE" in os.environ):
+            for fault in itertools.islice(work.faults(whole), 0 if whole else first % 3, None, 1 if whole else 3):
                 left, wrong, texts = work.judge(*fault)
                 failed[fault[0]] += 1
                 published += len(left)
@@ -168,7 +170,7 @@ def main():
                 complaints.append("a link that took the place of small.h5.tmp was followed")
     print(", ".join(f"{count} {call}" for call, count in failed.items()) + f" failed: {published} results published, {different} different")
     print("\n".join("FAILED " + complaint for complaint in complaints))
-    sys.exit(1 if complaints or sum(failed.values()) < 100 else 0)
+    sys.exit(1 if complaints or min(failed.values()) < 5 else 0)
 
 
 main()

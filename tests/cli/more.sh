@@ -45,7 +45,7 @@ done
 
 # Stopped in the middle, and continued; a second extension instead is refused.
 rm -f "$work"/one/* "$work"/more/*
-more=$((${MORE:-1000000}))
+more=$((${MORE:-400000}))
 expect_code 0 samples/thick.mci --photons 1e4 --keep --quiet -o "$work/more"
 "$program" samples/thick.mci --more $more --quiet -o "$work/more" --chunk 64 2>"$work/err" &
 run=$!

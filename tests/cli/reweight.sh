@@ -105,14 +105,14 @@ test "$(sed 's/.*"row":\([0-9]*\),.*"residue":\([0-9.]*\)[,}].*/\1:\2/' "$work/o
     complain "--json: $(cut -c1-300 "$work/out")"
 
 # Stopped and resumed, with gates and detectors.
-expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/whole" --photons 300000 --quiet
-"$program" "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet 2>"$work/err" &
+expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/whole" --photons 100000 --quiet
+"$program" "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 100000 --quiet 2>"$work/err" &
 sleep 0.3
 kill -TERM $!
 wait $! && echo "the run was faster than the signal"
-expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
+expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 100000 --quiet --resume
 same_rows "$work/whole" "$work/stopped" "resumed"
-expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
+expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 100000 --quiet --resume
 same_rows "$work/whole" "$work/stopped" "resumed again"
 test -z "$(ls "$work/stopped" | grep 'old$')" || complain "resumed again: left $(ls "$work/stopped")"
 

@@ -2,6 +2,7 @@
 before the first such call and after the last one, and in the middle of a write; with an older result in the folder
 or without. What stands under a final name is then a whole file, old or new; --resume on other threads or ranks, or a
 run from the beginning, leaves the bytes of the run that nobody stopped, and nothing else.
+Every third of these kills is tried, and all where the environment has ALL_CASES.
 
 Shares all of the program with what it judges, but for the kill. Standard library only."""
 import os
@@ -56,7 +57,7 @@ def main():
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     complaints, number = [], 0
     with Folder() as folder:
-        for aim in aims(folder):
+        for aim in list(aims(folder))[::1 if "ALL_CASES" in os.environ else 3]:
             complaints += kill(folder, number, aim)
             number += 1
         for aim in [("rename", 1, "before", "skinmap.h5"), ("write", 3, "half", "skinmap.volume.vti.tmp")]:
@@ -64,7 +65,7 @@ def main():
             number += 1
     print(f"{number} kills")
     print("\n".join("FAILED " + complaint for complaint in complaints))
-    sys.exit(1 if complaints or number < 60 else 0)
+    sys.exit(1 if complaints or number < 15 else 0)
 
 
 main()

@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
@@ -126,18 +127,23 @@ def same(verdict, what, one, other):
 
 
 def stopped(verdict, path, folder):
-    """A run that is asked to stop, again and again, until it is done."""
-    stops = 0
-    for again in range(1, 40):
-        process = subprocess.Popen([cml.PROGRAM, path, "--resume", "--quiet", "--threads", "1", "-o", folder], stderr=subprocess.PIPE)
+    """A run that is asked to stop behind its next checkpoint, twice, and then flies to its end."""
+    def checkpoint():
         try:
-            process.communicate(timeout=0.15 * again)
-        except subprocess.TimeoutExpired:
+            return os.stat(os.path.join(folder, "out.mco.checkpoint")).st_ino
+        except FileNotFoundError:
+            return None
+
+    stops = 0
+    for asked in (True, True, False):
+        before = checkpoint()
+        process = subprocess.Popen([cml.PROGRAM, path, "--resume", "--checkpoint", "0.02", "--quiet", "--threads", "1", "-o", folder], stderr=subprocess.PIPE)
+        while asked and checkpoint() == before and process.poll() is None:
+            time.sleep(0.005)
+        if asked:
             process.send_signal(signal.SIGINT)
-            process.communicate()
+        process.communicate()
         stops += process.returncode == 75
-        if process.returncode == 0:
-            break
     verdict.check("--resume", process.returncode == 0 and stops > 0, f"ended with {process.returncode} after {stops} stops")
 
 

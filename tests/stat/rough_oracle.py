@@ -265,7 +265,7 @@ def drawn_scene(number):
 
 def main():
     whole, chosen = sys.argv[1:2] == ["long"], sys.argv[3:]
-    packets = int(float(sys.argv[2])) if len(sys.argv) > 2 else 2000000 if whole else cml.repeats(400000)
+    packets = int(float(sys.argv[2])) if len(sys.argv) > 2 else 2000000 if whole else cml.repeats(200000)
     scenes = [(scene, packets) for scene in written_scenes()]
     scenes += [(drawn_scene(i), packets // 5) for i in range(60)] if whole else []
     verdict, squares = cml.Verdict("rough boundaries"), []

@@ -283,37 +283,44 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
  * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores,
  * errors of all, an area and numbers; a body has its medium and its line of text. What grows may be copied
  * while it is small. */
-static double image_bytes(const struct cml_tally_grid *grid, double cells)
+static double image_bytes(const struct cml_tally_grid *grid, double numbers)
 {
     const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
     const double voxels =
         pixels * grid->nz * (grid->volume * (grid->voxel_step ? 2 : 1) + 2 * grid->phi_volume);
-    const double bytes = 2 * cells * sizeof(double) +
+    const double bytes = 2 * numbers * sizeof(double) +
                          4 * pixels * (1.0 + (grid->map_na > 1 ? grid->map_na : 0)) * sizeof(float) +
                          2 * (double)grid->detector_pixels * sizeof(float) + voxels * sizeof(float) +
                          80.0 * (double)grid->facets + 320.0 * grid->num_bodies;
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 
-/* The .mco's arrays in double precision, its text, and the writers' buffers. A boundary or a body has a line
+/* Numbers of all quantities that are held as a whole; each has an error. MCML's arrays of absorption are
+ * always there. */
+static double numbers_of(const struct cml_tally_grid *grid)
+{
+    const struct cml_layout layout = cml_layout_of(grid, CML_OF_RESULT);
+    double numbers = grid->absorption ? 0 : ((double)grid->nr + 1) * grid->nz;
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_quantities[i].estimator >= CML_FROM_LAYERS && cml_quantities[i].estimator <= CML_FROM_MEANS)
+            numbers += (double)layout.size[cml_quantities[i].sums];
+    return numbers;
+}
+
+/* Quantities in double precision, the .mco's text, and the writers' buffers. A boundary or a body has a line
  * in the .mco and one in the JSON record, of which the longer counts; a stream in memory that grows holds
  * three times its text [glibc, libio/strops.c: doubled, and copied]. Media, and what bodies receive, have
  * room there: the text is held once. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 250;
-    const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
-                         2.0 * grid->na + 2.0 * (grid->num_layers + grid->num_bodies);
-    const double asked = 6.0 * grid->nt * grid->np + /* three of directions, with errors */
-                         2.0 * grid->detectors * (2.0 + grid->gates + (double)cml_tally_moments(grid)) +
-                         (grid->radii ? 4.0 * (grid->nr + 1.0) * (grid->gates + 1.0) : 0) +
-                         (grid->marks > 0 ? 2.0 * (grid->nr + 1.0) * grid->nz : 0);
+    const double numbers = numbers_of(grid);
     const double line_of_detector = 250;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +
                              line_of_detector * grid->detectors);
     const struct cml_report_asks asks = asks_of(grid);
     const bool image = wants_fields(scene, &asks);
     const double rows = 1.01 * cml_saved_file_bytes(&grid->saved) + 8.0 * (double)grid->saved.limit;
-    return (cells + asked) * sizeof(double) + text + 8.0 * 1048576 +
-           fmax(image ? image_bytes(grid, cells + asked / 2) : 0, rows);
+    return 2 * numbers * sizeof(double) + text + 8.0 * 1048576 +
+           fmax(image ? image_bytes(grid, numbers) : 0, rows);
 }

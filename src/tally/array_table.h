@@ -204,6 +204,12 @@ struct cml_layout {
 };
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder);
 
+/* Cells of an array in all its parts: groups, batches, or sums and squares. */
+static inline size_t cml_layout_cells(const struct cml_layout *layout, enum cml_array array)
+{
+    return layout->size[array] * layout->parts[array];
+}
+
 /* The arrays of a holder in the order of its cells. */
 struct cml_array_order {
     int count;

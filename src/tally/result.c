@@ -238,17 +238,11 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* Cells of an array in all its parts. */
-static size_t cells_of(const struct cml_result *result, enum cml_array array)
-{
-    return result->layout.size[array] * result->layout.parts[array];
-}
-
 /* The imbalance of all facets, both sides together: what arrives minus what leaves, or a backing keeps. */
 static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;
-    for (size_t i = 0; i < cells_of(result, CML_ARRAY_facets); i += CML_FACET_SCORES) {
+    for (size_t i = 0; i < cml_layout_cells(&result->layout, CML_ARRAY_facets); i += CML_FACET_SCORES) {
         const cml_u128 *score = result->facets + i;
         in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
         out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
@@ -269,7 +263,9 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
     if (info->term == CML_NO_TERM || !size || (samples && result->grid.row_depths)) return 0;
     for (size_t part = 0; part < (step ? layout->parts[array] : 1); part++)
         sum += sum_of(result->array[array] + part * step, size);
-    if (gates) sum += sum_of(result->array[array + 1], cells_of(result, (enum cml_array)(array + 1)));
+    if (gates)
+        sum +=
+            sum_of(result->array[array + 1], cml_layout_cells(&result->layout, (enum cml_array)(array + 1)));
     return difference(sum, result->summary.balance[info->term]);
 }
 

@@ -16,21 +16,15 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* Cells of an array in all its groups or batches. */
-static size_t cells_of(const struct cml_layout *layout, enum cml_array array)
-{
-    return layout->size[array] * layout->parts[array];
-}
-
 /* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
     const struct cml_layout whole = cml_layout_of(grid, CML_OF_TALLY);
     small.of_thread = true;
-    small.depths = cells_of(&whole, CML_ARRAY_A_rz) > CML_THREAD_CELLS;
+    small.depths = cml_layout_cells(&whole, CML_ARRAY_A_rz) > CML_THREAD_CELLS;
     if (small.depths) small.absorption = false;
-    if (cells_of(&whole, CML_ARRAY_phi_rz) > CML_THREAD_FLUENCE) small.marks = 0;
+    if (cml_layout_cells(&whole, CML_ARRAY_phi_rz) > CML_THREAD_FLUENCE) small.marks = 0;
     return small;
 }
 
@@ -170,7 +164,7 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     add_cells(to->cells, from->cells, own->A_rz); /* what is before it, all have alike */
     for (int i = 0; i < CML_NUM_ARRAYS; i++)
         if (own->size[i] && own->at[i] >= own->A_rz && own->at[i] < own->Rd_xya && i != CML_ARRAY_A_z)
-            add_cells(to->array[i], from->array[i], cells_of(own, (enum cml_array)i));
+            add_cells(to->array[i], from->array[i], cml_layout_cells(own, (enum cml_array)i));
     add_cells(to->cells + to->layout.Rd_xya, from->cells + own->Rd_xya, own->cells - own->Rd_xya);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];

@@ -222,7 +222,7 @@ static void gates_are_kept_by_batch_and_balance(void **state)
     tally.Rd_t[1] = 1;
     tally.Rd_t[3] = 2;
     tally.Tt_t[2] = 4;
-    tally.A_t[0] = 8;
+    tally.A_t[0] = tally.A_lt[4] = 8; /* gate 0 of medium 1 */
     tally.balance[CML_BALANCE_LAUNCHED] = 15;
     tally.balance[CML_BALANCE_REFLECTED] = tally.Rd_ra[0] = 3;
     tally.balance[CML_BALANCE_TRANSMITTED] = tally.Tt_ra[0] = 4;
@@ -230,8 +230,10 @@ static void gates_are_kept_by_batch_and_balance(void **state)
     add_to_batch(&result, 7, &tally);
     assert_true(result.Rd_t[7 * 3 + 1] == 1 && result.Rd_t[7 * 3 + 2] == 0 && result.Rd_t_later[7] == 2);
     assert_true(result.Tt_t[7 * 3 + 2] == 4 && result.A_t[7 * 3] == 8 && result.A_t_later[7] == 0);
+    assert_true(result.A_lt[7 * result.layout.size[CML_ARRAY_A_lt] + 3] == 8 && result.A_lt_later[7] == 0);
     cml_u128 *const cells[] = {&result.Rd_t[0],       &result.Rd_t_later[63], &result.Tt_t[7],
-                               &result.Tt_t_later[0], &result.A_t[191],       &result.A_t_later[1]};
+                               &result.Tt_t_later[0], &result.A_t[191],       &result.A_t_later[1],
+                               &result.A_lt[0],       &result.A_lt_later[0]};
     assert_every_cell_counts(&result, cells, COUNT(cells));
     cml_tally_free(&tally);
     cml_result_free(&result);

@@ -28,10 +28,6 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
-/* Derivatives, where the run has scores. The sizes of *o are set. CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report, struct cml_outcome *o,
-                                                struct cml_error *err);
-
 /* What came to each body's surface from outside and from inside, and left it to either side; nothing without
  * facets. */
 CML_NODISCARD cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *outcome,

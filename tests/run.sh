@@ -1,8 +1,8 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
 # all tests but the long ones; then the unit tests and all samples again under clang with the address and undefined
-# behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some five seconds, and the program
-# without MPI. 20 to 35 minutes on two cores.
+# behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some seconds, and the program
+# without MPI. Some 25 minutes on two free cores.
 #
 #     sh tests/run.sh          all of that
 #     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)
@@ -46,9 +46,9 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
 # By number, not by time, so that a change is judged by the same inputs on any machine; beside the flights, as each fuzzer
 # has one thread.
 {
-    bash tests/fuzz/run.sh runs=8000 fly
-    bash tests/fuzz/run.sh runs=100000 mci obj heightmap options checkpoint sweep
-    bash tests/fuzz/run.sh runs=2500 mco
+    bash tests/fuzz/run.sh runs=4000 fly
+    bash tests/fuzz/run.sh runs=50000 mci obj heightmap options checkpoint sweep
+    bash tests/fuzz/run.sh runs=1250 mco
 } &
 fuzzers=$!
 now "sanitized samples and fuzzers"

@@ -2,12 +2,13 @@
 # What a user of the programs of bench types wrong: one line, exit code 2, nothing measured or written.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
+warm_python
 
 expect_refusal() { # "TEXT" PROGRAM ARGUMENTS...
     text=$1
     shift
     code=0
-    python3 -B "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
+    "$CLUSTERMCML_PYTHON" -B "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
     test "$code" -eq 2 || complain "$*: exit $code, not 2"
     test "$(wc -l <"$work/err")" -eq 1 || complain "$*: not one line: $(cat "$work/err")"
     grep -qF -- "$text" "$work/err" || complain "$*: not \"$text\": $(cat "$work/err")"
@@ -28,11 +29,11 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     expect_refusal "unrecognized arguments: --nonsense word" "$script" $place "$good" $peer --nonsense word
     expect_refusal "$place: expected one argument" "$script" $place
     expect_refusal "$work/none$no" "$script" $place "$work/none"
-    python3 -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
+    "$CLUSTERMCML_PYTHON" -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
     grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
 # what summary.py reads of others is in the tables that are kept
-PYTHONPATH=bench/accuracy:bench/lib python3 -B -c 'import summary
+PYTHONPATH=bench/accuracy:bench/lib "$CLUSTERMCML_PYTHON" -B -c 'import summary
 (kept,) = summary.tables.read_csv(summary.kept("accuracy/results/summary-amd-epyc-2core.csv"))[1][-2:-1]
 assert kept["method"] == "MMC" and abs(summary.mmc_row()[1] - float(kept["bias"])) < 1e-8, (kept, summary.mmc_row())' ||
     complain "summary.py: reads other numbers of MMC than it did"
@@ -55,21 +56,20 @@ expect_refusal "--draw needs CSV and DIRECTORY and nothing else" bench/accuracy/
 expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.py --only lens,ripples --program "$program" --out "$work/none"
 test ! -e "$work/none" || complain "accuracy.py --only ripples: wrote $(ls "$work/none")"
 
-PATH=/usr/bin:$PATH  # Debian's Python has matplotlib
 # the table of roughness.py comes of its numbers again, and the picture has a panel for each
-if python3 -c "import matplotlib" 2>/dev/null; then
-    python3 -B bench/accuracy/roughness.py --draw bench/accuracy/results/roughness.csv "$work/rough" >"$work/out" 2>&1 ||
+if "$CLUSTERMCML_PYTHON" -c "import matplotlib" 2>/dev/null; then
+    "$CLUSTERMCML_PYTHON" -B bench/accuracy/roughness.py --draw bench/accuracy/results/roughness.csv "$work/rough" >"$work/out" 2>&1 ||
         complain "roughness.py --draw: $(cat "$work/out")"
     cmp "$work/rough/roughness.md" bench/accuracy/results/roughness.md || complain "roughness.py --draw: another table"
     grep -c 'length / mean free path</text>' "$work/rough/roughness.svg" | grep -qx 4 || complain "roughness.py --draw: no four panels"
-    python3 tests/lib/svg_text.py "$work/rough/roughness.svg" || complain "roughness.py --draw: texts overlap"
+    "$CLUSTERMCML_PYTHON" tests/lib/svg_text.py "$work/rough/roughness.svg" || complain "roughness.py --draw: texts overlap"
 fi
 
 # the charts of a result: a page per scene with three panels, 18 cm wide, letters of 10 pt (exponents: 7) and small enough to keep
-if python3 -c "import matplotlib" 2>/dev/null; then
+if "$CLUSTERMCML_PYTHON" -c "import matplotlib" 2>/dev/null; then
     csv=bench/accuracy/results/accuracy-amd-epyc-2core.csv
-    python3 -B bench/accuracy/accuracy.py --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.py --draw: $(cat "$work/out")"
-    python3 - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.py --draw: wrong charts"
+    "$CLUSTERMCML_PYTHON" -B bench/accuracy/accuracy.py --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.py --draw: $(cat "$work/out")"
+    "$CLUSTERMCML_PYTHON" - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.py --draw: wrong charts"
 import csv
 import os
 import re
@@ -90,9 +90,9 @@ for path in sys.argv[2:]:
 END
 
     # a panel per scene, and every mark of the key
-    python3 -B bench/accuracy/frontier.py --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
+    "$CLUSTERMCML_PYTHON" -B bench/accuracy/frontier.py --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
         complain "frontier.py --draw: $(cat "$work/out")"
-    python3 - "$work/frontier.svg" <<'END' || complain "frontier.py --draw: wrong chart"
+    "$CLUSTERMCML_PYTHON" - "$work/frontier.svg" <<'END' || complain "frontier.py --draw: wrong chart"
 import sys
 import xml.etree.ElementTree as tree
 text = "".join(tree.parse(sys.argv[1]).getroot().itertext())

@@ -24,20 +24,20 @@ awk -v Tt="$(value Tt_expected "$work/out")" -v e="$(value Tt_expected_se "$work
     'BEGIN { exit !(e <= 0.01 * Tt && counted > 0.01 * Tt) }' || complain "--target-error: $(cat "$work/out")"
 
 # Killed or stopped, and continued on two ranks.
-expect_code 0 "$work/x.mci" --photons 3e5 --aim Tt,near --quiet -o "$work"
+expect_code 0 "$work/x.mci" --photons 1.5e5 --aim Tt,near --quiet -o "$work"
 mv "$work/x.mco" "$work/expected"
 for end in "KILL 137" "TERM 75"; do
     rm -f "$work"/x.mco*
-    "$program" "$work/x.mci" --photons 3e5 --aim Tt,near --threads 1 --checkpoint 0.1 -o "$work" >"$work/out" 2>"$work/err" &
+    "$program" "$work/x.mci" --photons 1.5e5 --aim Tt,near --threads 1 --checkpoint 0.1 -o "$work" >"$work/out" 2>"$work/err" &
     run=$!
     until test -e "$work/x.mco.checkpoint" || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
     kill -"${end% *}" $run
     code=0
     wait $run || code=$?
     test $code -eq "${end#* }" || complain "${end% *}: exit $code, $(cat "$work/err")"
-    ranks 2 "$work/x.mci" --photons 3e5 --aim Tt,near --resume --quiet -o "$work"
+    ranks 2 "$work/x.mci" --photons 1.5e5 --aim Tt,near --resume --quiet -o "$work"
     expect_bits "${end% *}, and continued" "$work/x.mco" "$work/expected"
 done
 expect_error 2 "$work/x.mco.checkpoint: the checkpoint is of another run: 'aim Tt,near' there, 'no aim' here (expected that run; without --resume or --more this one begins anew)" \
-    "$work/x.mci" --photons 3e5 --resume --quiet -o "$work"
+    "$work/x.mci" --photons 1.5e5 --resume --quiet -o "$work"
 finish

@@ -112,11 +112,11 @@ def check_scenes(verdict):
     """Neither more than is printed, nor much less: 0.7 of it at least, or half where 100 packets meet few of many media, so that pages of
     sums by medium and batch stay untouched."""
     scenes = {
-        "spheres side by side": with_bodies(spheres(50, 1)),
-        "spheres in each other": with_bodies(spheres(5, 1000)),
-        "layers": cml.mci(["1.4 1 10 0.8 1e-5"] * 100000, photons=100),
+        "spheres side by side": with_bodies(spheres(40, 1)),
+        "spheres in each other": with_bodies(spheres(5, 500)),
+        "layers": cml.mci(["1.4 1 10 0.8 1e-5"] * 50000, photons=100),
         "bodies of meshes": with_bodies([f'i "ball.obj" 1.3 1 10 0.8 scale=1e-3 shift={0.01 * (k % 50)},{0.01 * (k // 50)},-0.5'
-                                         for k in range(2000)]),
+                                         for k in range(1000)]),
         "mesh": cml.mci(["1.4 1 10 0.8 1"], photons=100, surfaces={0: 'm "waves.obj"'}),
         "phase functions": None,
         "fluence": cml.mci(["1.4 1 10 0.8 1"], photons=20000, bins="100 600 1", grid="0.01 0.01", extra=["beam disk 6", "fluence"]),
@@ -129,7 +129,7 @@ def check_scenes(verdict):
             if "pattern.gsf" in text:
                 write_image(os.path.join(keep, "pattern.gsf"), 1500)
             if "waves.obj" in text:
-                write_waves(os.path.join(keep, "waves.obj"), 400)
+                write_waves(os.path.join(keep, "waves.obj"), 300)
             with open(os.path.join(keep, "ball.obj"), "w", encoding="utf-8") as file:
                 file.write(OCTAHEDRON)
             before = printed(verdict, name, run(text, keep, "check")[0])

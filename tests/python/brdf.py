@@ -15,6 +15,7 @@ import unittest
 import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import warm_python  # noqa: E402
 from python_package import TOP, mc, np  # noqa: E402
 from clustermcml.brdf_fit import evaluate, fit_bins, reciprocity  # noqa: E402
 from clustermcml.brdf_flight import Bins  # noqa: E402
@@ -208,10 +209,10 @@ class Lobes(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             quiet(material.to_bsdf, os.path.join(folder, "face.rgb.bsdf"))
             table = read_tensor(os.path.join(folder, "face.rgb.bsdf"))
-        theta, phi = np.meshgrid((np.arange(90) + 0.5), np.arange(2.5, 360, 5), indexing="ij")
+        theta, phi = np.meshgrid((np.arange(90) + 0.5), np.arange(5, 360, 10), indexing="ij")
         for i, angle in enumerate((0, 40)):
             held = sum(looked_up(table, "rgb", 1, np.radians(angle), np.radians(t), np.radians(p)) * np.sin(np.radians(t)) for t, p in zip(theta.ravel(), phi.ravel()))
-            self.assertLess(abs(held * np.radians(1) * np.radians(5) / float(material.albedo_R[i]) - 1), 0.02)
+            self.assertLess(abs(held * np.radians(1) * np.radians(10) / float(material.albedo_R[i]) - 1), 0.02)
 
 
 class Files(unittest.TestCase):
@@ -238,9 +239,11 @@ class Files(unittest.TestCase):
 
     def test_one_seed_has_one_set_of_bytes(self):
         found = [self.write_all(mc.brdf(SLAB, angles=[0, 60], photons=2000, target_error=None, seed=seed, threads=threads), f"s{i}")
-                 for i, (seed, threads) in enumerate(((1, 1), (1, 2), (2, 1)))]
+                 for i, (seed, threads) in enumerate(((1, 1), (1, 2)))]
         self.assertEqual(found[0], found[1])
-        self.assertNotEqual(found[0][0], found[2][0])
+        quiet(mc.brdf(SLAB, angles=[0, 60], photons=2000, target_error=None, seed=2).to_bsdf, self.path("other.bsdf"))
+        with open(self.path("other.bsdf"), "rb") as file:
+            self.assertNotEqual(found[0][0], file.read())
 
     def test_what_pbrt_asks_of_a_file(self):
         material = quiet(mc.brdf, SLAB, angles=[10, 60], photons=2000, target_error=None, channels={"nm": [450, 550, 650], "layer1.mua": [5, 1, 0.5]})
@@ -331,9 +334,13 @@ class Scenes(unittest.TestCase):
 
 
 class Command(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.python = warm_python.start()
+
     def run_command(self, folder, *words):
         return subprocess.run([os.environ["CLUSTERMCML"], "brdf", *words], cwd=folder, capture_output=True, text=True, check=False,
-                              env={**os.environ, "CLUSTERMCML_PYTHON": sys.executable})
+                              env={**os.environ, "CLUSTERMCML_PYTHON": self.python})
 
     def test_the_command(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -124,13 +124,14 @@ class Fits(unittest.TestCase):
         np.testing.assert_allclose([*found.weights, *found.lengths], [0.3, 0.5, 0.2, 0.05, 0.15, 0.4], rtol=1e-3)
 
     def test_errors_are_the_spread_of_samples(self):
-        """Of 40 samples of 1e5 packets: their spread is known to 11 %."""
+        """Of 20 samples of 1e5 packets: their spread is known to 16 %, of 40 (with ALL_CASES) to 11 %."""
+        samples, most = (40, 0.3) if "ALL_CASES" in os.environ else (20, 0.45)
         for kind, fit in (("burley", fit_burley), ("exponentials", lambda profile: fit_sum("exponentials", profile, 2))):
-            found = [fit(made("exponentials", [0.25, 0.75], [0.1, 0.3], 1e5, seed)) for seed in range(40)]
+            found = [fit(made("exponentials", [0.25, 0.75], [0.1, 0.3], 1e5, seed)) for seed in range(samples)]
             spread = np.std([one.lengths for one in found], axis=0, ddof=1)
-            np.testing.assert_allclose(np.mean([one.lengths_se for one in found], axis=0), spread, rtol=0.3, err_msg=kind)
+            np.testing.assert_allclose(np.mean([one.lengths_se for one in found], axis=0), spread, rtol=most, err_msg=kind)
         spread = np.std([one.weights for one in found], axis=0, ddof=1)
-        np.testing.assert_allclose(np.mean([one.weights_se for one in found], axis=0), spread, rtol=0.3)
+        np.testing.assert_allclose(np.mean([one.weights_se for one in found], axis=0), spread, rtol=most)
 
     def test_no_sum_is_negative(self):
         """Light in a ring alone and light that is 0 in the middle and noisy, are nearest to sums that are negative inside: those are not taken."""

@@ -7,8 +7,8 @@ import cml  # noqa: E402
 import pairs  # noqa: E402
 
 verdict = cml.Verdict("compare")
-pairs.false_alarms(verdict, "thin", (5000, 5000), 16)
-pairs.false_alarms(verdict, "dark", (2000, 20000), 16)
+pairs.false_alarms(verdict, "thin", (5000, 5000), 12)
+pairs.false_alarms(verdict, "dark", (2000, 20000), 8)
 pairs.false_alarms_of_arrays(verdict, 10000, 4)
-pairs.power(verdict, 2000000)
+pairs.power(verdict, 1000000)
 verdict.finish()

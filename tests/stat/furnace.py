@@ -10,7 +10,7 @@ Shares of the beams: n^2 of their side, n0^2 above and nL^2 below. Then, whateve
 - A body in a medium that goes on all around is lit evenly from everywhere through disks of a radius R that cover it, one for each of
   many directions: the mean path in each medium is V n^2 / (pi R^2 n0^2).
 A refraction, a crossing or a free path that is wrong shows. A reflectance that is wrong alike from both sides does not.
-N = 40 runs of 3000 a scene; statistic: z from the spread of the runs (39 degrees of freedom), level 1e-4 over all.
+N = 40 runs of 1800 a scene; statistic: z from the spread of the runs (39 degrees of freedom), level 1e-4 over all.
 usage: furnace.py [N]: N packets a run."""
 import math
 import os
@@ -22,7 +22,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-RUNS, PHOTONS, NA = 40, 3000, 6
+RUNS, PHOTONS, NA = 40, 1800, 6
 CELLS, CELL = 8, 0.05
 PERIOD = CELLS * CELL
 

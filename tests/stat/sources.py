@@ -11,7 +11,7 @@ against adding-doubling, a point source in an unbounded medium, shares of severa
 - Starts across a mesh body: what it absorbs along straight ways, by the planes of its facets.
 - Shares: numbers of packets by largest remainder, to the last one. Engines: the same packets.
 - Reciprocity: of `lambertian` light on a rough plate between equal media as much goes down as comes up when it shines from below.
-N = 1e5 a case; statistic: z, level 1e-4 over all.
+N = 5e4 a case; statistic: z, level 1e-4 over all.
 usage: sources.py [GROUP N]: one of the groups, with N packets a case, and grids of 1000 by 1000, which bear 1e6 at most."""
 import json
 import math
@@ -24,7 +24,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-PHOTONS, GRID = 100000, 1000 if sys.argv[1:] else 500
+PHOTONS, GRID = 50000, 1000 if sys.argv[1:] else 500
 DR, NR, NA = 0.02, 20, 18
 TABLE = ((0, 1.0), (10, 3.0), (25, 0.5), (40, 2.0), (60, 0.0))
 PIXELS = ((0, 1, 3, 0), (2, 0, 0, 1), (0, 0, 5, 0))  # the first row at the largest y

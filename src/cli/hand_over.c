@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #define CURE                                                                                                 \
-    "apt-get install python3-h5py python3-matplotlib python3-xarray python3-scipy, or pip install "          \
-    "clustermcml"
+    "apt-get install python3-h5py python3-matplotlib python3-xarray python3-scipy, or pip install h5py "     \
+    "matplotlib xarray scipy"
 
 /* The text that Python runs, in words that any version knows. Modules are imported where they are needed, so
  * that any may turn out to be missing. A module of the current folder must not take the place of one of the

@@ -75,6 +75,30 @@ static cml_status fail_other(const struct cml_run_setup *setup, const struct cml
                     file->about.begin, setup->base);
 }
 
+/* "2, 4 and 5": the parts of so many that are in no file, some of them where they are many. Returns how many.
+ */
+static int list_missing(const struct cml_run_setup *setup, const struct cml_part_files *files, uint64_t count,
+                        char list[200])
+{
+    char *end = list, *last = NULL;
+    int missing = 0;
+    for (uint64_t number = 1; number <= count; number++) {
+        int i = 0;
+        while (i < files->count &&
+               !(is_of(&files->file[i], setup) && files->file[i].about.part.number == number))
+            i++;
+        if (i < files->count || ++missing > 20) continue;
+        last = end;
+        end += sprintf(end, "%s%" PRIu64, missing > 1 ? ", " : "", number);
+    }
+    if (missing > 20) strcpy(end, " ...");
+    if (missing < 2 || missing > 20) return missing;
+    char text[20];
+    snprintf(text, sizeof text, "%s", last + 2);
+    sprintf(last, " and %s", text);
+    return missing;
+}
+
 /* The part of the run that begins with this turn, which is in no file; cut as the others are. */
 static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                uint64_t turn, struct cml_error *err)
@@ -91,9 +115,12 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
         part.number++;
     if (part.count == 0)
         return cml_fail(err, CML_E_INPUT, "%s: no part of it (expected all its parts)", name);
+    char list[200];
+    if (list_missing(setup, files, part.count, list) < 2)
+        snprintf(list, sizeof list, "%" PRIu64, part.number);
     return cml_fail(err, CML_E_INPUT,
-                    "%s: part %" PRIu64 " of %" PRIu64 " is missing (expected all parts of the run)", name,
-                    part.number, part.count);
+                    "%s: part%s %s of %" PRIu64 " %s missing (expected all parts of the run)", name,
+                    strpbrk(list, " ") ? "s" : "", list, part.count, strpbrk(list, " ") ? "are" : "is");
 }
 
 /* The file whose turns begin here; NULL: there is none. */

@@ -47,7 +47,7 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
     """The packets in a file NAME.photons.h5 as a table, with their numbers as its index, for `trace`.
 
     Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, of merged files result, and by medium path_0 path_1 ... and
-    interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of `covers` photons, the first or of several beams a sample, none is missing.
+    interactions_0, momentum_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of `covers` photons, the first or of several beams a sample, none is missing.
     """
     name = errors.existing_file("path", path)
     from .h5 import read_saved

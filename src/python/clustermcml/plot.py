@@ -101,15 +101,33 @@ class Result:
                 raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected an axis of {name}: {' '.join(map(str, array.dims))})")
             ends = array.axes[axis].values
             half = abs(ends[-1] - ends[0]) / max(ends.size - 1, 1) / 2
-            if not ends.min() - half <= place <= ends.max() + half:
-                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends.min() - half:g} to {ends.max() + half:g} {array.axes[axis].attrs.get('units', '')}, in {shown_path(self.path)})")
+            if not ends.min() - half * (1 + 1e-9) <= place <= ends.max() + half * (1 + 1e-9):
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {_ends_of(array.axes[axis])}, in {shown_path(self.path)})")
             array, known = array.nearest(axis, place), None if known is None else known.nearest(axis, place)
+        if places and not array.dims:
+            raise errors.InputError(f"--cut: {name} has no axis left (expected one place less; its numbers are in the .h5)")
         return array, known
+
+    def places(self, name: str, cuts: dict[str, float]) -> str:
+        """Where an array is cut: the middles of the bins."""
+        array, words = self.of(name)[0], []
+        for axis, place in cuts.items():
+            values = array.axes["z_volume" if axis == "z" and "z_volume" in array.dims else axis]
+            unit = str(values.attrs.get("units", "1"))
+            words.append(f"{axis} = {float(values.values[np.abs(values.values - place).argmin()]):g}" + (f" {unit}" if unit != "1" else ""))
+        return ", ".join(words)
 
     def heights(self) -> list[tuple[Any, Any]]:
         """Radial heightfields: r and h, cm."""
         found = [self.data[name] for name in self.data.names() if re.fullmatch(r"boundary\d+_height", name)]
         return [(array.axes[array.dims[0]].values, array.values) for array in found]
+
+
+def _ends_of(axis: Field) -> str:
+    """The numbers of things that are counted, else the outer edges of the bins."""
+    first, last, unit = float(axis.values.min()), float(axis.values.max()), str(axis.attrs.get("units", "1"))
+    half = (last - first) / max(axis.size - 1, 1) / 2
+    return f"{first:g} to {last:g}" if unit == "1" else f"{round(first - half, 12):g} to {last + half:g} {unit}"
 
 
 def _label(array: Field, name: str = "") -> str:
@@ -270,6 +288,7 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
         for k, source in enumerate(sources):
             if isinstance(source, Result):
                 curve = _curve(*source.cut(name, given.cut), times_r=not given.of)
+                curve = curve._replace(drawn_as=curve.drawn_as + (f", {source.places(name, given.cut)}" if given.cut else ""))
                 heights += [(k, r, h) for r, h in source.heights()] if "radius" in curve.axis else []
             else:
                 curve = _others(source, name, times_r=not given.of)
@@ -407,7 +426,7 @@ def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources:
     for axes, array, label in zip(panels, arrays, given.labels):
         drawn = _draw_map(figure, axes, array, norm, cmap)
         axes.set_title(label)
-    at = ", ".join(f"{axis.removesuffix('_volume')} = {place:g}" for axis, place in given.cut.items())
+    at = sources[0].places(given.of, given.cut)
     log = isinstance(norm, matplotlib.colors.LogNorm)
     _add_bar(figure, drawn, panels, _label(arrays[0], given.of) + (f", {at}" if at else "") + _grey(arrays, log), extend="max" if given.percentile < 100 else "neither")
     _set_ranges(panels, given)
@@ -507,7 +526,7 @@ def _parser() -> Parser:
     parser.add_argument("files", nargs="+", metavar="FILE", help=".mco, .h5, .csv or .sweep.csv")
     parser.add_output("the picture: .svg, .png, .pdf or .eps; default plot.svg", "plot.svg")
     parser.add_argument("--of", metavar="NAME", help="an array of the file, its errors NAME_se, or fluence, fluence_rz (A_z, A_rz over mua); of a map Rd or Tt; of a sweep a column; default r*Rd(r) and r*Tt(r), of a sweep Rd")
-    parser.add_argument("--cut", metavar="AXIS=A", type=_cut, action="append", default=[], help="an array of more axes at one place of an axis, cm or rad; of voxels y=0 without it")
+    parser.add_argument("--cut", metavar="AXIS=A", type=_cut, action="append", default=[], help="an array of more axes at one place of an axis, in its unit (cm, rad, ps, or a number of a layer); of voxels y=0 without it")
     parser.add_argument("--over", metavar="NAME[,NAME]", help="of a sweep: the column along the lower axis, default what was swept first; two: in colours over both")
     parser.add_argument("--by", metavar="NAME", help="of a sweep: a curve for each value of this column; default where rows need it")
     parser.add_argument("--label", metavar="TEXT", action="append", default=[], help="in place of a file's name; once for each file, in their order")

@@ -23,13 +23,12 @@ from .fields import Field, Fields
 from .mco import AXES, QUANTITIES
 from .pictures import COLOURS, add_caption, drawing, save
 from .results import read_as
-from .scales import is_counted, marked, set_powers, set_scale
+from .scales import ends_of, is_counted, label_of, marked, set_powers, set_scale
 
 MARKS = "oshDv^P*"
 MOST = 64  # files
 FAR = 100.0  # range from which colours are logarithmic
 UNLIT = "#D0D0D0"
-NAMES = {"r": "radius r", "z": "depth z", "z_volume": "depth z", "alpha": "angle α from the vertical", "gate": "time t"}
 
 
 class Curve(NamedTuple):
@@ -102,7 +101,7 @@ class Result:
             ends = array.axes[axis].values
             half = abs(ends[-1] - ends[0]) / max(ends.size - 1, 1) / 2
             if not ends.min() - half * (1 + 1e-9) <= place <= ends.max() + half * (1 + 1e-9):
-                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {_ends_of(array.axes[axis])}, in {shown_path(self.path)})")
+                raise errors.InputError(f"--cut {axis.removesuffix('_volume')}={place:g} (expected a place of {ends_of(array.axes[axis])}, in {shown_path(self.path)})")
             array, known = array.nearest(axis, place), None if known is None else known.nearest(axis, place)
         if places and not array.dims:
             raise errors.InputError(f"--cut: {name} has no axis left (expected one place less; its numbers are in the .h5)")
@@ -123,21 +122,6 @@ class Result:
         return [(array.axes[array.dims[0]].values, array.values) for array in found]
 
 
-def _ends_of(axis: Field) -> str:
-    """The numbers of things that are counted, else the outer edges of the bins."""
-    first, last, unit = float(axis.values.min()), float(axis.values.max()), str(axis.attrs.get("units", "1"))
-    half = (last - first) / max(axis.size - 1, 1) / 2
-    return f"{first:g} to {last:g}" if unit == "1" else f"{round(first - half, 12):g} to {last + half:g} {unit}"
-
-
-def _label(array: Field, name: str = "") -> str:
-    units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
-    unit = str(array.attrs.get("units", "1"))
-    unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))
-    own = re.sub(r"^detector_\w+_(?=[xy]$)", "", str(array.name))  # axes of a camera's pixels
-    return f"{name or NAMES.get(own, own)}  [{unit}]"
-
-
 def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
     """Of one axis. The last bin over r and z holds what lies beyond, and is left out."""
     axis = array.axes[array.dims[0]]
@@ -145,8 +129,8 @@ def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
     factor = axis.values if times_r else 1.0
     y, error = array.values * factor, None if known is None else known.values * factor
     long = str(array.attrs.get("long_name", "")).partition(";")[0]
-    drawn = f"r·{array.name}(r)  [1/cm]" if times_r else _label(array)
-    return Curve(axis.values[:end], y[:end], None if error is None else error[:end], False, drawn + ("\n" + long if long and not times_r else ""), _label(axis))
+    drawn = f"r·{array.name}(r)  [1/cm]" if times_r else label_of(array)
+    return Curve(axis.values[:end], y[:end], None if error is None else error[:end], False, drawn + ("\n" + long if long and not times_r else ""), label_of(axis))
 
 
 # ---- curves of others ----
@@ -183,7 +167,7 @@ def _label_of_column(word: str) -> str:
     ('radius r  [cm]', 'S  [1/cm²]', 'cdf  [-]')
     """
     name, per, unit = re.fullmatch(r"(\w+?)(?:_mid)?(?:_(per_)?(cm[23]?|sr|rad|ps))?", word, re.ASCII).groups()  # type: ignore[union-attr]
-    return _label(Field(0.0, (), {"units": ("1/" if per else "") + (unit or "1")}, name))
+    return label_of(Field(0.0, (), {"units": ("1/" if per else "") + (unit or "1")}, name))
 
 
 def _others(path: str, name: str, times_r: bool) -> Curve:
@@ -407,7 +391,7 @@ def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any
     down = str(y.name).startswith("z")
     (left, right), (bottom, top) = _edges(x), _edges(y)
     drawn = axes.imshow(array.values, extent=(left, right, bottom, top), origin="lower", interpolation="nearest", aspect="equal" if x.attrs.get("units") == y.attrs.get("units") and 0.2 < (right - left) / (top - bottom) < 5 else "auto", norm=norm, cmap=cmap)
-    axes.set(xlabel=_label(x), ylabel=_label(y))
+    axes.set(xlabel=label_of(x), ylabel=label_of(y))
     axes.grid(False)
     if down:
         axes.invert_yaxis()
@@ -428,7 +412,7 @@ def _draw_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sources:
         axes.set_title(label)
     at = sources[0].places(given.of, given.cut)
     log = isinstance(norm, matplotlib.colors.LogNorm)
-    _add_bar(figure, drawn, panels, _label(arrays[0], given.of) + (f", {at}" if at else "") + _grey(arrays, log), extend="max" if given.percentile < 100 else "neither")
+    _add_bar(figure, drawn, panels, label_of(arrays[0], given.of) + (f", {at}" if at else "") + _grey(arrays, log), extend="max" if given.percentile < 100 else "neither")
     _set_ranges(panels, given)
 
 
@@ -492,7 +476,7 @@ def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, source
         draw_mesh(matplotlib, axes, mesh, norm)
         axes.set_title(label)
     drawn = matplotlib.cm.ScalarMappable(norm, matplotlib.rcParams["image.cmap"])
-    _add_bar(figure, drawn, panels, _label(sources[0].of(given.of)[0]), shrink=0.7, pad=0.12)
+    _add_bar(figure, drawn, panels, label_of(sources[0].of(given.of)[0]), shrink=0.7, pad=0.12)
 
 
 # ---- the command ----

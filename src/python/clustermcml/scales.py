@@ -6,10 +6,14 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import math
+import re
 from typing import Any, Iterable
 
 import numpy as np
 
+from .fields import Field
+
+NAMES = {"r": "radius r", "z": "depth z", "z_volume": "depth z", "alpha": "angle α from the vertical", "gate": "time t"}
 COUNTED = ("layer", "body", "medium", "inside", "side")  # axes without lengths
 
 
@@ -62,3 +66,18 @@ def set_powers(axis: Any) -> None:
         axis.set_minor_locator(NullLocator())
     else:
         axis.set_minor_locator(type(axis.get_minor_locator())(subs=[2, 5] if plain else []))
+
+
+def ends_of(axis: Field) -> str:
+    """The numbers of things that are counted, else the outer edges of the bins."""
+    first, last, unit = float(axis.values.min()), float(axis.values.max()), str(axis.attrs.get("units", "1"))
+    half = (last - first) / max(axis.size - 1, 1) / 2
+    return f"{first:g} to {last:g}" if unit == "1" else f"{round(first - half, 12):g} to {last + half:g} {unit}"
+
+
+def label_of(array: Field, name: str = "") -> str:
+    units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
+    unit = str(array.attrs.get("units", "1"))
+    unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))
+    own = re.sub(r"^detector_\w+_(?=[xy]$)", "", str(array.name))  # axes of a camera's pixels
+    return f"{name or NAMES.get(own, own)}  [{unit}]"

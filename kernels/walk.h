@@ -396,7 +396,7 @@ CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cm
 
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)
 {
-    cml_end_packet(packet, cml_fate_outside(packet->entered, packet->medium == 0));
+    cml_end_packet(packet, (enum cml_fate)cml_fate_outside(packet->entered, packet->medium == 0));
 }
 
 /* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? Its exit

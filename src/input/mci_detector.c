@@ -64,9 +64,9 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 /* Endings of what there is of every detector: with one of them a name could be read in two ways. */
 static bool ends_as_results_do(const char *name)
 {
-    static const char *const endings[] = {"_t",       "_later",  "_map",  "_path", "_interactions",
-                                          "_deepest", "_dmua",   "_dmus", "_se",   "_x",
-                                          "_y",       "_outside"};
+    static const char *const endings[] = {"_t",        "_later",   "_map",    "_path", "_interactions",
+                                          "_momentum", "_deepest", "_dmua",   "_dmus", "_se",
+                                          "_x",        "_y",       "_outside"};
     const size_t size = strlen(name);
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         const size_t end = strlen(endings[i]);
@@ -84,8 +84,9 @@ static cml_status set_name(struct cml_mci_line *line)
     if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
         return cml_mci_fail_value(line, "1 to 24 letters, digits and underscores");
     if (ends_as_results_do(name))
-        return cml_mci_fail_value(line, "a name that does not end as results do, in _t, _later, _map, _path, "
-                                        "_interactions, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
+        return cml_mci_fail_value(
+            line, "a name that does not end as results do, in _t, _later, _map, _path, "
+                  "_interactions, _momentum, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
     return cml_text_copy(name, &detector->name, line->reader->err);
 }
 

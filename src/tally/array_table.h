@@ -122,7 +122,7 @@ enum cml_array_when {
     A(detector_interactions, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
       "mean interactions of detected light by medium") \
     A(detector_momentum, detector, medium, BY_BATCH, ANY, none, MEANS, "1", OVER2(detector, medium), H5, \
-      "mean momentum transfer of detected light by medium: sum of 1 - cosine of scatterings") \
+      "mean momentum transfer of detected light by medium") \
     A(detector_deepest, detector, none, BY_BATCH, ANY, none, MEANS, "cm", OVER1(detector), H5 | JSON, \
       "mean largest depth of detected light") \
     A(detector_map, detector_pixel, none, ONCE, OWNER, none, FIELD, "1/cm2", OVER1(detector), 0, \

@@ -168,8 +168,10 @@ class Files(unittest.TestCase):
         result = mc.run(scene)
         self.assertEqual((result.phi_rzt.dims, result.phi_rzt_later.dims), (("r", "z", "gate"), ("r", "z")))
         np.testing.assert_allclose(5 * result.phi_rzt.sum("gate") + result.phi_rzt_later, result.phi_rz, rtol=1e-12)
-        with self.assertRaisesRegex(mc.InputError, "Scene.fluence"):
-            mc.Scene(layers=scene.layers, fluence="gate")
+        for wrong in ("gate", 1, np.ones(2)):
+            with self.assertRaisesRegex(mc.InputError, "Scene.fluence"):
+                mc.Scene(layers=scene.layers, fluence=wrong)
+        self.assertEqual(mc.merge([result, mc.run(scene, seed=2)]).attrs["photons"], 2000)
 
     def test_original_mcml(self):
         """Its files end behind Tt_ra, and have no errors."""

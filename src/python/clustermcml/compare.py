@@ -80,7 +80,7 @@ class Array:
         facets = bool(re.search("_(irradiance|exitance)_", name)) or any(str(dim).endswith("facet") for dim in self.dims)
         self.deep = facets or bool({"z", "z_volume", "layer", "body"} & set(self.dims)) or name.startswith(("A_", "phi_"))  # a packet scores in many bins
         self.split = any("aim" in result.attrs for result in results)  # a packet may end in several places
-        cells = facets or "z_volume" in self.dims or name in ("A_rz", "Rd_ra", "Tt_ra") or name.startswith(("Rd_rt", "Tt_rt"))
+        cells = facets or "z_volume" in self.dims or name in ("A_rz", "Rd_ra", "Tt_ra") or name.startswith(("Rd_rt", "Tt_rt", "phi_rzt"))
         self.freedom = float((GROUPS if cells or _is_of_cells(self.dims) or "theta" in self.dims else BATCHES) - 1)
         self.need_errors = self.alone or cells or bool({"layer", "body"} & set(self.dims)) and name != "A_l_expected"
         self.value = [np.ravel(result[name].values).astype(float) for result in results]

@@ -16,13 +16,14 @@ import numpy as np
 
 from . import errors
 from .fields import OF_DETECTED
+from .program import MEASURED
 from .results import read
 
 if TYPE_CHECKING:
     import xarray as xr
     Result = Union[xr.Dataset, str, os.PathLike[str]]
 
-OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices"}  # attributes that may differ
+OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices", *MEASURED}  # attributes that may differ
 OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that are alike in all results
 DIGITS = 1e-5  # of numbers of the scene in an .mco
 SUMS = ("lost", "residue")

@@ -306,8 +306,10 @@ class Scene:
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
         errors.flag("Scene.facets", self.facets)
-        if self.fluence not in (True, False, "time"):
-            raise errors.refuse("Scene.fluence", self.fluence, 'True, False or "time"')
+        if isinstance(self.fluence, str):
+            errors.choice("Scene.fluence", self.fluence, "time")
+        else:
+            errors.flag("Scene.fluence", self.fluence)
         if not isinstance(self.layers, (list, tuple)) or not self.layers or not all(isinstance(item, Layer) for item in self.layers):
             raise errors.refuse("Scene.layers", self.layers, "a list of Layer, at least one")
         names = [layer.name for layer in self.layers if layer.name]
@@ -351,7 +353,7 @@ class Scene:
         lines += [beam.line() for beam in self.beams() if len(self.beams()) > 1 or beam.line() != Beam().line()]
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
-        lines += ["fluence" if self.fluence is True else f"fluence {self.fluence}"] if self.fluence else []
+        lines += ["fluence time" if isinstance(self.fluence, str) else "fluence"] if self.fluence else []
         lines += [self.time.line()] if self.time is not None else []
         lines += [self.directions.line()] if self.directions is not None else []
         lines += [detector.line() for detector in self.detectors]

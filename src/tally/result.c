@@ -43,17 +43,17 @@ static cml_u128 cell_of(const struct cml_cell_source *from, size_t i)
  * packets, and most groups get nothing in one range. Returns their sum. */
 static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_t n, cml_u128 *to)
 {
-    const uint64_t *narrow = from->narrow + first;
-    const cml_u128 *wide = from->wide + first * from->stride;
+    const uint64_t *narrow = from->narrow ? from->narrow + first : NULL;
+    const cml_u128 *wide = narrow ? NULL : from->wide + first * from->stride;
     const size_t stride = from->stride;
     cml_u128 sum = 0;
-    for (size_t i = 0; from->narrow && i < n; i++) {
+    for (size_t i = 0; narrow && i < n; i++) {
         while (i + 4 < n && !(narrow[i] | narrow[i + 1] | narrow[i + 2] | narrow[i + 3])) i += 4;
         if (!narrow[i]) continue;
         to[i] += narrow[i];
         sum += narrow[i];
     }
-    for (size_t i = 0; !from->narrow && i < n; i++, wide += stride) {
+    for (size_t i = 0; wide && i < n; i++, wide += stride) {
         if (!*wide) continue;
         const cml_u128 cell = from->unit * *wide;
         to[i] += cell;
@@ -63,8 +63,8 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
 }
 
 /* Rows have no cell before the first bin, and rows and columns one behind the last at most. The only axis of
- * an array is that of columns. Arrays over radius alone are margins of grids, whose cells
- * beyond the bins count in the books. */
+ * an array is that of columns. Arrays over radius alone are margins of grids, whose cells beyond the bins
+ * count in the books. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {

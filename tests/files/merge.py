@@ -102,7 +102,7 @@ def refused(verdict):
         merged = mc.merge(["a.h5", shutil.copy("c.mco", "alone.mco")])
     said = [str(warning.message) for warning in caught]
     verdict.check("lacks", "alone.h5 is missing or of another run: only" in said[0], str(said))
-    verdict.check("left out", len(said) == 2 and said[1].startswith("merge: left out what not all results have: A_body, A_body_se, A_outside, "), str(said))
+    verdict.check("left out", len(said) == 2 and said[1].startswith("merge: left out what not all results have: A_body, A_body_se, A_body_t, ") and " A_outside, " in said[1], str(said))
     verdict.check("left out", "Rd_xy" not in merged and "A_rz_se" in merged and merged.photons == 4000, "a map")
 
 

@@ -32,6 +32,12 @@ expect_code 1 compare "$a" "$c"
 grep -q '^note: layer 1: mus = 100 and 130$' "$work/out" || complain "the other layer is not named"
 grep -q 'they differ at the level 0.01$' "$work/out" || complain "no verdict: $(tail -1 "$work/out")"
 grep -q "^clustermcml: $a and $c differ: p = " "$work/err" || complain "$(cat "$work/err")"
+for radius in 0.1 0.2; do
+    printf '1.0\n1\nx.h5 B\n300\n0.01 0.01\n3 3 1\nbeam disk %s\n1\n1\n1.4 1 50 0.8 0.1\n1\n' "$radius" >"$work/disk.mci"
+    expect_code 0 "$work/disk.mci" --quiet --output "$work/disk$radius.h5"
+done
+"$program" compare "$work/disk0.1.h5" "$work/disk0.2.h5" >"$work/out" 2>&1
+grep -q '^note: beam .* of radius 0.1 cm.* and beam .* of radius 0.2 cm' "$work/out" || complain "beams that differ: $(grep note "$work/out")"
 expect_code 1 compare "$work/plain_a.mco" "$c" --quiet
 test ! -s "$work/out" || complain "--quiet was not quiet"
 expect_code 1 compare "$a" "$c" --json

@@ -22,6 +22,7 @@ import math
 import os
 import re
 import sys
+from itertools import zip_longest
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -441,6 +442,11 @@ class Comparison:
                 one, other = (float(result["layer_" + number].values[layer]) for result in self.results)
                 if one != other:
                     notes.append(f"layer {layer + 1}: {number} = {one:g} and {other:g}")
+        for words in ("beam", "phases"):
+            lines = [str(result.attrs.get(words, "")).strip().splitlines() for result in self.results]
+            for one, other in zip_longest(*lines, fillvalue="none") if all(lines) else ():
+                if one != other:
+                    notes.append(f"{one} and {other}")
         if self.left_out:
             notes.append("without errors, or with other bins: " + ", ".join(self.left_out))
         return ["note: " + note for note in notes]

@@ -3,7 +3,7 @@
 - A half space, mua 0, mus' 10/cm, g 0.8, n 1.4, and a slab of two transport lengths: an own small Monte Carlo below, in numpy. Groups of
   bins, N = 1e5 packets of the program and 4e4 of the other; statistic: z by the program's errors and Poisson's, level 1e-4 over all.
 - The half space where diffusion holds, 0.5 to 1.2 cm and 150 to 300 ps: A. Kienle, M. S. Patterson, J. Opt. Soc. Am. A 14, 246-254
-  (1997), eqs 7, 8 and 13, within 6 % (fig. 4 there shows some percent). No table of numbers is published that we know of.
+  (1997), within 6 %. No table of numbers is published that we know of.
 - Sums over r are Rd_t and Tt_t, sums over gates with what is later Rd_r and Tt_r, to 1e-12: both engines, rows of a sweep, threads.
 """
 import math

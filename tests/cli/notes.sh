@@ -216,4 +216,12 @@ for columns, bar in ((0, 79), (80, 79), (60, 59), (200, None), (30, None), (8, N
         if 0 < columns < 60 and (len(line) > columns - 1 or b"photons" in line):
             sys.exit(f"{columns} columns: {line!r}")
 END
+
+# Gates of 3 media: 21844 and one for what is later are few enough.
+for gates in 21844 21845; do
+    scene times.mco "" "time 100 $gates"
+    sed -i '/^$/d' "$work/scene.mci"
+    expect_code 0 "$work/scene.mci" --photons 10 -o "$work/times"
+    test "$(grep -c 'no A_lt and A_body_t: 3 media' "$work/err")" -eq $((gates - 21844)) || complain "$gates gates: $(cat "$work/err")"
+done
 finish

@@ -9,6 +9,7 @@
 #include "result/head.h"
 #include "run/identity.h"
 #include "tally/deal.h"
+#include "tally/tally_grid.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -249,6 +250,18 @@ static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
     free(number);
 }
 
+/* Gates of every layer and body would take too much memory. */
+static void note_no_medium_times(const struct cml_scene *scene)
+{
+    char text[160];
+    const int media = scene->num_layers + 2 + scene->num_bodies;
+    if (scene->time.gates == 0 || (double)media * (scene->time.gates + 1.0) <= CML_MEDIUM_TIMES) return;
+    snprintf(text, sizeof text,
+             "no A_lt and A_body_t: %d media, the outer two included, times %d gates (at most %d)", media,
+             scene->time.gates + 1, CML_MEDIUM_TIMES);
+    cml_show_note(NULL, text);
+}
+
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
@@ -286,5 +299,6 @@ void cml_before_note(const struct cml_options *options, const struct cml_run_set
     if (row > 0 || (resume && kind != CML_CHECKPOINT_NONE) || before->stands) return;
     if (path && resume) note_no_checkpoint(path, before);
     note_dark_beams(setup->scene, setup->photons);
+    note_no_medium_times(setup->scene);
     if (!options->quiet) note_replaced(setup->scene, before->there);
 }

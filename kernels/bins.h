@@ -71,7 +71,7 @@ CML_FN int cml_fate_outside(int entered, int above)
     return entered ? fate : CML_FATE_SPECULAR;
 }
 
-/* Where a finished packet has left to: its side, and its bins there. A packet that has not left has no side.
+/* The side to which a finished packet has left, and its bins there. A packet that has not left has no side.
  */
 struct cml_exit {
     int up, down,

@@ -31,8 +31,8 @@ CML_FN cml_u32 cml_mark_cell(const struct cml_setup *setup, cml_u32 index, struc
     return index % CML_NUM_BATCHES * setup->marks.cells + (cml_u32)cell;
 }
 
-/* What a mark at p scores, weight w, at the end of an optical path, into its bins of r, z and time; nothing
- * outside of the grid. */
+/* Scores a mark of weight w at p into its bins of r, z and time. path: optical path up to p. A mark outside
+ * of the grid scores nothing. */
 CML_FN void cml_mark_time(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                           struct cml_vec p, real bins, real path, cml_u64 w)
 {
@@ -60,13 +60,13 @@ CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_depos
     cml_add_mark(to, cml_mark_cell(&world->setup, (cml_u32)s->index, p, world->media[s->medium].bins), w);
 }
 
-/* Whether marks score more than bins of r and z. */
+/* True where marks score voxels or bins of time besides bins of r and z. */
 CML_FN int cml_marks_score_more(const struct cml_deposits *to)
 {
     return to->phi_xyz || to->phi_rzt;
 }
 
-/* What else a mark at p scores, weight w, at the end of an optical path. */
+/* Scores a mark of weight w at p into voxels and bins of time. path: optical path up to p. */
 CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                           struct cml_vec p, real bins, real path, cml_u64 w)
 {
@@ -82,8 +82,8 @@ CML_FN void cml_score_more(const struct cml_world *world, const struct cml_depos
     cml_mark_more(&world->setup, to, (cml_u32)s->index, cml_along(s->p, t, s->u), medium->bins, path, w);
 }
 
-/* What else the marks score that cml_mark_stretch has scored: in a pass of its own, so that where there is
- * nothing the other stays short. */
+/* Scores the marks of cml_mark_stretch into voxels and bins of time. A pass of its own keeps the loop of
+ * cml_mark_stretch short. */
 CML_RARE void cml_mark_stretch_more(const struct cml_world *world, const struct cml_deposits *to,
                                     const struct cml_stretch *s, real mark, real t)
 {

@@ -345,8 +345,7 @@ struct cml_setup {
 };
 
 #ifndef __OPENCL_VERSION__
-/* What detectors and saved packets want to know of a packet's way (P13, P18): all visits of media but the one
- * under way. */
+/* A packet's way, for detectors and saved packets (P13, P18): all visits of media but the one under way. */
 struct cml_trail {
     struct cml_stay *stay; /* [media]; NULL: nobody wants it */
     real deepest;          /* depth in the scene, cm */

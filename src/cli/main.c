@@ -77,7 +77,7 @@ static void open_standard_streams(void)
             (void)!(file == STDOUT_FILENO ? open("/", O_RDONLY) : open("/dev/null", O_RDWR));
 }
 
-/* Whether the first word is a command of the package. --version is the program's. */
+/* True if the first word is a command of the Python package. --version is the program's. */
 static bool is_handed_over(int argc, char *const *argv)
 {
     const enum cml_command command = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;

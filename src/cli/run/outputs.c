@@ -226,7 +226,8 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- do they destroy anything? ---- */
 
-/* Whether a file is there that begins like none of ours. One that is empty, cut or damaged may be ours. */
+/* True if the path leads to a file that begins like none of ours. An empty, cut or damaged file may be ours.
+ */
 static bool is_strange(const struct cml_output_file *file)
 {
     static const char *const ours[] = {CML_CHECKPOINT_MAGIC, "A1", "\211HDF", "<?xml"};

@@ -98,13 +98,6 @@ double cml_tally_bytes(const struct cml_tally_grid *grid);
 CML_NODISCARD cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
-/* The depth bin, of nz, that has what is in a cell by depth, 0 to nz + 1: the first and the last one have
- * what lies beyond. */
-static inline size_t cml_depth_of_cell(size_t cell, size_t nz)
-{
-    return cell == 0 ? 0 : (cell <= nz ? cell - 1 : nz - 1);
-}
-
 /* The grid of one thread of several: without arrays that all threads share, with A_z instead of an A_rz
  * beyond CML_THREAD_CELLS, and without a phi_rz beyond CML_THREAD_FLUENCE. Those are too large for a copy per
  * thread, so threads share one. */

@@ -444,9 +444,9 @@ class Comparison:
                     notes.append(f"layer {layer + 1}: {number} = {one:g} and {other:g}")
         for words in ("beam", "phases"):
             lines = [str(result.attrs.get(words, "")).strip().splitlines() for result in self.results]
-            for one, other in zip_longest(*lines, fillvalue="none") if all(lines) else ():
-                if one != other:
-                    notes.append(f"{one} and {other}")
+            for line, other_line in zip_longest(*lines, fillvalue="none") if all(lines) else ():
+                if line != other_line:
+                    notes.append(f"{line} and {other_line}")
         if self.left_out:
             notes.append("without errors, or with other bins: " + ", ".join(self.left_out))
         return ["note: " + note for note in notes]

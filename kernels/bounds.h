@@ -1,8 +1,8 @@
 /* On which part of its path can a packet meet a surface of its medium? One question, cml_find_intervals at
  * the end of this file, before any surface is asked; what is known of surfaces to answer it comes first:
  * depth bounds and horizons of boundaries, safe distances around meshes that overhang, regions around bodies.
- * Each is proven to be free of surfaces with more to spare than rounding takes (kernels/README.md, "Which
- * part of a path can meet a surface"); src/surface/bounds makes them. SPDX-License-Identifier: MIT */
+ * Each is proven to be free of surfaces with more to spare than rounding takes (the manual's pages
+ * on physics); src/surface/bounds makes them. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "mathf.h"
@@ -181,7 +181,7 @@ CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_depth_b
 /* Whether a path of length s from p is safe: the surface is further from all of it than rounding can put
  * a packet. p in the boundary's frame, x and y from the scene's origin. The cell that the middle of the path
  * is in decides, or the closest one: its ball, which the surface does not enter, holds the whole path
- * where it holds the farther of both ends (kernels/README.md). A path that is not finite is not safe. */
+ * where it holds the farther of both ends. A path that is not finite is not safe. */
 CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p, struct cml_vec u, real s)
 {
     const real per_cell = cells->per_cell, half = (real)0.5 * s * per_cell;

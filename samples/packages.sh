@@ -9,6 +9,7 @@ ocl-icd-opencl-dev opencl-headers pocl-opencl-icd"
 if test "${1:-}" = test || test "${1:-}" = names; then
     packages="$packages libcmocka-dev librandom123-dev clang lld clang-format libomp-dev libclang-rt-dev python3 libxml2-utils file iproute2"
     packages="$packages python3-h5netcdf python3-netcdf4 python3-vtk9 mypy octave dpkg-dev lintian man-db"
+    packages="$packages mkdocs-material mkdocstrings mkdocstrings-python-handlers" # the manual
     # a Slurm of one node, which its test starts; Debian starts none without a configuration
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"
 fi

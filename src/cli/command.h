@@ -12,7 +12,7 @@ CML_COMMANDS(CML_DECLARE, CML_NONE)
 #undef CML_DECLARE
 #undef CML_NONE
 
-/* Behind the goals what is expected of Tt (P15 of kernels/README.md), and what setup->error_of names. */
+/* Behind the goals what is expected of Tt (P15), and what setup->error_of names. */
 enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_NAMED, CML_PILOT_GOALS };
 
 /* A run of so many photons, and the relative standard errors that it had; INFINITY where it saw nothing. */

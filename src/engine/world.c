@@ -227,7 +227,7 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
 }
 
 /* The safe distances of meshes that overhang. Their margin holds for packets beside the cells, too, as far as
- * a safe distance reaches: kernels/README.md derives both shares. */
+ * a safe distance reaches: the manual's pages on physics derive both shares. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};

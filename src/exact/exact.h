@@ -5,7 +5,7 @@
 
 #include "exact/directions.h"
 
-/* Rsp as the program splits it off (rule P1 of kernels/README.md), Rd the rest of what is reflected, A what
+/* Rsp as the program splits it off (P1), Rd the rest of what is reflected, A what
  * all layers absorb, Tt what is transmitted, ballistic light with it, or what a backing keeps; from
  * CML_EXACT_LAYERS on, what layers 1, 2 ... absorb. */
 enum cml_exact_share {

@@ -1,4 +1,4 @@
-/* The reflection and transmission of a rough plane from both sides (P20 of kernels/README.md): matrices
+/* The reflection and transmission of a rough plane from both sides (P20): matrices
  * between discrete directions, from walks of the kernels on its facets. SPDX-License-Identifier: MIT */
 #pragma once
 

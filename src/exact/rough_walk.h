@@ -1,4 +1,4 @@
-/* Walks on the facets of a rough boundary (P20 of kernels/README.md), and the discrete directions that they
+/* Walks on the facets of a rough boundary (P20), and the discrete directions that they
  * lead to. SPDX-License-Identifier: MIT */
 #pragma once
 

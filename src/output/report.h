@@ -143,7 +143,7 @@ void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 /* One line per rank: packets, and where its time went; and the shares of all together. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing);
 
-/* One object on one line, keys as in samples/output.md. */
+/* One object on one line, keys as in samples/manual/output/json.md. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);
 
@@ -166,7 +166,7 @@ struct cml_sweep_size {
     int rows, flights;
 };
 
-/* What check says of a scene, as one object on one line, keys as documented in samples/output.md. bytes: the
+/* What check says of a scene, as one object on one line, keys as documented in samples/manual/output/json.md. bytes: the
  * most memory that its run will hold; starts: in which medium each beam starts; mean: of the scene; flat: the
  * totals of its flat twin, NULL: not known. */
 CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,

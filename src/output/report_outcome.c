@@ -132,7 +132,7 @@ static cml_status count_covers(struct cml_report *report, struct cml_error *err)
 }
 
 /* ---- derivatives ----
- * A run's scores (kernels/README.md, P17) are sums of w times a length, in a unit of its medium, or of w
+ * A run's scores (P17) are sums of w times a length, in a unit of its medium, or of w
  * times interactions less those expected. */
 
 /* The factor of the sums of score number 2 k + by_mus. NaN where the score knows nothing: by mus of a medium

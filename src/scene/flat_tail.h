@@ -1,6 +1,5 @@
-/* What becomes of light that goes down through a level below which a scene is flat (P15 of
- * kernels/README.md): a table, as adding-doubling makes it and engines read it. SPDX-License-Identifier: MIT
- */
+/* What becomes of light that goes down through a level below which a scene is flat (P15):
+ * a table, as adding-doubling makes it and engines read it. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <stdbool.h>

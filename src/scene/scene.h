@@ -18,7 +18,7 @@
  * cml_absorbed_part). */
 #define CML_LEAST_ABSORPTION 1e-11
 
-/* Facets below the resolution of a shape (kernels/README.md, P20). kind CML_SMOOTH: no line says anything.
+/* Facets below the resolution of a shape (P20). kind CML_SMOOTH: no line says anything.
  */
 struct cml_rough_def {
     enum cml_rough_kind kind;

@@ -1,5 +1,5 @@
-/* What original MCML takes as specular reflection of a pencil at normal incidence (rule P1 of
- * kernels/README.md). SPDX-License-Identifier: MIT */
+/* What original MCML takes as specular reflection of a pencil at normal incidence (P1).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "scene/scene.h"

@@ -1,4 +1,4 @@
-/* Weight windows (P19 of kernels/README.md): what packets shall weigh by depth, or by their distance from a
+/* Weight windows (P19): what packets shall weigh by depth, or by their distance from a
  * detector, too, as it is made of what light is worth, and engines read it. SPDX-License-Identifier: MIT */
 #pragma once
 

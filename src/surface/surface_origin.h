@@ -1,6 +1,6 @@
 /* From where x and y count where places are in single precision. It tells places the more coarsely the
  * further they are from there, so the origin lies where the scene is, and what is asked of a place too far
- * from it is refused. kernels/README.md, P1, has the rule. SPDX-License-Identifier: MIT */
+ * from it is refused. P1 is the rule. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "scene/scene.h"

@@ -1,4 +1,4 @@
-/* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
+/* The cells of rows of a sweep that come of one flight (P16), in a tally and in a result:
  * for each of the 64 batches bins of sums (CML_OF_ROW_BINS), each of them for all rows side by side, since
  * all rows are summed together; behind them grids of all batches (CML_OF_ROW_GRIDS), likewise. Scores for
  * derivatives (P17) have the same cells but for grids, two for each medium inside, layers first: by mua and

@@ -16,6 +16,6 @@
 bool cml_target_met(const struct cml_result *result, double target, int of);
 
 /* The relative standard error of what --error-of names: above 0 what layer `of` absorbs, as expected where
- * that is known (P15 of kernels/README.md), below 0 what detector -of sees, from 1. INFINITY where nothing
+ * that is known (P15), below 0 what detector -of sees, from 1. INFINITY where nothing
  * was. */
 double cml_target_error_of(const struct cml_result *result, int of);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every option stands in a text that users read (README.md, samples/*.md), and every option that those texts name is there;
+# Every option stands in a text that users read (README.md, the manual), and every option that those texts name is there;
 # where a text shows a whole command, the option belongs to it. The program's help is what counts.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -53,7 +53,7 @@ def check(texts, commands, every):
             wrong, right = check_span(span, commands, every)
             complaints += [f"{path}: {line}" for line in wrong]
             named |= right
-    return complaints + [f"no text names {name} (samples/input.md lists options)" for name in sorted(every - named)]
+    return complaints + [f"no text names {name} (samples/manual/options.md lists options)" for name in sorted(every - named)]
 
 
 def check_the_check():
@@ -69,7 +69,7 @@ check_the_check()
 listed = subprocess.run([PROGRAM, "help"], capture_output=True, text=True, check=True).stdout
 names = re.findall(r"^  \[?([a-z]+)\]? ", listed.split("\ncommands\n")[1].split("\n\n")[0], re.MULTILINE)
 texts = {}
-for path in ["README.md", *sorted(glob.glob("samples/*.md"))]:
+for path in ["README.md", *sorted(glob.glob("samples/manual/**/*.md", recursive=True))]:
     with open(path, encoding="utf-8") as file:
         texts[path] = file.read()
 every = options_of("options").union(*map(options_of, PACKAGE))

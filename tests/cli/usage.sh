@@ -123,44 +123,35 @@ test "$(grep -o -e '^  [-a-z, ]*--[a-z-]*' "$work/out" | tr -d '\n')" = \
 expect_code 0 help options
 test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
 
-# texts are those of the sources
-for text in samples/input samples/output samples/cluster samples/appearance src/cli/options/fit; do
-    expect_code 0 help "${text##*/}"
-    cmp -s $text.md "$work/out" || complain "help is not $text.md"
+# pages are those of the sources, by name, by the last part of it, or by folder
+for page in input/index input/beams output/standard-errors recipes/fit options glossary; do
+    last=${page##*/}
+    test $last != index || last=${page%/index}
+    for name in $page $last; do
+        test $name != options || continue # the program's own list
+        expect_code 0 help $name
+        cmp -s samples/manual/$page.md "$work/out" || complain "help $name is not samples/manual/$page.md"
+    done
 done
 expect_error 2 "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml help fit says more)" \
     fit scene.mci measured.csv layer1.mua=1:2 --flights 3
-expect_code 0 help keys # the table of samples/input.md has the same rows
-sed -n '/^| key, and its name/,/^$/{/^|/p;}' samples/input.md | cmp -s - "$work/out" ||
-    complain "samples/input.md, Every key, is not what help keys prints: $(sed -n '/^| key, and its name/,/^$/{/^|/p;}' samples/input.md | diff - "$work/out")"
-expect_code 0 help --set
-test "$(head -1 "$work/out" | cut -c 1-18)" = "  --set NAME=VALUE" && grep -q "^| .above.n., .below.n. | n of the media outside |$" "$work/out" &&
-    ! grep -q "^\*\*.--sweep" "$work/out" || complain "help --set: $(cat "$work/out")"
-expect_code 0 help --aim
-test "$(grep -c '^\*\*.--aim ' "$work/out")" -eq 2 || complain "help --aim: $(cat "$work/out")"
-expect_code 0 help --quiet
-expect_code 0 help --derivatives
-grep -q 'the derivatives of the totals' "$work/out" && ! grep -q 'a comparison differs' "$work/out" ||
-    complain "help --derivatives: $(cat "$work/out")"
-for option in more:--resume keep:1.kB resume:returns.at.once no-clobber:that.were.kept checkpoint:5.%; do
-    expect_code 0 help "--${option%%:*}"
-    test "$(wc -l <"$work/out")" -ge 3 && grep -q -e "${option#*:}" "$work/out" || complain "help --${option%%:*}: $(cat "$work/out")"
+# sections of the manual whose heading names a word, rows of tables, and the glossary
+says() { # WORD PATTERN MOST_LINES
+    expect_code 0 help -- "$1"
+    grep -q -e "$2" "$work/out" && test "$(wc -l <"$work/out")" -le "$3" || complain "help $1: $(cat "$work/out")"
+}
+for word in beam detector fluence photons m b i rough backing phase; do
+    says $word "^## .*\`$word" 90
 done
-expect_code 0 help beam # an example, the grammar, and what it means, to its tables
-test "$(sed -n '2{s/ *\[.*//;p;}' "$work/out")" = "    beam SHAPE" && grep -q '^| `light=`' "$work/out" && ! grep -q '^\*\*`map`' "$work/out" ||
-    complain "help beam: $(cat "$work/out")"
-for word in detector fluence photons m b i; do
-    expect_code 0 help $word
-    grep -q "^    $word" "$work/out" && grep -q "^\*\*.$word" "$work/out" || complain "help $word: $(cat "$work/out")"
+for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r mua g n d light InParm; do
+    says $word '^| `' 12
 done
-for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r; do
-    expect_code 0 help $word
-    test "$(grep -c '^| `' "$work/out")" -ge 1 || complain "help $word: $(cat "$work/out")"
+for word in fibre wavelength Spectrum roughness BRDF gloss oximetry; do
+    says $word "^| .*$word" 90
 done
-for word in 'mua:^| .mua., .layer1.mua. |' 'g:^| .g., .layer1.g. |' 'n:^| .n., .above.n. |' 'd:^| .d., .layer1.d. |' 'light:na:N' 'name:^| .name. | .detector.' 'InParm:layout, byte by byte' 'Identity:is a checksum' \
-    '-o:^  -o, --output FILE'; do
-    expect_code 0 help "${word%%:*}"
-    grep -q -e "${word#*:}" "$work/out" && test "$(wc -l <"$work/out")" -le 16 || complain "help ${word%%:*}: $(cat "$work/out")"
+for option in set aim derivatives more keep resume no-clobber checkpoint; do
+    says "--$option" "^  --$option" 90
+    test "$(wc -l <"$work/out")" -ge 5 || complain "help --$option: $(cat "$work/out")"
 done
 expect_error 2 "--aim Tt_r (expected it once, several names with commas)" $sample --aim Tt --aim Tt_r
 expect_error 2 "--error-of b (expected it once)" $sample --target-error 0.1 --error-of a --error-of b

@@ -1,15 +1,15 @@
-"""kernels/README.md defines the physics rules P1, P2, ...: one heading `## P1 Name` each, in order. A rule that a
-comment cites has its heading; a rule with a heading is cited in kernels or src. (That the tests and files exist which it
-names, texts.py sees.) Runs in the source directory."""
+"""The manual defines the physics rules P1, P2, ...: samples/manual/physics/p01.md has the title `# P1 Name`, and so on. A rule
+that a comment cites has its page; a rule with a page is cited in kernels or src. (texts.py looks for the tests and files that a page
+names.) Runs in the source directory."""
 import ast
 import os
 import re
 import sys
 
-README = "kernels/README.md"
+PAGES = "samples/manual/physics/"
 CODE = ("src/", "kernels/")
 
-HEADING = re.compile(r"^## P(\d+)\b", re.M)
+TITLE = re.compile(r"# P(\d+) ")
 RULE = re.compile(r"\bP(\d+)\b")
 RANGE = re.compile(r"\bP\d+ ?(?:\.\.|to|-) ?P\d+\b")  # names a span of the list, cites no rule
 C_TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
@@ -40,25 +40,26 @@ def rules_in(path, text):
 
 def check(files):
     """files: {path: text}. Returns the complaints."""
-    readme = files[README]
-    defined = [int(number) for number in HEADING.findall(readme)]
+    titles = {path: TITLE.match(text) for path, text in sorted(files.items()) if re.match(PAGES + r"p\d+\.md$", path)}
+    defined = [int(title[1]) if title else 0 for title in titles.values()]
     complaints = []
     if defined != list(range(1, len(defined) + 1)):
-        complaints.append(f"{README}: headings of rules {defined}, expected 1, 2, 3, ...")
+        complaints.append(f"{PAGES}: titles of rules {defined}, expected 1, 2, 3, ...")
     cited = set()
     for path, text in sorted(files.items()):
         rules = rules_in(path, text)
-        complaints += [f"{path}: cites P{rule}, which {README} does not define"
+        complaints += [f"{path}: cites P{rule}, which {PAGES} does not define"
                        for rule in sorted(rules - set(defined))]
         if path.startswith(CODE) and not path.endswith(".md"):
             cited |= rules
-    complaints += [f"{README}: nothing in kernels or src cites P{rule}" for rule in defined if rule not in cited]
+    complaints += [f"{PAGES}: nothing in kernels or src cites P{rule}" for rule in defined if rule not in cited]
     return complaints
 
 
 def check_the_check():
     """A check that cannot fail is none."""
-    sound = {README: "## P1 Launch\n## P2 Step\nP1 first\n", "kernels/walk.h": "/* P1: go. */\n",
+    first, second = PAGES + "p01.md", PAGES + "p02.md"
+    sound = {first: "# P1 Launch\n", second: "# P2 Step\nP1 first\n", PAGES + "index.md": "P1 to P9", "kernels/walk.h": "/* P1: go. */\n",
              "src/x/run.c": "// P2, P1 to P9\nputs(\"P7\"); /* as in P2 */ char c = '\"'; /* P1 */\n",
              "tests/unit/room/test_a.c": "", "tests/stat/b.py": '"""P1."""\nx = "P8"  # P2\n',
              "bench/c.sh": "echo P9 # P1\n"}
@@ -66,15 +67,14 @@ def check_the_check():
     assert rules_in("a.c", sound["src/x/run.c"]) == {1, 2}
     for path, text in [("kernels/walk.h", "/* P1: go. P3 */"), ("src/x/run.c", "// P1 to P2\n"),
                        ("bench/c.sh", "# P3\n"), ("tests/stat/b.py", "x = 1  # P3\n"), ("bench/d.py", '"""P3."""\n'),
-                       (README, "## P1 Launch\n## P2 Step\nas in P3\n"), (README, "## P2 Step\n## P1 Launch\n"),
-                       (README, "## P1 Launch\n## P2 Step\n## P3 None\n")]:
+                       (first, "# P1 Launch\nas in P3\n"), (first, "# P2 Step\n"), (first, "# Launch\n"), (PAGES + "p03.md", "# P3 None\n")]:
         assert len(check({**sound, path: text})) == 1, (path, text, check({**sound, path: text}))
 
 
 def main():
     check_the_check()
     files = {}
-    for directory in ("src", "kernels", "tests", "bench"):
+    for directory in ("src", "kernels", "tests", "bench", "samples/manual"):
         for folder, _, names in os.walk(directory):
             for name in names:
                 path = os.path.join(folder, name)
@@ -83,7 +83,7 @@ def main():
                         with open(path, encoding="utf-8") as file:
                             files[path] = file.read()
     complaints = check(files)
-    print("\n".join(complaints) or f"{len(HEADING.findall(files[README]))} rules")
+    print("\n".join(complaints) or "rules and citations agree")
     sys.exit(1 if complaints else 0)
 
 

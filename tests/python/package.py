@@ -519,7 +519,7 @@ class Runs(unittest.TestCase):
             mc.check(os.path.join(self.folder, "a.mci"))
 
     def test_rows_of_files(self):
-        """What samples/python.md says of an .asc and a Heightmap: the first row of the file is the last of the array."""
+        """An .asc and a Heightmap: the first row of the file is the last of the array."""
         path = os.path.join(self.folder, "scan.asc")
         with open(path, "w", encoding="utf-8") as file:
             file.write("ncols 4\nnrows 3\ncellsize 0.1\n" + "2.5 2.5 0 0\n" * 2 + "0 0 0 5\n")

@@ -2,10 +2,10 @@
 #include "cli/options/help.h"
 
 #include "base/text.h"
+#include "cli/options/manual.h"
 #include "cli/options/option_table.h"
 #include "input/keys/key.h"
 
-#include <ctype.h>
 #include <string.h>
 
 /* Columns: of the text, and of what an item does. */
@@ -81,26 +81,52 @@ static void print_options(FILE *stream, enum cml_command command)
     }
 }
 
-/* The first lines of the texts, less the '#' of a heading, say what they are. */
+/* The last part of a page's name; an index has the name of its folder. */
+static const char *short_name(const struct cml_manual_page *page)
+{
+    const char *slash = strrchr(page->name, '/');
+    return slash && strcmp(slash, "/index") != 0 ? slash + 1 : page->name;
+}
+
+/* The pages of a folder. */
+static void print_pages(FILE *stream, const char *folder)
+{
+    char names[640] = "";
+    size_t length = 0;
+    for (const struct cml_manual_page *page = cml_manual; page->name; page++) {
+        const size_t own = strcspn(page->name, "/");
+        const bool is_index = strstr(page->name, "/index");
+        if (is_index || own != strlen(folder) || strncmp(page->name, folder, own) != 0) continue;
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "",
+                                   short_name(page));
+    }
+    print_item(stream, folder, names);
+}
+
 static void print_topics(FILE *stream)
 {
     fprintf(stream, "\ntopics of help\n");
     print_item(stream, "COMMAND", "what it does, its options and an example");
     print_item(stream, "options", "all options");
     print_item(stream, "keys", "all keys of a scene's lines, with their ranges and names for --set");
-    print_item(stream, "--OPTION", "one, and what the texts say of it, as the names that --set takes");
+    print_item(stream, "--OPTION", "one, and the section of the manual on it");
     print_item(stream, "WORD",
-               "a line of the scene (beam) or a word of one (mua), a name that --set takes (layer1.mua), an "
-               "array (Rd_r)");
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
-        char title[80];
-        const char *begin = text->text + strspn(text->text, "# ");
+               "a line of the scene (beam) or a key (mua), a name that --set takes (layer1.mua), an array "
+               "(Rd_r), or a word of the field (fibre, spectrum)");
+    fprintf(stream, "\npages of the manual, by folder\n");
+    for (const struct cml_manual_page *page = cml_manual; page->name; page++) {
+        char folder[40], title[80];
+        const char *begin = page->text + strspn(page->text, "# ");
+        snprintf(folder, sizeof folder, "%.*s", (int)strcspn(page->name, "/"), page->name);
         snprintf(title, sizeof title, "%.*s", (int)strcspn(begin, "\n"), begin);
-        print_item(stream, text->name, title);
+        if (!strchr(page->name, '/'))
+            print_item(stream, folder, title);
+        else if (page == cml_manual || strncmp(page[-1].name, page->name, strlen(folder) + 1) != 0)
+            print_pages(stream, folder);
     }
 }
 
-/* The table that samples/input.md shows. */
+/* The rows that the pages of samples/manual/input have, too. */
 static void print_keys(FILE *stream)
 {
     char value[CML_KEY_TEXT];
@@ -148,171 +174,20 @@ static void print_command(FILE *stream, enum cml_command which)
         fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
-/* Whether the word, or it and what follows a blank, stands between grave accents somewhere in the text. */
-static bool is_named(const char *text, size_t length, const char *word)
-{
-    for (const char *at = memchr(text, '`', length); at;
-         at = memchr(at + 1, '`', length - (size_t)(at + 1 - text))) {
-        const size_t left = length - (size_t)(at + 1 - text), own = strlen(word);
-        if (own < left && strncmp(at + 1, word, own) == 0 && strchr("` ", at[1 + own])) return true;
-    }
-    return false;
-}
-
-/* Whether the text at a title begins like "`beam`" or "`i "vessel.obj"`". */
-static bool is_headed(const char *title, const char *word)
-{
-    const size_t length = strlen(word);
-    return title[0] == '`' && strncmp(title + 1, word, length) == 0 &&
-           (title[1 + length] == '`' || title[1 + length] == ' ');
-}
-
-/* Indented lines that begin with a word of the scene's grammar, of which there is a passage. Returns how many
- * were printed, as those below do. */
-static int print_grammar(FILE *stream, const char *text, const char *word)
-{
-    const size_t length = strlen(word);
-    const char *passage = strstr(text, "\n\n**");
-    int count = 0;
-    while (passage && !is_headed(passage + 4, word)) passage = strstr(passage + 1, "\n\n**");
-    if (!passage) return 0;
-    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-        if (strncmp(line, "    ", 4) != 0 || strncmp(line + 4, word, length) != 0) continue;
-        if (line[4 + length] != ' ' && line[4 + length] != '\n') continue;
-        fprintf(stream, "%.*s\n", (int)strcspn(line, "\n"), line);
-        count++;
-    }
-    return count;
-}
-
-/* Rows of tables whose first cell names the word; of layer1.mua those that name `layer1.n`, `.mua`. */
-static int print_rows(FILE *stream, const char *text, const char *word)
-{
-    const size_t group = strcspn(word, ".0123456789");
-    const char *member = strrchr(word, '.');
-    char first[40], last[40];
-    int count = 0;
-    snprintf(first, sizeof first, "`%.*s", (int)group, word);
-    snprintf(last, sizeof last, "%s`", member ? member : "");
-    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-        const size_t cell = strcspn(line, "\n"), bar = cell > 2 ? 2 + strcspn(line + 2, "|\n") : 0;
-        char names[200];
-        if (line[0] != '|' || bar >= sizeof names) continue;
-        snprintf(names, sizeof names, "%.*s", (int)bar, line);
-        const bool swept = member && word[0] != '-' && strstr(names, first) && strstr(names, last);
-        if (!swept && !is_named(names, bar, word)) continue;
-        fprintf(stream, "%.*s\n", (int)cell, line);
-        count++;
-    }
-    return count;
-}
-
-/* What begins like "**`--set`**" or "**`--sweep TABLE`**", or, if `elsewhere`, under another heading than an
- * option's and names it, up to the next heading. */
-static int print_passages(FILE *stream, const char *text, const char *word, bool elsewhere)
-{
-    static const char mark[] = "\n\n**", heading[] = "\n\n## ";
-    int count = 0;
-    for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark)) {
-        const char *title = at + strlen(mark), *next = strstr(at + 1, mark), *above = strstr(at + 1, heading);
-        const char *end = next && (!above || next < above) ? next : above ? above : at + strlen(at);
-        if (!is_headed(title, word) &&
-            (!elsewhere || title[0] == '`' || !is_named(title, (size_t)(end - title), word)))
-            continue;
-        fprintf(stream, "%.*s\n", (int)(end - at - 1), at + 1);
-        count++;
-    }
-    return count;
-}
-
-static bool is_letter(char c)
-{
-    return isalnum((unsigned char)c) || c == '_' || c == '-';
-}
-
-/* Whether the word, whole, stands in the line from its beginning on, below `length`. */
-static bool has_word(const char *line, size_t length, const char *word)
-{
-    const size_t own = strlen(word);
-    for (size_t i = 0; i + own <= length; i++)
-        if (strncmp(line + i, word, own) == 0 && (i == 0 || !is_letter(line[i - 1])) &&
-            !is_letter(line[i + own]))
-            return true;
-    return false;
-}
-
-/* Lines of a scene and rows of tables that have the word, as `mua` or `light`: in a row the first cell has
- * it, and where that is a table's head, all rows are printed. */
-static int print_mentions(FILE *stream, const char *text, const char *word)
-{
-    int count = 0;
-    bool whole = false, fenced = false;
-    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-        const size_t length = strcspn(line, "\n"), cell = 1 + strcspn(line + (length > 0), "|\n");
-        const bool row = line[0] == '|', head = row && strncmp(line + length, "\n|--", 4) == 0;
-        fenced ^= strncmp(line, "```", 3) == 0;
-        whole = (whole && row) || (head && line[2] == '`' && has_word(line, cell, word));
-        const bool found = row ? !head && has_word(line, cell, word)
-                               : !fenced && strncmp(line, "    ", 4) == 0 && has_word(line, length, word);
-        if (!whole && !found) continue;
-        fprintf(stream, "%.*s\n", (int)length, line);
-        count++;
-    }
-    return count;
-}
-
-/* Paragraphs in which it stands between grave accents, as `InParm` does. */
-static int print_paragraphs(FILE *stream, const char *text, const char *word)
-{
-    int count = 0;
-    for (const char *at = text, *end; at; at = end ? end + 2 : NULL) {
-        end = strstr(at, "\n\n");
-        const size_t length = end ? (size_t)(end - at) : strlen(at);
-        if (!is_named(at, length, word)) continue;
-        fprintf(stream, "%.*s\n", (int)length, at);
-        count++;
-    }
-    return count;
-}
-
-/* What the texts say of a word of a scene, of a name that --set takes, of an array: where it has a place of
- * its own, else wherever it stands. */
-static int print_word(FILE *stream, const char *word)
-{
-    int count = 0;
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
-        count += print_grammar(stream, text->text, word);
-        count += print_rows(stream, text->text, word);
-        count += print_passages(stream, text->text, word, false);
-    }
-    for (const struct cml_help_text *text = cml_help_texts; count == 0 && text->name; text++)
-        count = print_mentions(stream, text->text, word);
-    for (const struct cml_help_text *text = cml_help_texts; count == 0 && text->name; text++)
-        count = print_paragraphs(stream, text->text, word);
-    return count;
-}
-
 static void print_one_option(FILE *stream, const struct cml_option *option)
 {
     char typed[48];
-    int found = 0;
     snprintf(typed, sizeof typed, "--%s", option->name);
     print_option(stream, option, true);
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
-        found += print_passages(stream, text->text, typed, false);
-    if (found > 0) return;
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
-        print_rows(stream, text->text, typed);
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
-        print_passages(stream, text->text, typed, true);
+    cml_manual_print_word(stream, typed);
 }
 
 static cml_status refuse(const char *topic, struct cml_error *err)
 {
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
     for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
-    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
-        cml_guess_offer(&guess, text->name);
+    for (const struct cml_manual_page *page = cml_manual; page->name; page++)
+        cml_guess_offer(&guess, short_name(page));
     const char *meant = cml_guess_best(&guess);
     if (strncmp(topic, "--", 2) == 0) {
         meant = cml_option_guess(topic + 2, strlen(topic + 2));
@@ -354,16 +229,15 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
         print_command(stream, command);
         return CML_OK;
     }
-    const struct cml_help_text *text = cml_help_texts;
-    while (text->name && strcmp(text->name, topic) != 0) text++;
-    if (!text->name) {
-        char dashed[64];
-        snprintf(dashed, sizeof dashed, "--%s", topic);
-        option = cml_option_find(topic, strlen(topic));
-        if (option) print_one_option(stream, option);
-        found = (*topic && print_word(stream, topic) > 0) || option || print_word(stream, dashed) > 0;
-        return found ? CML_OK : refuse(topic, err);
+    const struct cml_manual_page *page = cml_manual_find(topic);
+    if (page) {
+        fputs(page->text, stream);
+        return CML_OK;
     }
-    fputs(text->text, stream);
-    return CML_OK;
+    char dashed[64];
+    snprintf(dashed, sizeof dashed, "--%s", topic);
+    option = cml_option_find(topic, strlen(topic));
+    if (option) print_one_option(stream, option);
+    found = cml_manual_print_word(stream, topic) > 0 || option || cml_manual_print_word(stream, dashed) > 0;
+    return found ? CML_OK : refuse(topic, err);
 }

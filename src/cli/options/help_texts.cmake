@@ -1,22 +1,26 @@
-# Puts texts into one C array, each under its file's name without the ending:
-# cmake -D TEXTS=FILE,FILE... -D OUTPUT=FILE -P help_texts.cmake
+# Puts the pages of the manual into one C array, each under its path without the ending:
+# cmake -D MANUAL=FOLDER -D OUTPUT=FILE -P help_texts.cmake
 # SPDX-License-Identifier: MIT
 cmake_policy(VERSION 3.22)
-string(REPLACE "," ";" TEXTS "${TEXTS}")
+file(GLOB_RECURSE pages RELATIVE ${MANUAL} ${MANUAL}/*.md)
+list(REMOVE_ITEM pages python/api.md) # names docstrings only
+list(SORT pages)
 set(rows "")
 set(arrays "")
-foreach(file ${TEXTS})
-    get_filename_component(name ${file} NAME_WE)
-    file(READ ${file} bytes HEX)
+set(number 0)
+foreach(page ${pages})
+    string(REGEX REPLACE "\\.md$" "" name ${page})
+    file(READ ${MANUAL}/${page} bytes HEX)
     string(REGEX REPLACE "(................................)" "\\1\n" bytes "${bytes}")
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
-    string(APPEND arrays "static const char text_${name}[] = {\n${bytes}0};\n")
-    string(APPEND rows "    {\"${name}\", text_${name}},\n")
+    string(APPEND arrays "static const char text_${number}[] = {\n${bytes}0};\n")
+    string(APPEND rows "    {\"${name}\", text_${number}},\n")
+    math(EXPR number "${number} + 1")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"cli/options/help.h\"
+file(WRITE ${OUTPUT} "#include \"cli/options/manual.h\"
 
 ${arrays}
-const struct cml_help_text cml_help_texts[] = {
+const struct cml_manual_page cml_manual[] = {
 ${rows}    {0, 0},
 };
 ")

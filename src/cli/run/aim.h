@@ -1,5 +1,5 @@
 /* clustermcml run --aim: below all shapes, bodies and beams a scene is flat, and what becomes of light there
- * is known (P15 of kernels/README.md); for what else is aimed at packets are split on their way (P19).
+ * is known (P15); for what else is aimed at packets are split on their way (P19).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,5 +1,5 @@
 /* What is drawn from the tables of phase functions, by kernels/optics.h in single precision, against the
- * densities of samples/input.md written out here and integrated by Simpson's rule.
+ * densities of samples/manual/input/phase-functions.md written out here and integrated by Simpson's rule.
  * SPDX-License-Identifier: MIT */
 #include "engine/world.h"
 #include "lib/case_files.h"

@@ -1,6 +1,6 @@
 /* Where packets start and where they go, by kernels/source.h in single precision: moments of place and
  * direction of every shape and light, and their products, against integrals of the densities of
- * samples/input.md by the midpoint rule. Random sampling, whose error the squares tell, and the lattice,
+ * samples/manual/input/beams.md by the midpoint rule. Random sampling, whose error the squares tell, and the lattice,
  * which comes closer. SPDX-License-Identifier: MIT */
 #include "engine/world.h"
 #include "lib/case_files.h"
@@ -191,7 +191,7 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Own x, own y and the axis, as samples/input.md has them. */
+/* Own x, own y and the axis, as samples/manual/input/beams.md has them. */
 static void axes_of(const struct beam *beam, double axes[3][3])
 {
     const double a = beam->angle / 180 * acos(-1.0), p = beam->azimuth / 180 * acos(-1.0);

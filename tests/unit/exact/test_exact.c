@@ -506,7 +506,7 @@ static double hg_density(double g, double c)
     return (1 - g * g) / 2 / pow(1 + g * g - 2 * g * c, 1.5);
 }
 
-/* Densities of the cosine as samples/input.md has them, of which `of` is the phase. */
+/* Densities of the cosine as samples/manual/input/phase-functions.md has them, of which `of` is the phase. */
 static double density(const struct cml_phase *of, double c)
 {
     const double *n = of->number, g = n[0], a = n[1];

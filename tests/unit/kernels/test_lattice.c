@@ -57,7 +57,7 @@ static uint64_t reversed_bits(uint64_t point)
     return reversed;
 }
 
-/* kernels/README.md: (reverse(p) z_d + shift_d) mod 2^32, with random bits below. */
+/* The rule of the lattice: (reverse(p) z_d + shift_d) mod 2^32, with random bits below. */
 static uint32_t word_on_paper(struct cml_stream stream, uint64_t photon, uint32_t d, uint32_t random)
 {
     const uint64_t point = photon / 64, two_32 = (uint64_t)1 << 32;

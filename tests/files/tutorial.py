@@ -1,9 +1,7 @@
-"""What the texts for users promise: README's scene gives the summary that stands below it, every command of
-samples/tutorial.md runs, one after the other, its numbers are those of the files, no beam of a scene meets a rough top at one
-point, and the readers of samples/output.md read what a run leaves.
+"""What README and the tutorial promise: README's scene gives the summary that stands below it, every command of the tutorial
+runs, its numbers are those of the files, and no beam of a scene meets a rough top at one point.
 
-An eighth of the packets in every run of 1e5 or more, unless ALL_CASES is in the environment (long.texts): errors that the tutorial states,
-and what its numbers are worth by them, are judged with all packets only."""
+Errors that the tutorial states, and what its numbers are worth by them, are judged with all packets only (long.tutorial)."""
 import csv
 import json
 import math
@@ -15,43 +13,16 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
+import manual  # noqa: E402
 import warm_python  # noqa: E402
 import svg_text  # noqa: E402
 from fields import h5py, numpy as np  # noqa: E402
 
-TOP = os.path.dirname(cml.TESTS)
-FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-os.environ["PYTHONPATH"] = os.path.join(TOP, "src", "python")  # as if the package were installed; long.pip installs it
+os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # as if the package were installed; long.pip installs it
+sys.path.insert(0, os.environ["PYTHONPATH"])
 SCENE = "samples/two_runs.mci"  # which README explains
-WHOLE = "ALL_CASES" in os.environ
+TOP, WHOLE, read = manual.TOP, manual.WHOLE, manual.read
 MOST_ERRORS = 2 if WHOLE else 5  # so far a number of the text may be off, beyond its rounding: another seed must not make it false
-
-
-def read(path):
-    with open(os.path.join(TOP, path), encoding="utf-8") as file:
-        return file.read()
-
-
-def blocks(path):
-    """[(language, code), ...] of a text."""
-    return FENCED.findall(read(path))
-
-
-def fewer(text):
-    """Commands or a scene."""
-    def eighth(match):
-        return match[1] + (match[2] if WHOLE or float(match[2]) < 1e5 else str(cml.repeats(round(float(match[2]))) // 2))
-    return re.sub(r"(--photons |--more |photons=|\.(?:mco|h5)\s+[AB]\b[^\n]*\n\s*)([\d.]+(?:e\d+)?)", eighth, text)
-
-
-def link_samples(folder):
-    os.mkdir(folder)
-    for name in os.listdir(os.path.join(TOP, "samples")):
-        if name.endswith(".mci"):
-            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-                file.write(fewer(read(os.path.join("samples", name))))
-        else:
-            os.symlink(os.path.join(TOP, "samples", name), os.path.join(folder, name))
 
 
 def run(command, folder, text=None):
@@ -77,24 +48,15 @@ def check_readme(verdict, folder):
 
 
 def check_tutorial(verdict, folder):
-    """In a tree like the repository's: build/clustermcml, meshes, samples."""
-    os.makedirs(os.path.join(folder, "build"))
-    os.symlink(cml.PROGRAM, os.path.join(folder, "build", "clustermcml"))
-    os.symlink(os.path.join(TOP, "meshes"), os.path.join(folder, "meshes"))
-    link_samples(os.path.join(folder, "samples"))
-    here = folder
-    for number, (language, code) in enumerate(blocks("samples/tutorial.md")):
-        where, code = f"tutorial.md, block {number + 1}", fewer(code)
-        shell = f"set -eu\ncd '{here}'\nPATH='{folder}/build':$PATH\n{code}\npwd >'{folder}/where'\n"
-        command = ["sh", "-c", shell] if language == "sh" else [sys.executable, "-c", code]
-        status, output = run(command, here)
-        verdict.check(where, status == 0, f"exit code {status}\n{code}\n{output}")
-        if status != 0:
+    """All pages in one folder, as a later page may build on an earlier one."""
+    manual.make_tree(folder)
+    here = os.path.join(folder, "tutorial")
+    os.mkdir(here)
+    for name in (name for name in manual.pages() if name.startswith("tutorial/")):
+        _, complaint = manual.run_page(name, folder, here)
+        verdict.check(name, not complaint, complaint)
+        if complaint:
             return
-        if language == "sh":
-            with open(os.path.join(folder, "where"), encoding="utf-8") as file:
-                here = file.read().strip()
-    verdict.check("tutorial.md", os.path.basename(here) == "tutorial", here)
     check_numbers(verdict, here)
     check_beams(verdict, here)
     check_pictures(verdict, here)
@@ -269,14 +231,14 @@ def agrees(said, value, error):
 def check_numbers(verdict, folder):
     """What the tutorial says of results, against the results that its commands have left, and whether it is more than noise."""
     os.chdir(folder)
-    text = " ".join(read("samples/tutorial.md").split())
+    text = " ".join(" ".join(manual.page(name) for name in manual.pages() if name.startswith("tutorial/")).split())
     for pattern, numbers in tutorial_numbers():
         said = re.search(pattern, text)
-        verdict.check("tutorial.md", said, f"has no words like {pattern}")
+        verdict.check("tutorial", said, f"has no words like {pattern}")
         for word, (value, error) in zip(said.groups() if said else (), numbers):
             if not error and not WHOLE:  # an error, or exact
                 continue
-            verdict.check("tutorial.md", agrees(word, value, error), f"says {word}, files {value:.6g} +- {error:.2g}: {said[0]}")
+            verdict.check("tutorial", agrees(word, value, error), f"says {word}, files {value:.6g} +- {error:.2g}: {said[0]}")
     if WHOLE:
         check_significance(verdict)
 
@@ -284,16 +246,16 @@ def check_numbers(verdict, folder):
 def check_significance(verdict):
     for key, sign in (("A", -1), ("Rd", 1)):
         value, error = change("level.mco", "rough.mco", key)
-        verdict.check("tutorial.md, ridges", sign * value > 3 * error, f"{key} changes by {value:.2g} +- {error:.2g}")
+        verdict.check("tutorial, ridges", sign * value > 3 * error, f"{key} changes by {value:.2g} +- {error:.2g}")
     value, error = change("level.mco", "rough.mco", "Tt")
-    verdict.check("tutorial.md, ridges", abs(value) < 2 * error, f"Tt changes by {value:.2g} +- {error:.2g}")
+    verdict.check("tutorial, ridges", abs(value) < 2 * error, f"Tt changes by {value:.2g} +- {error:.2g}")
     for what, (value, error) in (("fibre", over(ring("fibre.mco", 0, 4), ring("wide.mco", 0, 4))), ("bars", bars_contrast()[0]), ("camera", camera_shade()[0])):
-        verdict.check(f"tutorial.md, {what}", abs(value - 1) > 5 * error, f"a ratio of {value:.3g} +- {error:.2g} is noise")
+        verdict.check(f"tutorial, {what}", abs(value - 1) > 5 * error, f"a ratio of {value:.3g} +- {error:.2g} is noise")
     off = sorted(abs(value - truth) / error for value, error, truth in measured_points())
-    verdict.check("tutorial.md, measured.csv", off[-1] < 4 and off[len(off) // 2] < 1.5, f"lies off by {off} errors")
+    verdict.check("tutorial, measured.csv", off[-1] < 4 and off[len(off) // 2] < 1.5, f"lies off by {off} errors")
     with open("spectrum.sweep.csv", encoding="utf-8") as file:
         loss = max(float(row["Tt"]) for row in csv.DictReader(file))
-    verdict.check("tutorial.md, spectrum", loss < 1e-5, f"{loss} of the light is lost below")
+    verdict.check("tutorial, spectrum", loss < 1e-5, f"{loss} of the light is lost below")
 
 
 def check_beams(verdict, folder):
@@ -314,49 +276,10 @@ def check_pictures(verdict, folder):
         verdict.check(name, texts > 0 and not faults, "; ".join(faults))
 
 
-def check_readers(verdict, folder):
-    status, output = run([cml.PROGRAM, os.path.join(TOP, "samples/skinmap.mci"), "--photons", "2e4", "--json"], folder)
-    verdict.check("skinmap", status == 0, output)
-    check_names(verdict, folder, json.loads(output))
-    for language, code in blocks("samples/output.md"):
-        if language == "python":
-            status, output = run([sys.executable, "-c", code], folder)
-            verdict.check("output.md, Python", status == 0 and "Rd = " in output, output)
-
-
-def check_names(verdict, folder, record):
-    """Every key of the JSON line, every path of the .h5 and every section of the .mco stands in output.md."""
-    names = set(record) | {key for boundary in record["boundaries"] for key in boundary}
-    with h5py.File(os.path.join(folder, "skinmap.h5")) as file:
-        names |= {re.sub(r"^boundary\d+_(outer_)?", "boundary0_", name) for name in file} | set(file.attrs)
-    sections = cml.read_sections(os.path.join(folder, "skinmap.mco"))
-    names |= {re.sub(r"^(se_)?boundary\d+_(outer_)?", r"\1boundary0_", name) for name in sections if name.isidentifier()}
-    known = set(re.findall(r"\w+", read("samples/output.md").replace("_above`, `_below", "_above` `boundary0_irradiance_below`"
-                                                                    " `boundary0_exitance_below")))
-    missing = {name for name in names if name not in known and re.sub("^se_|_se$", "", name) not in known}
-    verdict.check("output.md", not missing, f"does not name {sorted(missing)}")
-
-
-def check_errors(verdict, folder):
-    """output.md names what has a standard error, and what is scored and has none: of a scene with maps, voxels, bodies and facets."""
-    scene = re.sub("^map .*", "map 8 8 0.1 0.1 angles volume", read("samples/vein.mci"), flags=re.MULTILINE)
-    with open(os.path.join(folder, "errors.mci"), "w", encoding="utf-8") as file:
-        file.write(scene.replace("../meshes", os.path.join(TOP, "meshes")).replace("vein.mco", "errors.mco"))
-    status, output = run([cml.PROGRAM, "errors.mci", "--photons", "1e3", "--quiet"], folder)
-    verdict.check("errors.mci", status == 0, output)
-    with h5py.File(os.path.join(folder, "errors.h5")) as file:
-        known = {re.sub("(boundary[0-9]|body)_(irradiance|exitance)_.*", r"\2", name) for name in file if name + "_se" in file}
-        bare = {name for name in set(file) | set(cml.read_sections(os.path.join(folder, "errors.mco")))
-                if re.match("(A|Rd|Tt|flux)_", name) and not name.endswith(("_se", "_outside"))} - known
-    has, lacks = (set(re.findall("`(\\w+)`", part)) for part in
-                  re.search(r"^\*\*Standard errors\*\* are(.*?)\*\*No other(.*?)\n\n", read("samples/output.md"), re.MULTILINE | re.DOTALL).groups())
-    verdict.check("output.md, errors", has == known and bare <= lacks, f"{sorted(has ^ known)}, {sorted(bare - lacks)}")
-
-
 def main():
-    verdict = cml.Verdict("texts")
+    verdict = cml.Verdict("tutorial")
     warm_python.start()
-    for check in (check_readme, check_tutorial, check_readers, check_errors):
+    for check in (check_readme, check_tutorial):
         with tempfile.TemporaryDirectory() as folder:
             check(verdict, folder)
     verdict.finish()

@@ -1,0 +1,78 @@
+"""What the manual's pages promise: each block that can be run runs (tutorial.py runs those of the tutorial), pages of input have
+the program's own table of keys, pages of output name every key of JSON, every array and attribute of a result, and what has
+standard errors."""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+import manual  # noqa: E402
+import warm_python  # noqa: E402
+from fields import h5py  # noqa: E402
+
+os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # as if the package were installed; long.pip installs it
+sys.path.insert(0, os.environ["PYTHONPATH"])
+
+
+def run(*words, folder="."):
+    done = subprocess.run([cml.PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+def check_blocks(verdict):
+    with tempfile.TemporaryDirectory() as tree:
+        manual.make_tree(tree)
+        for name in manual.pages():
+            if name.startswith("tutorial/"):
+                continue
+            here = os.path.join(tree, "run", name)
+            os.makedirs(here)
+            _, complaint = manual.run_page(name, tree, here)
+            verdict.check(name, not complaint, complaint)
+
+
+def rows_of(text):
+    return [line for line in text.splitlines() if line.startswith("| `")]
+
+
+def check_keys(verdict):
+    """Each row of `help keys` stands on exactly one page of input, as it is."""
+    written = [row for name in manual.pages() if name.startswith("input/") for row in rows_of(manual.page(name))]
+    for row in rows_of(run("help", "keys")[1]):
+        verdict.check("keys", written.count(row) == 1, f"{written.count(row)} rows of samples/manual/input (expected one): {row}")
+
+
+def output_text():
+    return "\n".join(manual.page(name) for name in manual.pages() if name.startswith("output/"))
+
+
+def check_names(verdict, folder):
+    """Every key of the JSON line, every path of the .h5 and every section of the .mco."""
+    status, output = run(os.path.join(manual.TOP, "samples/skinmap.mci"), "--photons", "2e4", "--json", folder=folder)
+    verdict.check("skinmap", status == 0, output)
+    record = json.loads(output)
+    names = set(record) | {key for boundary in record["boundaries"] for key in boundary}
+    with h5py.File(os.path.join(folder, "skinmap.h5")) as file:
+        names |= {re.sub(r"^boundary\d+_(outer_)?", "boundary0_", name) for name in file} | set(file.attrs)
+    sections = cml.read_sections(os.path.join(folder, "skinmap.mco"))
+    names |= {re.sub(r"^(se_)?boundary\d+_(outer_)?", r"\1boundary0_", name) for name in sections if name.isidentifier()}
+    known = set(re.findall(r"\w+", output_text()))
+    missing = {name for name in names if name not in known and re.sub("^se_|_se$", "", name) not in known}
+    verdict.check("output", not missing, f"no page names {sorted(missing)}")
+
+
+def main():
+    verdict = cml.Verdict("manual")
+    warm_python.start()
+    check_keys(verdict)
+    with tempfile.TemporaryDirectory() as folder:
+        check_names(verdict, folder)
+    check_blocks(verdict)
+    verdict.finish()
+
+
+main()

@@ -1,4 +1,5 @@
-/* What `clustermcml help` prints: made from the tables of commands, options and keys, and from the manual. SPDX-License-Identifier: MIT */
+/* What `clustermcml help` prints: made from the tables of commands, options and keys, and from the manual.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"

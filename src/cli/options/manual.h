@@ -4,7 +4,8 @@
 
 #include <stdio.h>
 
-/* A page in Markdown, as the source has it. name: its path below samples/manual without ".md" ("input/beams"). */
+/* A page in Markdown, as the source has it. name: its path below samples/manual without ".md"
+ * ("input/beams"). */
 struct cml_manual_page {
     const char *name, *text;
 };

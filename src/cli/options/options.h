@@ -14,8 +14,7 @@ struct cml_options {
     uint64_t photons; /* 0: as the .mci says */
     uint64_t run;     /* of the file, from 1, for `trace` */
     bool ignore_heightfields;
-    const char
-        *aim; /* NAME[,NAME ...] of what shall be known better (P15, P19); NULL: none */
+    const char *aim;            /* NAME[,NAME ...] of what shall be known better (P15, P19); NULL: none */
     double target_error;        /* 0: none */
     const char *error_of;       /* of what that is; NULL: of Rd, A and Tt */
     double checkpoint_interval; /* s; 0: no checkpoints */

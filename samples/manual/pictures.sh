@@ -28,6 +28,4 @@ scene input/bodies.md bodies.mci
 python3 pictures_input.py input_phase
 python3 pictures_input.py input_backing
 "$program" view ../foil.mci -o pictures/input_foil.svg
-scene input/mcml.md hill.mci
-sed -i '/^#@/d' "$folder/hill.mci"
-"$program" view "$folder/hill.mci" -o pictures/input_mcml.svg
+python3 pictures_input.py input_mcml

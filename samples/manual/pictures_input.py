@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Pictures of grids, tiles, reliefs, rough faces, phase functions and backings for the manual.
+"""Pictures of grids, what original MCML reads, tiles, reliefs, rough faces, phase functions and backings for the manual.
 
 python3 samples/manual/pictures_input.py NAME ...      draws into samples/manual/pictures; without names, all of them
 
@@ -38,6 +38,11 @@ def gsf(path):
     return heights, *(float(head[key]) * um[head["XYUnits"]] for key in ("XReal", "YReal"))
 
 
+def arrow(axes, tip, foot):
+    """A ray of light."""
+    axes.annotate("", tip, foot, arrowprops={"arrowstyle": "-|>", "color": pictures.COLOURS[1], "lw": 1.4, "shrinkA": 0, "shrinkB": 0})
+
+
 def grid(figure):
     """The bins of depth and radius below the surface, and those of angle above it."""
     axes = figure.subplots()
@@ -55,7 +60,7 @@ def grid(figure):
         axes.plot([0, radius * np.sin(angle)], [0, radius * np.cos(angle)], color=SOFT, lw=0.8)
     turn = np.linspace(0, np.pi / 2, 50)
     axes.plot(radius * np.sin(turn), radius * np.cos(turn), color=SOFT, lw=0.8)
-    axes.annotate("", (0, 0), (0, 4.2), arrowprops={"arrowstyle": "-|>", "color": pictures.COLOURS[1], "lw": 1.6, "shrinkA": 0, "shrinkB": 0})
+    arrow(axes, (0, 0), (0, 4.2))
     axes.text(-0.2, 3.6, "beam", ha="right", color=pictures.COLOURS[1])
     axes.text(radius * 0.75, radius * 0.8, "na bins of angle,\n0 to 90 degrees", fontsize="small")
     for ends, place, text in ((((2, -2.5), (3, -2.5)), (2.5, -2.35), "dr"), (((-3.5, -1), (-3.5, -2)), (-3.35, -1.6), "dz")):
@@ -65,6 +70,23 @@ def grid(figure):
     axes.text(0, -4.75, "what lies beyond the grid counts in the last bins", ha="center", fontsize="small", color="#404040")
     axes.text(-7.4, -4.3, "nz bins\nof depth", fontsize="small")
     axes.set(xlim=(-7.7, 7.7), ylim=(-5.3, 4.4), aspect="equal")
+
+
+def mcml(figure):
+    """The scene of mcml.md as this program and as original MCML read it."""
+    sides = figure.subplots(1, 2, sharey=True)
+    r, heights = np.array([0, 0.1, 0.3]), np.array([0.06, 0.02, 0])
+    x = np.concatenate([[-0.45], -r[::-1], r, [0.45]])
+    hill = np.concatenate([[0], heights[::-1], heights, [0]])
+    for axes, title, h, beams in zip(sides, ("this program", "original MCML"), (hill, 0 * hill), ((-0.2, 0, 0.2), (0,))):
+        axes.grid(False)
+        axes.fill_between(x, -h, 0.5, color=MEDIUM, lw=0)
+        for z in (-h, 0.5 + 0 * h):
+            axes.plot(x, z, color=INK)
+        for at in beams:
+            arrow(axes, (at, -np.interp(abs(at), x, h)), (at, -0.2))
+        axes.set(xlabel="x [cm]", xlim=(-0.45, 0.45), ylim=(0.6, -0.2), title=title)
+    sides[0].set_ylabel("depth z [cm]")
 
 
 def tile(figure):
@@ -163,8 +185,8 @@ def backing(figure):
     axes.legend(loc="center left", bbox_to_anchor=(0.02, 0.4))
 
 
-PICTURES = {"input_grid": (grid, (6.4, 4.2)), "input_tile": (tile, (5.6, 4.4)), "input_reliefs": (reliefs, (8.0, 4.2)), "input_rough": (rough, (6.4, 4.0)),
-            "input_phase": (phase, (8.6, 4.4)), "input_backing": (backing, (6.0, 3.6))}
+PICTURES = {"input_grid": (grid, (6.4, 4.2)), "input_mcml": (mcml, (7.2, 3.2)), "input_tile": (tile, (5.6, 4.4)), "input_reliefs": (reliefs, (8.0, 4.2)),
+            "input_rough": (rough, (6.4, 4.0)), "input_phase": (phase, (8.6, 4.4)), "input_backing": (backing, (6.0, 3.6))}
 
 
 def main():

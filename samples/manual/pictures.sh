@@ -1,0 +1,31 @@
+#!/bin/sh
+# Draws every picture of the manual: one command per picture. SPDX-License-Identifier: MIT
+# sh samples/manual/pictures.sh      needs clustermcml (CLUSTERMCML names another program) and its Python package
+set -eu
+cd "$(dirname "$0")"
+program=$(realpath "${CLUSTERMCML:-../../build/clustermcml}")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+# scene PAGE NAME.mci: the scene of a page whose first line is "# NAME.mci", as a file in $folder.
+scene() {
+    awk -v first="# $2" '/^```/ { on = 0 } start { on = $0 == first } on { print } { start = $0 == "```mci" }' "$1" >"$folder/$2"
+    ln -sfn "$(realpath ../../meshes)" "$folder/meshes"
+}
+
+scene input/index.md skin.mci
+"$program" view "$folder/skin.mci" -o pictures/input_skin.svg
+python3 pictures_input.py input_grid
+scene input/layers.md skin3.mci
+"$program" view "$folder/skin3.mci" -o pictures/input_layers.svg
+scene input/boundaries.md shapes.mci
+"$program" view "$folder/shapes.mci" -o pictures/input_boundaries.svg
+python3 pictures_input.py input_tile
+python3 pictures_input.py input_reliefs
+python3 pictures_input.py input_rough
+scene input/bodies.md bodies.mci
+"$program" view "$folder/bodies.mci" -o pictures/input_bodies.svg
+python3 pictures_input.py input_phase
+python3 pictures_input.py input_backing
+"$program" view ../foil.mci -o pictures/input_foil.svg
+python3 pictures_input.py input_mcml

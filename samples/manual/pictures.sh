@@ -1,0 +1,26 @@
+#!/bin/sh
+# Draws every picture of the manual: one command per picture. SPDX-License-Identifier: MIT
+# sh samples/manual/pictures.sh      needs clustermcml (CLUSTERMCML names another program) and its Python package
+set -eu
+cd "$(dirname "$0")"
+program=$(realpath "${CLUSTERMCML:-../../build/clustermcml}")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+# scene PAGE NAME.mci: the scene of a page whose first line is "# NAME.mci", as a file in $folder.
+scene() {
+    awk -v first="# $2" '/^```/ { on = 0 } start { on = $0 == first } on { print } { start = $0 == "```mci" }' "$1" >"$folder/$2"
+    ln -sfn "$(realpath ../../meshes)" "$folder/meshes"
+}
+
+python3 pictures_beams.py beam_shapes
+python3 pictures_beams.py beam_light
+python3 pictures_beams.py beam_axis
+scene input/beams.md three_beams.mci
+"$program" view "$folder/three_beams.mci" -o pictures/three_beams.svg
+python3 pictures_beams.py detector
+python3 pictures_beams.py scores
+scene input/detectors.md hill.mci
+"$program" run "$folder/hill.mci" --photons 4e6 -o "$folder" --quiet
+"$program" plot "$folder/hill.h5" --of detector_cam_map --linear --percentile 99.5 --title "A hill, lit from the right" \
+    -o pictures/hill_camera.svg

@@ -24,3 +24,6 @@ scene input/detectors.md hill.mci
 "$program" run "$folder/hill.mci" --photons 4e6 -o "$folder" --quiet
 "$program" plot "$folder/hill.h5" --of detector_cam_map --linear --percentile 99.5 --title "A hill, lit from the right" \
     -o pictures/hill_camera.svg
+scene input/saved-packets.md exits.mci
+"$program" run "$folder/exits.mci" -o "$folder" --quiet
+python3 pictures_beams.py saved_packets "$folder/exits.photons.h5"

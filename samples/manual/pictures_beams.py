@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Pictures of beams, detectors and scored arrays for the manual, into samples/manual/pictures.
 
-python3 samples/manual/pictures_beams.py      draws all of them; names behind it draw only these"""
+python3 samples/manual/pictures_beams.py                                 draws all that need no run
+python3 samples/manual/pictures_beams.py detector scores                 draws these
+python3 samples/manual/pictures_beams.py saved_packets exits.photons.h5  draws the packets of a file"""
 import os
 import sys
 
@@ -198,6 +200,28 @@ def scores():
     save(figure, "scores.svg")
 
 
+def saved_packets(file):
+    """Depth against distance of the packets in a .photons.h5 that left through the top."""
+    sys.path.insert(0, os.path.join(FOLDER, "..", "..", "..", "src", "python"))
+    import clustermcml as mc  # noqa: E402, PLC0415
+    rows = mc.read_photons(file)
+    rows = rows[rows.side == 0]
+    figure, axes = plt.subplots(figsize=(6, 3))
+    light = axes.hist2d(np.hypot(rows.x, rows.y), rows.deepest, bins=[50, 50], range=[[0, 1], [0, 1]], weights=rows.weight,
+                        cmap="viridis", norm=matplotlib.colors.LogNorm(), rasterized=True)[3]
+    middle = np.linspace(0.025, 0.975, 20)
+    mean = [np.average(part.deepest, weights=part.weight) for part in
+            (rows[abs(np.hypot(rows.x, rows.y) - r) < 0.025] for r in middle)]
+    axes.plot(middle, mean, color="white", lw=1.5)
+    axes.text(0.7, 0.5, "mean", color="white")
+    axes.set(xlabel="where it leaves, r [cm]", ylabel="how deep it was [cm]", ylim=(1, 0))
+    figure.colorbar(light, label="weight of the packets")
+    save(figure, "saved_packets.svg")
+
+
 ALL = {"beam_shapes": shapes, "beam_light": lights, "beam_axis": axes_of_beam, "detector": detector, "scores": scores}
-for drawing in sys.argv[1:] or ALL:
-    ALL[drawing]()
+if sys.argv[1:2] == ["saved_packets"]:
+    saved_packets(sys.argv[2])
+else:
+    for drawing in sys.argv[1:] or ALL:
+        ALL[drawing]()

@@ -27,3 +27,7 @@ scene input/detectors.md hill.mci
 scene input/saved-packets.md exits.mci
 "$program" run "$folder/exits.mci" -o "$folder" --quiet
 python3 pictures_beams.py saved_packets "$folder/exits.photons.h5"
+scene input/sweeps.md slab.mci
+printf 'skin.mua,skin.mus\n0.1,50\n0.2,50\n0.4,50\n0.1,100\n0.2,100\n0.4,100\n' >"$folder/table.csv"
+"$program" run "$folder/slab.mci" --sweep "$folder/table.csv" -o "$folder" --quiet
+"$program" plot "$folder/slab.sweep.csv" --of Rd --over skin.mua --by skin.mus -o pictures/sweep.svg

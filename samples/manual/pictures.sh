@@ -29,3 +29,21 @@ python3 pictures_input.py input_phase
 python3 pictures_input.py input_backing
 "$program" view ../foil.mci -o pictures/input_foil.svg
 python3 pictures_input.py input_mcml
+python3 pictures_beams.py beam_shapes
+python3 pictures_beams.py beam_light
+python3 pictures_beams.py beam_axis
+scene input/beams.md three_beams.mci
+"$program" view "$folder/three_beams.mci" -o pictures/three_beams.svg
+python3 pictures_beams.py detector
+python3 pictures_beams.py scores
+scene input/detectors.md hill.mci
+"$program" run "$folder/hill.mci" --photons 4e6 -o "$folder" --quiet
+"$program" plot "$folder/hill.h5" --of detector_cam_map --linear --percentile 99.5 --title "A hill, lit from the right" \
+    -o pictures/hill_camera.svg
+scene input/saved-packets.md exits.mci
+"$program" run "$folder/exits.mci" -o "$folder" --quiet
+python3 pictures_beams.py saved_packets "$folder/exits.photons.h5"
+scene input/sweeps.md slab.mci
+printf 'skin.mua,skin.mus\n0.1,50\n0.2,50\n0.4,50\n0.1,100\n0.2,100\n0.4,100\n' >"$folder/table.csv"
+"$program" run "$folder/slab.mci" --sweep "$folder/table.csv" -o "$folder" --quiet
+"$program" plot "$folder/slab.sweep.csv" --of Rd --over skin.mua --by skin.mus -o pictures/sweep.svg

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures the table of samples/README.md: expected.sh [PROGRAM], by default build/clustermcml.
+# Measures the table of samples/manual/recipes/samples.md: expected.sh [PROGRAM], by default build/clustermcml.
 # Runs every sample with its own number of photons and seed 1 and rewrites the table in place. Beside the
 # program's numbers stand those of tests/reference, which were made without it.
 # SPDX-License-Identifier: MIT
@@ -65,6 +65,7 @@ row() { # SAMPLE OTHERS, one JSON line on standard input
 }
 
 cd "$here"
+page=manual/recipes/samples.md
 status=0
 : >"$work/table"
 for sample in *.mci shapes/*.mci; do
@@ -72,13 +73,14 @@ for sample in *.mci shapes/*.mci; do
         row "$sample" "$(independent "$sample")" <"$work/json" | tee -a "$work/table" >&2
     else
         echo "$sample failed and keeps its old row" >&2
-        grep -F "| \`$sample\` |" README.md >>"$work/table" || true
+        grep -F "| \`$sample\` |" "$page" >>"$work/table" || true
         status=1
     fi
 done
 awk -v table="$work/table" '
     /^\| `.*\.mci` \|/ { next }
     { print }
-    /^\|---/ { while ((getline line < table) > 0) print line }' README.md >"$work/README.md"
-cat "$work/README.md" >README.md
+    /^\| sample \|/ { totals = 1 }
+    /^\|---/ && totals { while ((getline line < table) > 0) print line }' "$page" >"$work/page"
+cat "$work/page" >"$page"
 exit $status

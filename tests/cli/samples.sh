@@ -1,10 +1,10 @@
 #!/bin/sh
-# Every sample flies with 2e4 photons and another seed than that of the table in samples/README.md: no packet may be
+# Every sample flies with 2e4 photons and another seed than that of the table in samples/manual/recipes/samples.md: no packet may be
 # lost, the weight must balance, and the totals must agree with the table within 5 standard errors, as the table's
 # must with those of the independent results beside them.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-table=samples/README.md
+table=samples/manual/recipes/samples.md
 
 # "name value error" for the totals of one JSON line; names: Rsp Rd A Tt
 json_value() { # KEY OUTPUT

@@ -60,7 +60,8 @@ cp "$folder/skin_profile.svg" pictures
 CLUSTERMCML=$program PYTHONPATH=../../src/python python3 ../materials.py "$folder" 0.02 profiles repository # recipes/materials.md, too
 page recipes/spectrum.md blood.svg=recipe-spectrum.svg
 page recipes/fit.md fit.svg=recipe-fit.svg
-python3 pictures_cluster.py pictures/recipe-cluster.svg
+python3 pictures_recipes.py cluster pictures/recipe-cluster.svg
+python3 pictures_recipes.py totals pictures/recipe-totals.svg
 page recipes/stop-and-resume.md more.svg=recipe-more.svg
 page recipes/gpu.md rings.svg=recipe-rings.svg
 page recipes/original-mcml.md hill.svg=recipe-hill.svg

@@ -50,7 +50,7 @@ independent() { # SAMPLE
 }
 
 row() { # SAMPLE OTHERS, one JSON line on standard input
-    awk -v sample="$1" -v question="$(sed -n '1s/^# //p' "$here/$1")" -v others="$2" '
+    awk -v sample="$1" -v others="$2" '
         function value(key) {
             return match($0, "\"" key "\":[^,}]*") ? substr($0, RSTART + length(key) + 3, RLENGTH - length(key) - 3) : "?"
         }
@@ -58,7 +58,7 @@ row() { # SAMPLE OTHERS, one JSON line on standard input
         {
             sub(/"bodies":\[[^]]*\]/, "") # which have an A of their own
             output = value("output"); gsub(/"|.*\//, "", output)
-            printf "| `%s` | `%s` | %s | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output, question,
+            printf "| `%s` | `%s` | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output,
                 value("photons"), measured("Rsp"), measured("Rd"), measured("A"), measured("Tt"), others,
                 value("seconds") < 1 ? 1 : value("seconds")
         }'

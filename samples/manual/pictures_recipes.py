@@ -48,9 +48,9 @@ def deviations():
     rows = []
     for line in read("recipes", "samples.md").splitlines():
         cells = [cell.strip() for cell in line.split("|")]
-        if len(cells) < 13 or not cells[9].partition(" ")[0].replace(".", "").isdigit():
+        if len(cells) < 12 or not cells[8].partition(" ")[0].replace(".", "").isdigit():
             continue
-        Rd, Tt, other_Rd, other_Tt = (tuple(map(float, re.findall(r"[\d.]+", cells[i]))) for i in (6, 8, 9, 10))
+        Rd, Tt, other_Rd, other_Tt = (tuple(map(float, re.findall(r"[\d.]+", cells[i]))) for i in (5, 7, 8, 9))
         rows.append((cells[1].strip("`"), *((a - b) / math.hypot(s, t) for (a, s), (b, t) in ((Rd, other_Rd), (Tt, other_Tt)))))
     return rows
 

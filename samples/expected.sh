@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures the table of samples/README.md: expected.sh [PROGRAM], by default build/clustermcml.
+# Measures the table of samples/manual/recipes/samples.md: expected.sh [PROGRAM], by default build/clustermcml.
 # Runs every sample with its own number of photons and seed 1 and rewrites the table in place. Beside the
 # program's numbers stand those of tests/reference, which were made without it.
 # SPDX-License-Identifier: MIT
@@ -50,7 +50,7 @@ independent() { # SAMPLE
 }
 
 row() { # SAMPLE OTHERS, one JSON line on standard input
-    awk -v sample="$1" -v question="$(sed -n '1s/^# //p' "$here/$1")" -v others="$2" '
+    awk -v sample="$1" -v others="$2" '
         function value(key) {
             return match($0, "\"" key "\":[^,}]*") ? substr($0, RSTART + length(key) + 3, RLENGTH - length(key) - 3) : "?"
         }
@@ -58,13 +58,14 @@ row() { # SAMPLE OTHERS, one JSON line on standard input
         {
             sub(/"bodies":\[[^]]*\]/, "") # which have an A of their own
             output = value("output"); gsub(/"|.*\//, "", output)
-            printf "| `%s` | `%s` | %s | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output, question,
+            printf "| `%s` | `%s` | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output,
                 value("photons"), measured("Rsp"), measured("Rd"), measured("A"), measured("Tt"), others,
                 value("seconds") < 1 ? 1 : value("seconds")
         }'
 }
 
 cd "$here"
+page=manual/recipes/samples.md
 status=0
 : >"$work/table"
 for sample in *.mci shapes/*.mci; do
@@ -72,13 +73,14 @@ for sample in *.mci shapes/*.mci; do
         row "$sample" "$(independent "$sample")" <"$work/json" | tee -a "$work/table" >&2
     else
         echo "$sample failed and keeps its old row" >&2
-        grep -F "| \`$sample\` |" README.md >>"$work/table" || true
+        grep -F "| \`$sample\` |" "$page" >>"$work/table" || true
         status=1
     fi
 done
 awk -v table="$work/table" '
     /^\| `.*\.mci` \|/ { next }
     { print }
-    /^\|---/ { while ((getline line < table) > 0) print line }' README.md >"$work/README.md"
-cat "$work/README.md" >README.md
+    /^\| sample \|/ { totals = 1 }
+    /^\|---/ && totals { while ((getline line < table) > 0) print line }' "$page" >"$work/page"
+cat "$work/page" >"$page"
 exit $status

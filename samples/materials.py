@@ -3,7 +3,7 @@
 
 Leaves NAME.json, NAME.csv and NAME.rgb.bsdf of each in DIR, by default the current directory, and a page materials.md with a picture
 materials.svg. ERROR is the noise of profiles, by default 0.02. With the word profiles no .bsdf is made, which takes most of the time.
-With the word repository the page and the picture that the repository keeps are written in place of those in DIR.
+With the word repository the page and the picture of the manual (samples/manual/recipes/materials.md) are written in place of those in DIR.
 The channels r g b are 610, 540 and 460 nm where a source has spectra. Every row names its source. Needs the Python package (or
 PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout), scipy and matplotlib.
 SPDX-License-Identifier: MIT
@@ -85,6 +85,26 @@ MATERIALS = [
 ]
 
 
+SCENE = """```mci
+# skin1.mci
+1.0                     # file version
+1                       # number of runs
+skin1.mco A             # output file, format
+100000                  # photons
+0.02 0.02               # dz, dr [cm]
+50 100 10               # nz, nr, na
+1                       # layers
+1.0                     # n above
+1.3 0.32 7.4 0 1e8      # skin1 in red light: n, mua [1/cm], mus [1/cm], g, d [cm]
+1.3                     # n below
+```
+
+```sh
+clustermcml skin1.mci --photons 2e4
+clustermcml profile skin1.mci -o skin1 --light diffuse --photons 2e4 --target-error 0.1
+```""".splitlines()
+
+
 def encoded(Rd):
     """A colour for a picture: linear shares as sRGB has them."""
     Rd = np.clip(Rd, 0, 1)
@@ -129,18 +149,31 @@ def properties(material):
 
 def page(made, picture):
     """The text of materials.md."""
-    seconds = ["# Twelve materials", "", "`samples/materials.py` has written this page. It flies each material in diffuse light and leaves the files that renderers read.",
-               "`samples/materials.py DIR` makes them again. Change a row of its table for a material of your own.", "",
-               f"![Light per distance, and colours in diffuse light]({picture})", "",
-               "Patches are Rd of the three channels, as sRGB. Curves are `2 pi r S / Rd`: how far light comes out from where it went in, in red, green and blue.", "",
-               "## What comes out", "",
-               "Rd is the diffuse reflectance, by r g b; r the mean distance. Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
-               "| material | Rd | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
-               "## What goes in", "", "Three numbers are of r, g and b.", "",
-               "| material | layer | n | mua [1/cm] | mus [1/cm] | g | d [cm] |", "|---|---|---|---|---|---|---|", *(line for material, _ in made for line in properties(material)), "",
-               "`white_paint` lies on a lambertian ground that sends back 0.3. All half spaces go on below with their own n.", "", "## Sources", "",
-               *(f"- `{material.name}`: {material.source}." for material, _ in made), ""]
-    return "\n".join(seconds)
+    lines = ["# Twelve materials", "", "`samples/materials.py` makes the files of twelve materials that renderers read, and this page.", "",
+             f"![Light per distance, and colours in diffuse light]({picture})", "",
+             "Patches are Rd of the three channels, as sRGB, in diffuse light.",
+             "Curves are `2 pi r S / Rd`: how far light comes out from where it went in, in red, green and blue.", "",
+             "A skin-like material as a scene:", "", *SCENE, "",
+             "```text", "python3 samples/materials.py renderer                  all files, in the folder renderer",
+             "python3 samples/materials.py renderer 0.02 profiles    no .bsdf, which takes most of the time", "```", "",
+             "Each material has `.rgb.bsdf` ([a BRDF](brdf.md)), `.json` and `.csv` ([a profile](profile.md)).", "",
+             "## What to change", "",
+             "| want | change |", "|---|---|",
+             "| a material of your own | a row of `MATERIALS`: a name, a source, and layers of n, mua, mus, g, d in cm and 1/cm |",
+             "| colours | mua and mus as three numbers, of r, g and b |",
+             "| values in 1/mm, as papers on rendering have them | `half_space`, which multiplies by 10 |", "",
+             "## What comes out", "",
+             "Rd is the diffuse reflectance, by r g b, and r the mean distance.",
+             "Noise and L1 are those of the worst channel. L1 has the noise in it.", "",
+             "| material | Rd | mean r [mm] | noise | L1 of exponentials | of Burley | of a random walk |", "|---|---|---|---|---|---|---|", *(row(*one) for one in made), "",
+             "## What goes in", "", "Three numbers are of r, g and b.", "",
+             "| material | layer | n | mua [1/cm] | mus [1/cm] | g | d [cm] |", "|---|---|---|---|---|---|---|", *(line for material, _ in made for line in properties(material)), "",
+             "`white_paint` lies on a lambertian ground that sends back 0.3. All half spaces go on below with their own n.", "", "## Sources", "",
+             "| material | source |", "|---|---|", *(f"| `{material.name}` | {material.source} |" for material, _ in made), "",
+             "## Limits", "",
+             "Measured reduced scattering mus' = mus (1 - g) does not tell g.",
+             "The rows use g = 0 there, which changes light near the entry only.", ""]
+    return "\n".join(lines)
 
 
 def main(folder, error, profiles_only, repository):
@@ -155,7 +188,7 @@ def main(folder, error, profiles_only, repository):
         if not profiles_only:
             mc.brdf(material.scene(), channels=material.channels()).to_bsdf(stem + ".rgb.bsdf")
         print(stem, flush=True)
-    home, picture = (HERE, "../bench/accuracy/results/materials.svg") if repository else (folder, "materials.svg")
+    home, picture = (os.path.join(HERE, "manual", "recipes"), "../pictures/materials.svg") if repository else (folder, "materials.svg")
     draw(made, os.path.join(home, picture))
     with open(os.path.join(home, "materials.md"), "w", encoding="utf-8") as file:
         file.write(page(made, picture))

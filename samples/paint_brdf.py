@@ -18,7 +18,7 @@ import numpy as np
 PIGMENT = {"channel": ["r", "g", "b"], "layer1.mua": [3.0, 150.0, 300.0]}  # 1/cm
 ALPHAS = {"glossy": 0.05, "satin": 0.2, "matt": 0.5}
 ANGLES = [0, 20, 40, 60, 75, 85]
-SIZE, RAYS = 180, 192  # of a ball: pixels along a side, rays for each
+SIZE, RAYS = 170, 192  # of a ball: pixels along a side, rays for each
 
 
 def paint(alpha):

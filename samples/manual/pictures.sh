@@ -13,6 +13,27 @@ scene() {
     ln -sfn "$(realpath ../../meshes)" "$folder/meshes"
 }
 
+# page PAGE DRAWN=KEPT ...: runs the blocks of a page in a folder of its own, and keeps pictures that its commands draw.
+page() {
+    text=$(realpath "$1")
+    shift
+    work=$(mktemp -d "$folder/page.XXXXXX")
+    ln -s "$(realpath ..)" "$work/samples"
+    ln -s "$(realpath ../../meshes)" "$work/meshes"
+    awk '
+        /^```/ && kind { if (kind != "sh") print "END_OF_BLOCK"; kind = ""; next }
+        /^```(mci|python|sh)$/ { kind = substr($0, 4); first = 1; if (kind == "python") print "python3 - <<\"END_OF_BLOCK\"\nimport clustermcml as mc"; next }
+        kind == "mci" && first { print "cat >" $2 " <<\"END_OF_BLOCK\"" }
+        kind { print; first = 0 }' "$text" >"$work/blocks.sh"
+    mkdir "$work/bin"
+    ln -s "$program" "$work/bin/clustermcml"
+    (cd "$work" && PATH=$work/bin:$PATH CLUSTERMCML=$program PYTHONPATH=$(realpath samples/../src/python) sh -eu blocks.sh >/dev/null)
+    for kept; do
+        cp "$work/${kept%%=*}" "pictures/${kept#*=}"
+    done
+}
+
+# input
 scene input/index.md skin.mci
 "$program" view "$folder/skin.mci" -o pictures/input_skin.svg
 python3 pictures_input.py input_grid
@@ -47,3 +68,42 @@ scene input/sweeps.md slab.mci
 printf 'skin.mua,skin.mus\n0.1,50\n0.2,50\n0.4,50\n0.1,100\n0.2,100\n0.4,100\n' >"$folder/table.csv"
 "$program" run "$folder/slab.mci" --sweep "$folder/table.csv" -o "$folder" --quiet
 "$program" plot "$folder/slab.sweep.csv" --of Rd --over skin.mua --by skin.mus -o pictures/sweep.svg
+
+# Pictures of some 1e7 packets, which bench/README.md and README show, too.
+python3 ../../bench/accuracy/figures.py --program "$program" --out "$folder/figures"
+rsvg-convert -w 620 "$folder/figures/skin.svg" -o pictures/skin.png
+for kept in furrows=tutorial-furrows head=tutorial-head camera=tutorial-camera gloss=tutorial-gloss \
+    vein=recipe-vein pattern=recipe-pattern glow=recipe-glow pulse=recipe-pulse; do
+    cp "$folder/figures/${kept%%=*}.svg" "pictures/${kept#*=}.svg"
+done
+
+# tutorial
+page tutorial/01-flat-skin.md flat.svg=tutorial-flat.svg
+page tutorial/02-rough-top.md ridges.svg=tutorial-ridges.svg horizon.svg=tutorial-horizon.svg
+page tutorial/04-figure.md beside.svg=tutorial-beside.svg
+page tutorial/06-vessel.md section.svg=tutorial-vessel.svg
+page tutorial/09-spectrum.md spectrum.svg=tutorial-spectrum.svg
+page tutorial/10-roughness.md heights.svg=tutorial-heights.svg
+page tutorial/12-light.md fibre.svg=tutorial-apertures.svg bars.svg=tutorial-bars.svg
+page tutorial/13-pulse.md pulse.svg=tutorial-pulse.svg
+page tutorial/15-clear-layer.md depth.svg=tutorial-depth.svg
+
+# recipes
+page recipes/my-fibre-probe.md probe.svg=recipe-probe.svg
+page recipes/lamp.md lamp.svg=recipe-lamp.svg
+page recipes/paint-over-backing.md hiding.svg=recipe-hiding.svg
+CLUSTERMCML=$program PYTHONPATH=../../src/python python3 ../rough_pictures.py "$folder" 1e6
+cp "$folder/paint_gloss.svg" pictures/recipe-gloss.svg
+cp "$folder/ground_glass.svg" pictures/recipe-haze.svg
+cp "$folder/frosted_bead.svg" pictures/recipe-bead.svg
+CLUSTERMCML=$program PYTHONPATH=../../src/python python3 ../paint_brdf.py pictures 1e5 && rm pictures/*.rgb.bsdf # needs Mitsuba 3
+CLUSTERMCML=$program PYTHONPATH=../../src/python python3 ../skin_profile.py "$folder" 0.01
+cp "$folder/skin_profile.svg" pictures
+CLUSTERMCML=$program PYTHONPATH=../../src/python python3 ../materials.py "$folder" 0.02 profiles repository # recipes/materials.md, too
+page recipes/spectrum.md blood.svg=recipe-spectrum.svg
+page recipes/fit.md fit.svg=recipe-fit.svg
+python3 pictures_recipes.py cluster pictures/recipe-cluster.svg
+python3 pictures_recipes.py totals pictures/recipe-totals.svg
+page recipes/stop-and-resume.md more.svg=recipe-more.svg
+page recipes/gpu.md rings.svg=recipe-rings.svg
+page recipes/original-mcml.md hill.svg=recipe-hill.svg

@@ -107,3 +107,10 @@ python3 pictures_recipes.py totals pictures/recipe-totals.svg
 page recipes/stop-and-resume.md more.svg=recipe-more.svg
 page recipes/gpu.md rings.svg=recipe-rings.svg
 page recipes/original-mcml.md hill.svg=recipe-hill.svg
+
+# output and python
+"$program" run ../two_runs.mci --photons 1e6 -o "$folder" --quiet
+"$program" plot "$folder/two_runs_flat.mco" "$folder/two_runs_hill.mco" --of Rd_r --label flat --label hill --xrange 0:0.9 -o pictures/output-plot.svg
+"$program" run ../skinmap.mci --photons 1e6 -o "$folder" --quiet
+"$program" plot "$folder/skinmap.h5" --of Rd --linear --label "R(x, y) of samples/skinmap.mci" -o pictures/output-map.svg
+"$program" view ../mixed.mci -o pictures/python-view.svg

@@ -28,11 +28,23 @@ def _rough_word(rough: Optional[Rough]) -> str:
 
 @dataclass
 class Sphere:
-    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g, phase of what it is made of;
-    rough: how rough its surface is.
+    """A sphere inside a layer.
 
-    >>> Sphere(0, 0, 0.1, 0.05, n=1.4, mua=5, mus=20, g=0.5).line("", "")
-    'i sphere 0 0 0.1 0.05 1.4 5 20 0.5'
+    Attributes:
+        x: x of the centre [cm].
+        y: y of the centre [cm].
+        z: Depth of the centre [cm].
+        r: Radius [cm].
+        n: Refractive index.
+        mua: Absorption coefficient [1/cm].
+        mus: Scattering coefficient [1/cm].
+        g: Mean cosine of scattering.
+        phase: How the body scatters; None is the function of Henyey and Greenstein.
+        rough: Roughness of its surface.
+
+    Examples:
+        >>> Sphere(0, 0, 0.1, 0.05, n=1.4, mua=5, mus=20, g=0.5).line("", "")
+        'i sphere 0 0 0.1 0.05 1.4 5 20 0.5'
     """
 
     x: float
@@ -59,7 +71,23 @@ class Sphere:
 
 @dataclass
 class Cylinder:
-    """A cylinder with flat ends: their middles x1, y1, z1 and x2, y2, z2 [cm, z down], radius r [cm]; n, mua, mus [1/cm], g, phase."""
+    """A cylinder with flat ends inside a layer.
+
+    Attributes:
+        x1: x of the middle of the first end [cm].
+        y1: y of the middle of the first end [cm].
+        z1: Depth of the middle of the first end [cm].
+        x2: x of the middle of the second end [cm].
+        y2: y of the middle of the second end [cm].
+        z2: Depth of the middle of the second end [cm].
+        r: Radius [cm].
+        n: Refractive index.
+        mua: Absorption coefficient [1/cm].
+        mus: Scattering coefficient [1/cm].
+        g: Mean cosine of scattering.
+        phase: How the body scatters; None is the function of Henyey and Greenstein.
+        rough: Roughness of its surface.
+    """
 
     x1: float
     y1: float
@@ -89,9 +117,17 @@ class Cylinder:
 
 @dataclass
 class Body:
-    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g, phase.
+    """A closed mesh inside a layer.
 
-    union: closed parts of the mesh may cross; inside is what is inside of any part.
+    Attributes:
+        mesh: Mesh whose heights count up from z = 0 of the scene: a ball 0.25 cm deep has shift=(0, 0, -0.25).
+        n: Refractive index.
+        mua: Absorption coefficient [1/cm].
+        mus: Scattering coefficient [1/cm].
+        g: Mean cosine of scattering.
+        phase: How the body scatters; None is the function of Henyey and Greenstein.
+        union: Whether closed parts of the mesh may cross; inside is then what is inside of any part; default False.
+        rough: Roughness of its surface.
     """
 
     mesh: Mesh

@@ -182,17 +182,27 @@ def _projected(data: xr.Dataset, bins: Bins) -> xr.Dataset:
 def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons: Optional[float] = None, target_error: Optional[float] = 0.01,
          back: bool = False, *, channels: Union[Mapping[str, Any], pd.DataFrame, None] = None, bins: Sequence[int] = BINS, seed: int = 1,
          threads: Optional[int] = None) -> Material:
-    """The BRDF and BTDF of a scene by a sweep of the angle of incidence, as a `Material`, which has its arrays and writes files.
+    """Computes the BRDF and BTDF of a scene by a sweep of the angle of incidence.
 
-    angles: of incidence [degrees], rising, from 0 to 89. photons: at each angle, the scene's without it; rounds follow until the relative
-    error of the albedo is at most target_error, or none where that is None. back: light comes from below. channels: a dict of columns or a
-    DataFrame, nm (wavelengths) or channel (r, g, b) beside what is set: {"nm": [450, 650], "layer1.mua": [3, 1]}. bins: of theta and phi.
-    The same seed gives the same bytes. The scene's own beams and tallies are left out.
+    Args:
+        scene: A Scene, or the path of an `.mci` file. Its own beams and tallies are left out.
+        angles: Angles of incidence [degrees], rising, from 0 to 89.
+        photons: Photons at each angle; None takes the scene's.
+        target_error: Rounds follow until the relative error of the albedo is at most this; None simulates no further rounds.
+        back: Whether light comes from below.
+        channels: Columns, as a dict or a DataFrame: nm (wavelengths) or channel (r, g, b), and what is set, as in {"nm": [450, 650], "layer1.mua": [3, 1]}.
+        bins: Numbers of bins of theta and phi.
+        seed: The same seed gives the same bytes.
+        threads: Number of threads.
 
-    >>> brdf("scene.mci", angles=[0, 95])
-    Traceback (most recent call last):
-    ...
-    clustermcml.errors.InputError: angles = [0, 95] (expected rising angles from 0 to 89 degrees)
+    Returns:
+        A Material, which has the arrays and writes files for renderers.
+
+    Examples:
+        >>> brdf("scene.mci", angles=[0, 95])
+        Traceback (most recent call last):
+        ...
+        clustermcml.errors.InputError: angles = [0, 95] (expected rising angles from 0 to 89 degrees)
     """
     values, sides, (labels, sets) = _angles(angles), Bins(*_bins(bins)), channel_rows(channels)
     errors.flag("back", back)

@@ -45,7 +45,14 @@ def write_bsdf(path: str, table: Any, theta_i: Any, description: str, wavelength
 
 
 def read_bsdf(path: str) -> dict[str, Any]:
-    """The arrays of a tensor file by their names."""
+    """Reads the arrays of a `.bsdf` file, a tensor file of Mitsuba and pbrt.
+
+    Args:
+        path: Path of the file.
+
+    Returns:
+        {name: array}.
+    """
     name = errors.existing_file("path", path)
     with open(name, "rb") as file:
         content = file.read()

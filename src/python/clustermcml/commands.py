@@ -68,12 +68,20 @@ def version() -> str:
 @shown
 def check(scene: Union[Scene, Path], *, sweep: Union[Path, Mapping[str, ArrayLike], pd.DataFrame, None] = None, reweight: bool = False,
           **options: Unpack[CheckOptions]) -> list[dict[str, Any]]:
-    """What the program understands of a scene, for each of its runs: layers, boundaries and how they are represented, memory.
-    sweep: parameters as mc.sweep takes them, without dim and
-    coords, or the path of a table: all its rows are checked, and `sweep` in what is returned says how many these are, and how many
-    flights they take, with reweight as in mc.sweep.
+    """Says what the program understands of a scene, without simulating it.
 
-    Raises InputError where `run` would refuse it. `clustermcml help check` says what the options do.
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        sweep: Parameters as `sweep` takes them, or the path of a table; all its rows are checked.
+        reweight: As of `sweep`.
+        **options: Options of the program; `clustermcml help check` lists them.
+
+    Returns:
+        A list with a dict for each run: layers, boundaries and how they are represented, memory_bytes and more. With `sweep` the
+            key `sweep` has the numbers of rows and flights.
+
+    Raises:
+        InputError: `run` would refuse the scene.
     """
     if sweep is None and not reweight:
         return _of_scene("check", scene, options, CheckOptions)
@@ -88,35 +96,73 @@ def check(scene: Union[Scene, Path], *, sweep: Union[Path, Mapping[str, ArrayLik
 
 @shown
 def exact(scene: Union[Scene, Path], **options: Unpack[ExactOptions]) -> list[dict[str, Any]]:
-    """Rsp, Rd, A, Tt and A_l of the scene with planes in place of all shapes, for each of its runs, without photons; NAME_error is the
-    limit of the error."""
+    """Computes the totals of a scene without photons, with planes in place of all shapes.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        **options: Options of the program; `clustermcml help exact` lists them.
+
+    Returns:
+        A list with a dict for each run: Rsp, Rd, A, Tt and A_l. NAME_error is the limit of the error of NAME.
+    """
     return _of_scene("exact", scene, options, ExactOptions)
 
 
 @shown
 def plan(scene: Union[Scene, Path], **options: Unpack[PlanOptions]) -> list[dict[str, Any]]:
-    """How many photons, and how much time, an error takes on this machine, for each run of the scene: target_error=1e-2."""
+    """Says how many photons, and how much time, an error takes on this machine.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        **options: Options of the program, such as target_error=1e-2; `clustermcml help plan` lists them.
+
+    Returns:
+        A list with a dict for each run, whose `plans` has an entry for each engine and sampling.
+    """
     return _of_scene("plan", scene, options, PlanOptions)
 
 
 @shown
 def crosscheck(scene: Union[Scene, Path], **options: Unpack[CrosscheckOptions]) -> list[dict[str, Any]]:
-    """The same photons flown in several ways, for each run of the scene: the `ways`, and `agree` of all of them and of each with the
-    first. dump: a file for the photons that differ."""
+    """Simulates the same photons in several ways and compares the results.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        **options: Options of the program; dump is a file for the photons that differ.
+
+    Returns:
+        A list with a dict for each run: the `ways`, and `agree`, which is whether all ways agree with the first.
+    """
     return _of_scene("crosscheck", scene, options, CrosscheckOptions, (0, DIFFERENT))
 
 
 @shown
 def furnace(scene: Union[Scene, Path], **options: Unpack[FurnaceOptions]) -> list[dict[str, Any]]:
-    """The scene in diffuse light from both sides, without absorption, for each of its runs: whether light is `even` in all `places`, as it
-    must be whatever the shapes."""
+    """Tests the shapes of a scene in diffuse light from both sides, without absorption, which must be equally bright everywhere.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        **options: Options of the program; `clustermcml help furnace` lists them.
+
+    Returns:
+        A list with a dict for each run: `places`, and `even`, which is whether the light is even in all of them.
+    """
     return _of_scene("furnace", scene, options, FurnaceOptions, (0, DIFFERENT))
 
 
 @shown
 def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions]) -> xr.Dataset:
-    """Every event of one photon (from 0), alone, with the random numbers that it has in a run with the same options; its attribute
-    `end` says what became of it, `seen_by` names the detectors that saw it. `rough_steps`: the facets met at a rough boundary, 0 elsewhere."""
+    """Simulates one photon and returns all its events.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        photon: Number of the photon, from 0. It has the random numbers that it has in a run with the same options.
+        **options: Options of the program; `clustermcml help trace` lists them.
+
+    Returns:
+        An xarray.Dataset over `event`: what, medium, x, y, z, ux, uy, uz, weight, and rough_steps, the facets met at a rough boundary. The
+            attribute `end` says what became of the photon, and `seen_by` names the detectors that saw it.
+    """
     import xarray as xr
     index = errors.whole("photon", photon, 0, 2**53)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
@@ -143,8 +189,16 @@ def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions
 
 @shown
 def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[MeshOptions]) -> list[str]:
-    """Writes every boundary that is no plane, and every body, as an OBJ file into a folder, as a run would give it to Embree. Returns the
-    paths of the files."""
+    """Writes every boundary that is not a plane, and every body, as an OBJ file.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        output_dir: Folder for the files.
+        **options: Options of the program; `clustermcml help mesh` lists them.
+
+    Returns:
+        The paths of the files.
+    """
     folder = errors.folder("output_dir", output_dir)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         said = say(["mesh", path, "-o", folder, *option_words(options, MeshOptions)], scratch)

@@ -478,8 +478,17 @@ def _same_axes(a: Field, b: Field) -> bool:
 
 
 def compare(a: Union[str, os.PathLike[str]], b: Union[str, os.PathLike[str]], alpha: float = 0.01, output: Union[str, os.PathLike[str], None] = None) -> dict[str, Any]:
-    """Whether two results (.mco, .h5) agree within their noise at the level alpha: `agree`, `p`, the `worst` tests, and those of all
-    `quantities`. output: a picture of z over every profile, .svg, .png, .pdf or .eps."""
+    """Tests whether two results agree within their noise.
+
+    Args:
+        a: Path of an `.mco` or `.h5`.
+        b: Path of another result on the same grid.
+        alpha: Level of the test, above 0 and below 1.
+        output: Path of a picture of z over every profile: .svg, .png, .pdf or .eps; None draws nothing.
+
+    Returns:
+        A dict with `agree`, `p`, the `worst` tests, and the tests of all `quantities`.
+    """
     errors.number("alpha", alpha, math.ulp(0.0), 1 - 2**-53, "a number above 0 and below 1")
     picture = None if output is None else picture_path(output)
     files = [errors.existing_file("a", a), errors.existing_file("b", b)]

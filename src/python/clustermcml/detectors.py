@@ -18,17 +18,34 @@ SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "hei
 
 @dataclass
 class Detector:
-    """Sees packets that leave on a side where the line of their last flight crosses the level z in its shape. kind: "disk" (of `radius`
-    cm), "ring" (from `r1` to `r2`), "rectangle" (`width` by `height`), "map" (nx by ny pixels of dx by dy cm) or "table" (a `file` with a detector in each
-    line, as behind the word `detector` of an .mci, and nothing else here). at: x, y of its middle [cm]. z: None, the
-    nominal plane of the side; or a depth [cm], on which a camera is focused. side: "top" or "bottom". na: numerical aperture about an axis that lies at
-    `angle` degrees to the outward vertical, at `azimuth`; None: all directions. diffuse: no light that never was in the material. name: of its results,
-    `detector_NAME`; without one its number counts, from 1.
+    """A detector: it sees packets that leave, where the line of their last flight crosses a level.
 
-    >>> Detector("disk", radius=0.01, na=0.22, at=(0.3, 0), name="far").line()
-    'detector disk 0.01 at=0.3,0 na=0.22 name=far'
-    >>> Detector("map", nx=80, ny=60, dx=0.01, dy=0.01, z=-0.05, na=0.1, angle=45, diffuse=True).line()
-    'detector map 80 60 0.01 0.01 z=-0.05 na=0.1 angle=45 diffuse'
+    Attributes:
+        kind: "disk", "ring", "rectangle", "map", or "table" (the detectors in the lines of a file); default "disk".
+        radius: Radius of a disk [cm].
+        at: x and y of its middle [cm]; default (0, 0).
+        z: Depth of the level [cm], on which a camera is focused; None is the nominal plane of the side.
+        side: "top" or "bottom"; default "top".
+        na: Numerical aperture about its axis; None sees all directions.
+        angle: Angle of its axis to the outward vertical [degrees]; needs `na`; default 0.
+        azimuth: Direction of that tilt [degrees]; default 0.
+        diffuse: Whether light that never was in the material is left out; default False.
+        name: Name of its results, `detector_NAME`; None is its number, from 1.
+        r1: Inner radius of a ring [cm].
+        r2: Outer radius of a ring [cm].
+        width: Width of a rectangle over x [cm].
+        height: Width of a rectangle over y [cm].
+        nx: Number of pixels of a map along x.
+        ny: Number of pixels of a map along y.
+        dx: Width of a pixel along x [cm].
+        dy: Width of a pixel along y [cm].
+        file: Path of a table; each line is what stands behind the word `detector` of an `.mci`.
+
+    Examples:
+        >>> Detector("disk", radius=0.01, na=0.22, at=(0.3, 0), name="far").line()
+        'detector disk 0.01 at=0.3,0 na=0.22 name=far'
+        >>> Detector("map", nx=80, ny=60, dx=0.01, dy=0.01, z=-0.05, na=0.1, angle=45, diffuse=True).line()
+        'detector map 80 60 0.01 0.01 z=-0.05 na=0.1 angle=45 diffuse'
     """
 
     kind: str = "disk"

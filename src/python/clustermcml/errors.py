@@ -17,7 +17,8 @@ import numpy as np
 class ClustermcmlError(Exception):
     """The program has failed. The text is its own message, which names what was wrong and what was expected.
 
-    exit_code: of the program (3 no device, 4 numerical, 5 a file could not be written, 75 stopped by a signal).
+    Attributes:
+        exit_code: Exit code of the program: 3 no device, 4 numerical, 5 a file could not be written, 75 stopped by a signal.
     """
 
     def __init__(self, message: str, exit_code: int = 2) -> None:
@@ -26,7 +27,7 @@ class ClustermcmlError(Exception):
 
 
 class InputError(ClustermcmlError, ValueError):
-    """An argument, a scene or a file is not what it must be (exit code 2 of the program)."""
+    """An argument, a scene or a file is refused (exit code 2 of the program). The text names it, its value and what was expected."""
 
 
 def _shown(value: object) -> str:

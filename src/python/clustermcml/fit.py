@@ -45,10 +45,23 @@ TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarit
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """values, errors: of the parameters, standard errors. correlation: of these, in their order, with
-    correlation_errors by the flights' noise. chi2, degrees: of freedom. words: what
-    the data cannot tell, "" where they tell all. prediction, prediction_errors: what the model says of each name that was measured, and
-    measured, measured_errors: what was; of profiles in the bins that were known, whose middles are places. flights: how many were flown."""
+    """The result of `fit`. `print` shows the values, their errors, correlations and chi square, and in words what the data cannot tell.
+
+    Attributes:
+        values: Value of each parameter.
+        errors: Standard error of each parameter.
+        correlation: Array of the correlations of the parameters, in their order.
+        correlation_errors: Errors of these correlations by the noise of the flights.
+        chi2: Chi square.
+        degrees: Degrees of freedom.
+        words: What the data cannot tell; "" where they tell all.
+        prediction: What the model says of each name that was measured.
+        prediction_errors: Standard errors of the prediction.
+        flights: How many flights were simulated.
+        measured: What was measured, by name; of profiles in the bins that were known.
+        measured_errors: Standard errors of what was measured.
+        places: Middles of the bins of each profile.
+    """
 
     values: dict[str, float]
     errors: dict[str, float]
@@ -65,8 +78,12 @@ class Fit:
     places: dict[str, Any]
 
     def plot(self, output: Path, of: Optional[str] = None) -> None:
-        """Draws a profile of the model beside the measured one into a file, .svg, .png, .pdf or .eps, as `clustermcml plot` does;
-        totals and values stand below it. of: its name, that of the first without it."""
+        """Draws a profile of the model beside the measured one; totals and values stand below it.
+
+        Args:
+            output: Path of the picture: .svg, .png, .pdf or .eps.
+            of: Name of the profile; None is the first.
+        """
         profiles = [name for name in self.measured if name in PROFILES]
         if not profiles or of not in (None, *profiles):
             raise errors.refuse("of", of, "a profile that was measured" + (": " + " ".join(profiles) if profiles else ", of which there is none"))
@@ -489,18 +506,24 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
 @shown
 def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, flights: int = 6,
         **options: Unpack[FitOptions]) -> Fit:
-    """The absorption and scattering of layers and bodies that explain best, by least squares, what was measured.
+    """Fits absorption and scattering of layers and bodies to measurements, by least squares.
 
-    parameters: {name: (least, greatest)}, names as `--set` takes them: layer1.mua, layer2.mus, body1.mua, gel.mua of a layer with that name; up to three mua.
-    measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and of detectors, as detector_near, that have no light in
-    common; {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units of results and with their bins, nan where nothing is known. The last bin over r, which holds what lies beyond, is left out.
-    flights: at most so many. All else is as for `run`: photons=1e5, seed=2. More photons make the model's own noise, which the errors
-    have in them, smaller.
+    Args:
+        scene: A Scene, or the path of an `.mci` file with one run.
+        parameters: {name: (least, greatest)}, with names as `set` takes them: layer1.mua, layer2.mus, body1.mua. At most three are mua.
+        measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and detectors such as detector_near, which have no light in common;
+            {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units and bins of results, nan where nothing is known. The last bin of r is left out.
+        flights: Most flights.
+        **options: As of `run`: photons=1e5, seed=2. More photons lessen the model's own noise, which is part of the errors.
 
-    >>> fit("scene.mci", {"layer1.mua": (0.1, 10)}, {"Rd": (0.3, 0)})
-    Traceback (most recent call last):
-    ...
-    clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
+    Returns:
+        A Fit.
+
+    Examples:
+        >>> fit("scene.mci", {"layer1.mua": (0.1, 10)}, {"Rd": (0.3, 0)})
+        Traceback (most recent call last):
+        ...
+        clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
     """
     mua, mus, limits = _bounds(parameters)
     data = read_measured(measured, scene)

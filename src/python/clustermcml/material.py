@@ -39,9 +39,10 @@ def path_of(name: str, value: Any, ending: str) -> str:
 
 @dataclass
 class Material:
-    """The result of `brdf`. `data` is an xarray.Dataset; its arrays are attributes of this, too: `material.f_r` is `material.data.f_r`.
+    """The result of `brdf`. Its arrays are attributes: `material.f_r` is `material.data.f_r`.
 
-    `read_material` reads a file that `to_h5` or the command has written.
+    Attributes:
+        data: xarray.Dataset of all arrays.
     """
 
     data: xr.Dataset
@@ -58,7 +59,7 @@ class Material:
         return f"Material of {self.data!r}"
 
     def channels(self) -> list[Any]:
-        """Labels: wavelengths [nm], r g b, or nothing of a grey material."""
+        """Returns the labels of the channels: wavelengths [nm], or r, g, b; an empty list of a grey material."""
         return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
 
     def _each(self, name: str) -> Any:
@@ -67,7 +68,19 @@ class Material:
         return values if self.channels() else values[None]
 
     def f(self, theta_i: Any, theta_o: Any, phi: Any, channel: int = 0) -> Any:
-        """The fit of light that was inside [1/sr] at angles in degrees. Swapping theta_i and theta_o changes no bit."""
+        """Evaluates the fit of light that was inside the material.
+
+        Swapping theta_i and theta_o changes no bit.
+
+        Args:
+            theta_i: Angle of incidence [degrees].
+            theta_o: Exit angle [degrees].
+            phi: Azimuth between both [degrees].
+            channel: Index of the channel.
+
+        Returns:
+            Values [1/sr], of the arguments' common shape.
+        """
         angles = np.broadcast_arrays(*(np.radians(angle) for angle in (theta_i, theta_o, phi)))
         return evaluate(self._each("fit")[channel], float(self._each("index")[channel]), *angles)
 
@@ -100,9 +113,14 @@ class Material:
         return np.array(found)
 
     def to_bsdf(self, path: Path) -> None:
-        """Writes a table for the plugin `measured` of Mitsuba 3 and pbrt-v4. NAME.rgb.bsdf is for variants of Mitsuba with RGB, any other
-        NAME.bsdf for those with spectra, and for pbrt. A grey material can be either; channels r g b are the first, wavelengths the second.
-        A warning says how much light the table lacks because it leaves as a mirror image."""
+        """Writes a table for the plugin `measured` of Mitsuba 3 and pbrt-v4.
+
+        A grey material can be either kind of file; channels r, g, b need the first, wavelengths the second. A warning says how much light the table lacks
+        because it leaves as a mirror image.
+
+        Args:
+            path: NAME.rgb.bsdf for variants of Mitsuba with RGB, any other NAME.bsdf for those with spectra, and for pbrt.
+        """
         name, labels = path_of("path", path, ".bsdf"), self.channels()
         rgb = name.endswith(".rgb.bsdf")
         if labels and rgb != (labels == ["r", "g", "b"]):
@@ -121,7 +139,7 @@ class Material:
             warnings.warn(self.mirror_note(), stacklevel=2)
 
     def mirror_note(self) -> str:
-        """How much light no table holds, at the first angle where that is much, and what to do. Empty where there is little."""
+        """Returns a sentence on the light that no table holds, at the first angle where that is much; "" where there is little."""
         mirror = self._each("mirror_R").max(axis=0)
         if mirror.max() < MUCH:
             return ""
@@ -142,7 +160,11 @@ class Material:
                         yield " ".join([*words, f"{angle:g}", f"{theta:g}", f"{phi:g}", *(f"{column[c, i, o, p]:.6g}" for column in columns)])
 
     def to_text(self, path: Path) -> None:
-        """Writes the bins as lines theta_i theta_o phi f_r f_r_se f_t f_t_se, degrees and 1/sr, behind a head of # lines; channels come first."""
+        """Writes the bins as lines theta_i theta_o phi f_r f_r_se f_t f_t_se, in degrees and 1/sr, behind a head of # lines. Channels come first.
+
+        Args:
+            path: Path of the text file.
+        """
         if not isinstance(path, (str, os.PathLike)) or "\0" in os.fspath(path):
             raise errors.refuse("path", path, "the name of a file")
         data, attrs = self.data, self.data.attrs
@@ -155,7 +177,11 @@ class Material:
         write(os.fspath(path), "\n".join([*shown, *self._lines(), ""]).encode())
 
     def to_h5(self, path: Path) -> None:
-        """Writes all arrays as an HDF5 file in the manner of netCDF, the same bytes every time: `read_material` reads it."""
+        """Writes all arrays as an HDF5 file in the manner of netCDF, the same bytes every time. `read_material` reads the file.
+
+        Args:
+            path: A name that ends in .h5.
+        """
         import h5py
         name, content = path_of("path", path, ".h5"), io.BytesIO()
         with h5py.File(content, "w") as file:
@@ -175,7 +201,12 @@ class Material:
         write(name, content.getvalue())
 
     def to_netcdf(self, path: Path, **options: Any) -> None:
-        """Writes all arrays, as xarray does."""
+        """Writes all arrays as xarray does.
+
+        Args:
+            path: Path of the file.
+            **options: As of xarray's `Dataset.to_netcdf`.
+        """
         self.data.to_netcdf(path, **options)
 
     # ---- pictures ----
@@ -187,7 +218,12 @@ class Material:
         return np.concatenate([-theta[::-1], theta]), np.concatenate([values[::-1, back], values[:, 0]])
 
     def plot(self, path: Path, channel: int = 0) -> None:
-        """Draws f_r in the plane of incidence for some angles, with bands of one standard error and the fit dashed."""
+        """Draws f_r in the plane of incidence for up to five angles, with bands of one standard error and the fit dashed.
+
+        Args:
+            path: Path of the picture: .svg, .png, .pdf or .eps.
+            channel: Index of the channel.
+        """
         name = picture_path(path)
         errors.whole("channel", channel, 0, max(len(self.channels()), 1) - 1)
         angles = self.data["theta_i"].values
@@ -220,7 +256,14 @@ def _steps(angles: Any) -> Any:
 
 
 def read_material(path: Path) -> Material:
-    """The material in a file NAME.brdf.h5."""
+    """Reads the material in a file NAME.brdf.h5, which `Material.to_h5` or the command `brdf` has written.
+
+    Args:
+        path: Path of the file.
+
+    Returns:
+        A Material.
+    """
     import xarray as xr
     name = errors.existing_file("path", path)
     try:

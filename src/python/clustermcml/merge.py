@@ -125,11 +125,19 @@ def _joined(data: Sequence[xr.Dataset], names: Sequence[str]) -> dict[str, Any]:
 
 
 def merge(results: Sequence[Result]) -> xr.Dataset:
-    """Joins results of one scene that were flown with different seeds: Datasets of `run` or `read`, or paths of `.mco` and `.h5` files.
+    """Joins results of one scene that were simulated with different seeds.
 
-    A value is the mean over all packets, sum(N x) / sum(N); its error, as the runs are independent, sqrt(sum((N se)^2)) / sum(N). Means of what a detector has
-    seen count by its light. `lost`, `residue` and the attribute `photons` are sums; the attribute `merged` has the seeds. What not all results have is left out, with a
-    warning. Other scenes, grids and options, and equal seeds, are refused.
+    A value becomes the mean over all packets, sum(N x) / sum(N), and its error that of independent runs, sqrt(sum((N se)^2)) / sum(N). Means of
+    what a detector has seen count by its light. `lost`, `residue` and the attribute `photons` are sums.
+
+    Args:
+        results: List of Datasets of `run` or `read`, or of paths of `.mco` and `.h5` files; two or more.
+
+    Returns:
+        An xarray.Dataset. Its attribute `merged` has the seeds. Arrays that not all results have are left out, with a warning.
+
+    Raises:
+        InputError: The results differ in scene, grid or options, or have equal seeds.
     """
     import xarray as xr
     if isinstance(results, (str, xr.Dataset)) or not isinstance(results, Sequence) or len(results) < 2:

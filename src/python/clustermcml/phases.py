@@ -20,12 +20,22 @@ NUMBERS = {"hg2": ("g1", "g2", "w"), "mhg": ("g", "w"), "gk": ("g", "a"), "rayle
 
 @dataclass
 class Phase:
-    """A phase function. kind: "hg2" (g1, g2, w), "mhg" (g, w), "gk" (g, a), "rayleigh", or "table": either `path`, a file with a column
-    of angles [degrees, 0 to 180, rising] and one of densities, or both as arrays, `angles` and `densities`. The medium's g must be
-    the mean cosine to 1e-3.
+    """A phase function, in place of that of Henyey and Greenstein. The medium's g must be its mean cosine to 1e-3.
 
-    >>> Phase("hg2", g1=0.9, g2=-0.4, w=0.95).line("", "")
-    'phase hg2 0.9 -0.4 0.95'
+    Attributes:
+        kind: "hg2" (with g1, g2, w), "mhg" (g, w), "gk" (g, a), "rayleigh", or "table" (path, or angles and densities).
+        g1: Mean cosine of the first part.
+        g2: Mean cosine of the second part.
+        w: Share of the first part, 0 to 1.
+        g: Mean cosine.
+        a: Exponent of the Gegenbauer kernel, above -0.5 and at most 100; 0.5 is the function of Henyey and Greenstein.
+        path: File with a column of angles [degrees, 0 to 180, rising] and a column of densities.
+        angles: Angles of a table [degrees].
+        densities: Density at each angle, in any unit.
+
+    Examples:
+        >>> Phase("hg2", g1=0.9, g2=-0.4, w=0.95).line("", "")
+        'phase hg2 0.9 -0.4 0.95'
     """
 
     kind: str

@@ -20,11 +20,16 @@ if TYPE_CHECKING:
 
 @dataclass
 class Saved:
-    """Saves packets that leave to NAME.photons.h5 beside the result, which `read_photons` reads. detected: only those that a detector sees. limit: at most so
-    many, those with the smallest numbers, of several beams of each; None: a million.
+    """Saves packets that leave, one by one, to NAME.photons.h5 beside the result. `read_photons` reads the file.
 
-    >>> Saved("exits", limit=1e5).line()
-    'photons "exits" limit=100000'
+    Attributes:
+        name: Name of the file, without folder and ending.
+        detected: Whether only packets that a detector sees are saved; default False.
+        limit: Most packets in the file, those with the smallest numbers, of several beams of each; None is a million.
+
+    Examples:
+        >>> Saved("exits", limit=1e5).line()
+        'photons "exits" limit=100000'
     """
 
     name: str
@@ -44,10 +49,18 @@ class Saved:
 
 
 def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
-    """The packets in a file NAME.photons.h5 as a table, with their numbers as its index, for `trace`.
+    """Reads the packets in a file NAME.photons.h5 as a table, one row for each.
 
-    Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, of merged files result, and by medium path_0 path_1 ... and
-    interactions_0, momentum_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of `covers` photons, the first or of several beams a sample, none is missing.
+    Args:
+        path: Path of the file.
+
+    Returns:
+        A pandas.DataFrame, whose index are the packets' numbers, for `trace`. Its columns are weight, x, y, z, ux, uy, uz, touches, deepest,
+            time and side, with detectors detector, of merged files result, and by medium path_0, interactions_0, momentum_0, path_1 ...
+            Media are 0 above, layers from 1, below, then bodies. `attrs` has the attributes of the file: divide sums by `covers`.
+
+    Raises:
+        InputError: The file is not a file of saved packets.
     """
     name = errors.existing_file("path", path)
     from .h5 import read_saved

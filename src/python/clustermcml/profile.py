@@ -42,11 +42,16 @@ FORMULAS = {"exponentials": "S = Rd sum w exp(-r / d) / (2 pi d r); cdf = 1 - su
 
 @dataclass
 class Profile:
-    """The result of `profile`. `data` is an xarray.Dataset; its arrays are attributes of this, too: `found.S` is `found.data.S`.
+    """The result of `profile`. Its arrays are attributes: `found.S` is `found.data.S`.
 
-    S, S_se: light that leaves per area and launched packet, over r [1/cm2]; cdf: the share of that light within the outer edge of the bin.
-    Rd, Rd_se: all of that light. Rsp: what the surface has reflected. mean_r [cm]. noise: the mean of the integral of |S - truth| 2 pi r dr / Rd.
-    With channels S is over channel and bin, and r [channel, bin] is a coordinate, because every channel has bins of its own width.
+    S and S_se are the light that leaves per area and launched packet, over r [1/cm2], and its standard error. cdf is the share of that light within the
+    outer edge of the bin. Rd and Rd_se are all of that light, Rsp is what the surface has reflected, mean_r is the mean radius [cm], and noise is
+    the mean of the integral of abs(S - truth) 2 pi r dr / Rd. With channels S is over channel and bin, and r is a coordinate [channel, bin],
+    because every channel has bins of its own width.
+
+    Attributes:
+        data: xarray.Dataset of all arrays.
+        threads: Number of threads for the flights of `fit("openpbr")`.
     """
 
     data: xr.Dataset
@@ -65,7 +70,7 @@ class Profile:
         return f"Profile of {self.data!r}"
 
     def channels(self) -> list[Any]:
-        """Labels: wavelengths [nm], r g b, or nothing of a single profile."""
+        """Returns the labels of the channels: wavelengths [nm], or r, g, b; an empty list of a single profile."""
         return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
 
     def _each(self, name: str) -> Any:
@@ -115,9 +120,17 @@ class Profile:
         return found
 
     def fit(self, kind: str = "exponentials", terms: Optional[int] = None) -> xr.Dataset:
-        """A curve for S: "exponentials" (three with signed weights, four where three are off by more than 2 %; terms: another number),
-        "gaussians" (six with weights above 0), "burley", or "openpbr", a random walk that is flown for this. A Dataset: parameters w and d or sigma [cm] with their errors over term, L1 (the
-        integral of |model - S| 2 pi r dr / Rd, the noise of S included), and the model's S and cdf over r. attrs["formula"] says what they mean."""
+        """Fits a curve to S.
+
+        Args:
+            kind: "exponentials" (three with signed weights, four where three are off by more than 2 %), "gaussians" (six with weights above 0), "burley", or
+                "openpbr", a random walk that is simulated for this.
+            terms: Another number of exponentials or Gaussians.
+
+        Returns:
+            An xarray.Dataset: w, d or sigma [cm] with their errors over term; L1, the integral of abs(model - S) 2 pi r dr / Rd with the noise of S included;
+                the model's S and cdf over r. attrs["formula"] says what the parameters mean.
+        """
         import xarray as xr
         found, labels = self._fitted(kind, terms), self.channels()
         dims, axis = (["channel"] if labels else []), self.data["S"].dims[-1:]
@@ -142,7 +155,7 @@ class Profile:
         return {name: _without_nan(value if many else value[0]) for name, value in values.items()}
 
     def record(self) -> dict[str, Any]:
-        """What to_json writes: numbers, or lists over channels where there are any."""
+        """Returns what `to_json` writes, as a dict of numbers, or of lists over channels where there are any."""
         many = bool(self.channels())
 
         def of(name: str) -> Any:
@@ -155,11 +168,19 @@ class Profile:
         return {**told, "photons": of("photons")}
 
     def to_json(self, path: Path) -> None:
-        """Writes totals, all fits and the random walk's parameters, each with its error."""
+        """Writes totals, all fits and the parameters of the random walk, each with its error.
+
+        Args:
+            path: A name that ends in .json.
+        """
         write(_path_of(path, ".json"), (json.dumps(self.record(), indent=1) + "\n").encode())
 
     def to_csv(self, path: Path) -> None:
-        """Writes r_mid_cm,S_per_cm2,S_se,cdf, behind the channel where there are any."""
+        """Writes the columns r_mid_cm, S_per_cm2, S_se and cdf, behind the channel where there are any.
+
+        Args:
+            path: A name that ends in .csv.
+        """
         labels = self.channels()
         lines = [(f"{self.data.attrs['label']}," if labels else "") + "r_mid_cm,S_per_cm2,S_se,cdf"]
         for c, label in enumerate(labels or [None]):
@@ -168,7 +189,11 @@ class Profile:
         write(_path_of(path, ".csv"), ("\n".join(lines) + "\n").encode())
 
     def plot(self, path: Path) -> None:
-        """Draws S with a band of one standard error, and light per radius, with the fits; of channels with the exponentials alone."""
+        """Draws S with a band of one standard error, and light per radius, with the fits; of channels with the exponentials alone.
+
+        Args:
+            path: Path of the picture: .svg, .png, .pdf or .eps.
+        """
         name, labels = picture_path(path), self.channels()
         kinds = KINDS[:1] if labels else KINDS[:3]
         with drawing():
@@ -266,17 +291,27 @@ def _dataset(found: Sequence[Mapping[str, Any]], labels: Sequence[Any]) -> xr.Da
 
 def profile(scene: Union[Scene, Path], light: str = "normal", photons: Optional[float] = None, target_error: Optional[float] = ERROR, *,
             channels: Union[Mapping[str, Any], pd.DataFrame, None] = None, seed: int = 1, threads: Optional[int] = None) -> Profile:
-    """The subsurface profile of a scene of planes or tiles, as a `Profile`, which has its arrays, fits curves and writes files.
+    """Computes the subsurface profile of a scene of planes or tiles: how far from its entry light leaves.
 
-    light: "normal" (a pencil straight down) or "diffuse" (from all directions by the cosine law). Over tiles it is the mean over the period.
-    photons: the scene's without it; rounds follow until the noise is at most target_error, or none where that is None. channels: a dict of
-    columns or a DataFrame, nm (wavelengths) or channel (r, g, b) beside what is set: {"nm": [450, 650], "layer1.mua": [3, 1]}. 400 bins hold
-    99.9 % of the light. The same seed gives the same bytes. The scene's own beams and tallies are left out.
+    400 bins hold 99.9 % of the light. Over tiles the profile is the mean over the period.
 
-    >>> profile("scene.mci", light="red")
-    Traceback (most recent call last):
-    ...
-    clustermcml.errors.InputError: light = 'red' (expected one of normal diffuse)
+    Args:
+        scene: A Scene, or the path of an `.mci` file. Its own beams and tallies are left out.
+        light: "normal" (a pencil straight down) or "diffuse" (from all directions by the cosine law).
+        photons: Number of photons; None takes the scene's.
+        target_error: Rounds follow until the noise is at most this; None simulates no further rounds.
+        channels: Columns, as a dict or a DataFrame: nm (wavelengths) or channel (r, g, b), and what is set, as in {"nm": [450, 650], "layer1.mua": [3, 1]}.
+        seed: The same seed gives the same bytes.
+        threads: Number of threads.
+
+    Returns:
+        A Profile, which has the arrays, fits curves and writes files.
+
+    Examples:
+        >>> profile("scene.mci", light="red")
+        Traceback (most recent call last):
+        ...
+        clustermcml.errors.InputError: light = 'red' (expected one of normal diffuse)
     """
     errors.choice("light", light, *LIGHT)
     labels, sets = channel_rows(channels)

@@ -355,16 +355,23 @@ def _finished(scene: str, folder: str, options: list[str], show: Optional[bool])
 @shown
 def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progress: Optional[bool] = None,
         **options: Unpack[RunOptions]) -> xr.Dataset:
-    """Flies a scene and returns its result, as `read` does, with how long it took among the attributes.
+    """Simulates a scene and returns its result.
 
-    scene: a Scene, or the path of an `.mci` file with one run. output_dir: a folder, made where it is not there, in which results and checkpoints
-    stay; None: they are read and removed. Calls at the same time need folders of their own. progress: whether to show how far the run
-    is; None: in notebooks and terminals. Everything else is an option of the program, with underscores: photons=1e6, seed=2,
-    threads=4, target_error=1e-3, engine="reference", no_reentry=True; `clustermcml help run` lists them.
+    Args:
+        scene: A Scene, or the path of an `.mci` file with one run.
+        output_dir: Folder in which results and checkpoints stay; it is made where it is missing. None removes them after they are read.
+            Calls at the same time need folders of their own.
+        progress: Whether to show a progress bar; None shows one in notebooks and terminals.
+        **options: Options of the program, with underscores: photons=1e6, seed=2, threads=4, target_error=1e-3, engine="reference",
+            no_reentry=True, set={"layer1.mua": 0.5}. `clustermcml help run` lists them.
 
-    Raises InputError for what is refused, ClustermcmlError for what fails later; the text is the program's. Notes of the program are
-    warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues. What is
-    finished there it does not fly again.
+    Returns:
+        An xarray.Dataset as `read` returns it, with how long the run took among the attributes.
+
+    Raises:
+        InputError: The scene or an option is refused; the text is the program's.
+        ClustermcmlError: The run has failed.
+        KeyboardInterrupt: The program was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:
         raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")

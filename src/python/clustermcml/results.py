@@ -17,10 +17,17 @@ if TYPE_CHECKING:
 
 
 def read(path: Union[str, os.PathLike[str]]) -> xr.Dataset:
-    """The result in a file, `.mco` (of this program or of original MCML) or `.h5`.
+    """Reads the result in a file.
 
-    Quantities have the names that `clustermcml help output` lists, their axes (r z alpha layer x y ...) as coordinates, and the
-    attributes `units` and `long_name`; NAME_se is the standard error of NAME. Attributes of the Dataset say how it was flown.
+    Args:
+        path: Path of an `.h5`, or of an `.mco` of this program or of original MCML.
+
+    Returns:
+        An xarray.Dataset of the arrays in the file. NAME_se is the standard error of NAME. Coordinates are the axes (r, z, alpha, layer, x,
+            y ...), and each array has the attributes `units` and `long_name`. Attributes of the Dataset say how it was simulated.
+
+    Raises:
+        InputError: The file is not a result, is cut off, or holds numbers that no result has.
     """
     name = errors.existing_file("path", path)
     if os.path.splitext(name)[1].lower() not in (".mco", ".h5"):

@@ -26,15 +26,23 @@ TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|
 
 @dataclass
 class Layer:
-    """A layer and the boundary above it.
+    """A layer, and the boundary above it.
 
-    n: index of refraction. mua, mus: absorption and scattering [1/cm]. g: mean cosine of scattering. d: thickness [cm].
-    top: the surface that is its upper boundary, None for a plane. bodies: what lies inside: Sphere, Cylinder, Body.
-    phase: how it scatters, None for Henyey and Greenstein's function of that g. name: another one than layer1, layer2 ... in what is set
-    and swept: `gel.mua`. top_rough: how rough that boundary is below the resolution of its shape.
+    Attributes:
+        n: Refractive index, 0.01 to 100.
+        mua: Absorption coefficient [1/cm].
+        mus: Scattering coefficient [1/cm].
+        g: Mean cosine of scattering, -1 to 1.
+        d: Nominal thickness [cm].
+        top: Shape of the upper boundary; None is a plane.
+        bodies: What lies inside the layer: a list of Sphere, Cylinder and Body; default ().
+        phase: How the layer scatters; None is the function of Henyey and Greenstein with this g.
+        name: Name for `set`, `sweep` and `fit`: `gel.mua` in place of `layer1.mua`.
+        top_rough: Roughness of the upper boundary below the resolution of its shape; None is smooth.
 
-    >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, name="gel")
-    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None, name='gel', top_rough=None)
+    Examples:
+        >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, name="gel")
+        Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None, name='gel', top_rough=None)
     """
 
     n: float
@@ -72,18 +80,33 @@ LIGHT_EXPECTED = ", ".join(LIGHTS) + ", na:N or the path of a file that is there
 
 @dataclass
 class Beam:
-    """How light arrives. kind: "pencil", "disk" (of `radius` cm), "gaussian" (1/e2 radius), "ring" (between `r1` and `r2`), "rectangle"
-    (`width` by `height`, or with tile=True as large as one period of the scene's tiles is at its angle) or "image" (of a .gsf `file`).
-    at: x, y [cm] where the axis meets z = 0. z: None, light starts above all surfaces; or the depth [cm] where it starts. angle: degrees
-    between the axis and z; azimuth: degrees from x towards y. light: "parallel", "lambertian", "isotropic", "na:0.22", or the path of a
-    table of angles and intensities. share: of the light of several beams. radial: r in results counts from `at`.
+    """A light source: its shape, its place, and the directions of its light.
 
-    >>> Beam("disk", 0.5, angle=60).line()
-    'beam disk 0.5 angle=60'
-    >>> Beam("ring", r1=0.1, r2=0.2, z=0.05, light="isotropic").line()
-    'beam ring 0.1 0.2 z=0.05 light=isotropic'
-    >>> Beam("rectangle", tile=True, angle=45).line()
-    'beam rectangle tile angle=45'
+    Attributes:
+        kind: Shape: "pencil", "disk", "gaussian", "ring", "rectangle" or "image"; default "pencil".
+        radius: Radius of a disk, or 1/e2 radius of a Gaussian beam [cm].
+        at: x and y of the point where the axis meets z = 0 [cm]; default (0, 0).
+        angle: Angle between the axis and z [degrees]: below 90, or up to 180 with `z`; default 0.
+        azimuth: Direction of the tilt, from x towards y [degrees]; default 0.
+        z: Depth where the light starts [cm]; None starts above all surfaces.
+        light: Directions about the axis: "parallel", "lambertian", "isotropic", "na:0.22", or the path of a table of angles [degrees] and
+            intensities; default "parallel".
+        share: Share of the light among several beams, in any unit; default 1.
+        r1: Inner radius of a ring [cm].
+        r2: Outer radius of a ring [cm].
+        width: Width of a rectangle over x [cm].
+        height: Width of a rectangle over y [cm].
+        file: Path of a `.gsf` image; its pixels are brightnesses.
+        radial: Whether r in the results counts from `at`; of a single beam; default False.
+        tile: Whether a rectangle covers one period of the scene's tiles, at any angle; default False.
+
+    Examples:
+        >>> Beam("disk", 0.5, angle=60).line()
+        'beam disk 0.5 angle=60'
+        >>> Beam("ring", r1=0.1, r2=0.2, z=0.05, light="isotropic").line()
+        'beam ring 0.1 0.2 z=0.05 light=isotropic'
+        >>> Beam("rectangle", tile=True, angle=45).line()
+        'beam rectangle tile angle=45'
     """
 
     kind: str = "pencil"
@@ -153,11 +176,20 @@ class Beam:
 
 @dataclass
 class Map:
-    """Maps over x and y: nx by ny pixels of dx by dy cm, centred on the origin. angles: every pixel by angle, too. volume: absorption
-    in nx by ny by nz voxels, in layers of dz from the depth `top` [cm] down.
+    """A map of the light that leaves, over x and y, centred on the origin.
 
-    >>> Map(81, 61, 0.012, 0.012, volume=True, top=-0.02).line()
-    'map 81 61 0.012 0.012 volume top=-0.02'
+    Attributes:
+        nx: Number of pixels along x.
+        ny: Number of pixels along y.
+        dx: Width of a pixel along x [cm].
+        dy: Width of a pixel along y [cm].
+        angles: Whether every pixel has bins of the angle, too; default False.
+        volume: Whether absorption is tallied in nx by ny by nz voxels; default False.
+        top: Depth of the first voxels [cm]; default 0.
+
+    Examples:
+        >>> Map(81, 61, 0.012, 0.012, volume=True, top=-0.02).line()
+        'map 81 61 0.012 0.012 volume top=-0.02'
     """
 
     nx: int
@@ -186,11 +218,16 @@ class Map:
 
 @dataclass
 class Time:
-    """Gates of time: n of them from 0 to end [ps], all as long. What comes later is counted as such.
-    radii: each gate also has the scene's radial bins.
+    """Gates of time, equally long, for light that leaves or is absorbed.
 
-    >>> Time(end=2000, n=200).line()
-    'time 2000 200'
+    Attributes:
+        end: End of the last gate [ps]; the first begins at 0.
+        n: Number of gates.
+        radii: Whether each gate has the scene's bins of r, too; default False.
+
+    Examples:
+        >>> Time(end=2000, n=200).line()
+        'time 2000 200'
     """
 
     end: float
@@ -208,10 +245,15 @@ class Time:
 
 @dataclass
 class Directions:
-    """Where to what leaves goes: nt even bins of the angle from the outward vertical, np of the azimuth.
+    """Bins of direction for light that leaves.
 
-    >>> Directions(nt=18, np=36).line()
-    'directions 18 36'
+    Attributes:
+        nt: Number of bins of the angle from the outward vertical.
+        np: Number of bins of the azimuth.
+
+    Examples:
+        >>> Directions(nt=18, np=36).line()
+        'directions 18 36'
     """
 
     nt: int
@@ -227,13 +269,19 @@ class Directions:
 
 @dataclass
 class Backing:
-    """What lies under the last layer and sends light back. kind: "mirror" or "lambertian", which send back the share R of it, or
-    "metal", of index n + i k, by Fresnel's formula.
+    """A reflector under the last layer. The index below the layers then has no effect.
 
-    >>> Backing("lambertian", R=0.9).line()
-    'backing 0.9 lambertian'
-    >>> Backing("metal", n=0.18, k=3.43).line()
-    'backing metal 0.18 3.43'
+    Attributes:
+        kind: "mirror" or "lambertian", which send back the share R, or "metal", which reflects by Fresnel's formula; default "mirror".
+        R: Reflectance of a mirror or a Lambertian backing, 0 to 1.
+        n: Real part of the index of a metal.
+        k: Imaginary part of the index of a metal.
+
+    Examples:
+        >>> Backing("lambertian", R=0.9).line()
+        'backing 0.9 lambertian'
+        >>> Backing("metal", n=0.18, k=3.43).line()
+        'backing metal 0.18 3.43'
     """
 
     kind: str = "mirror"
@@ -258,27 +306,45 @@ class Backing:
 
 @dataclass
 class Scene:
-    """Layers from above to below, what lies beyond them, light, and what is recorded.
+    """Layers from above to below, the light, and what is recorded.
 
-    n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; bottom_rough: how rough it is; backing: what
-    lies under it and sends light back, n_below then has no effect.
-    beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. fluence: track length per volume over r and z, and with a map's volume over its voxels; "time": by the gates of `time`, too. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
-    angle. saved: packets one by one, in a file. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
+    Attributes:
+        layers: List of Layer, at least one.
+        n_above: Refractive index above the layers; default 1.
+        n_below: Refractive index below the layers; default 1.
+        bottom: Shape of the boundary below the last layer; None is a plane.
+        photons: Number of photons; `run(photons=...)` overrides it; default 1e5.
+        dr: Width of the bins of r [cm]; default 0.01.
+        dz: Width of the bins of z [cm]; default 0.01.
+        nr: Number of bins of r; default 100.
+        nz: Number of bins of z; default 100.
+        na: Number of bins of the exit angle, from 0 to 90 degrees; default 30.
+        beam: Beam, or list of Beam; default a pencil beam at the origin.
+        map: Map of the light that leaves.
+        facets: Whether irradiance and exitance of every facet are recorded; default False.
+        time: Gates of time.
+        directions: Bins of direction.
+        format: "B" leaves an `.h5` with all digits, "A" an `.mco` with the five digits of original MCML; default "B".
+        backing: Reflector under the last layer.
+        detectors: List of Detector; default ().
+        fluence: True records fluence over r and z, and in the voxels of a map; "time" also over the gates of `time`; default False.
+        saved: Saves packets one by one into a file.
+        bottom_rough: Roughness of the boundary below the last layer.
 
-    >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
-    >>> print(slab.text("slab.mco"))
-    1.0
-    1
-    slab.mco B
-    1000
-    0.01 0.01
-    100 100 30
-    1
-    1
-    1.4 1 100 0.9 0.1
-    1
-    <BLANKLINE>
+    Examples:
+        >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
+        >>> print(slab.text("slab.mco"))
+        1.0
+        1
+        slab.mco B
+        1000
+        0.01 0.01
+        100 100 30
+        1
+        1
+        1.4 1 100 0.9 0.1
+        1
+        <BLANKLINE>
     """
 
     layers: Sequence[Layer]
@@ -345,7 +411,12 @@ class Scene:
         return [self.beam] if isinstance(self.beam, Beam) else self.beam
 
     def text(self, output: str, directory: str = ".") -> str:
-        """The text of the `.mci` whose result is OUTPUT; surfaces that are arrays are written to DIRECTORY."""
+        """Returns the text of the `.mci` file, and writes surfaces that are arrays into a folder.
+
+        Args:
+            output: Name of the result.
+            directory: Folder for the surfaces.
+        """
         stem = os.path.splitext(output)[0]
         quoted = f'"{output}"' if re.search(r"\s", output) else output
         lines = ["1.0", "1", f"{quoted} {self.format}", str(int(self.photons)), f"{shortest(self.dz)} {shortest(self.dr)}",
@@ -375,8 +446,14 @@ class Scene:
         return "\n".join([*lines, shortest(self.n_below), ""])
 
     def write(self, path: Union[str, os.PathLike[str]], comment: str = "") -> None:
-        """Writes the `.mci` PATH, and beside it the surfaces that are arrays. The result will have the same name with `.mco`.
-        comment: lines before all others, each with # before it and a line feed behind."""
+        """Writes the scene as an `.mci` file, and beside it the surfaces that are arrays.
+
+        The result will have the same name with `.mco`, or `.h5` with format "B".
+
+        Args:
+            path: Path of the `.mci` file.
+            comment: Lines before all others, each with # before it and a line feed behind it.
+        """
         path = os.fspath(path)
         if "\0" in path:
             raise errors.refuse("path", path, "a name without NUL characters")

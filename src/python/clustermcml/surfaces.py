@@ -40,11 +40,13 @@ def vector(name: str, value: Any, length: int) -> tuple[float, ...]:
 class Heightfield:
     """A surface of revolution about the z axis.
 
-    r: radii of the samples [cm], from 0, rising. h: heights above the boundary's depth [cm], linear between samples and
-    constant beyond the last one.
+    Attributes:
+        r: Radii of the samples [cm], rising from 0.
+        h: Heights above the boundary's depth [cm], linear between samples and constant beyond the last one.
 
-    >>> Heightfield(r=[0, 0.1], h=[0.02, 0])
-    Heightfield(r=[0, 0.1], h=[0.02, 0])
+    Examples:
+        >>> Heightfield(r=[0, 0.1], h=[0.02, 0])
+        Heightfield(r=[0, 0.1], h=[0.02, 0])
     """
 
     r: Sequence[float]
@@ -69,15 +71,20 @@ class Heightfield:
 
 @dataclass
 class Heightmap:
-    """A surface given by a height for every point of a grid.
+    """A surface given by a height at every point of a grid.
 
-    heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. A DataArray with the
-    dimensions x and y is turned so. dx, dy: distance of grid points
-    in x and y [cm], dy None: as dx. shift: x, y and up [cm] of the map's middle. The file keeps heights in single precision.
-    tile: True, the map is repeated over the whole plane; "mirror", with its mirror image; "as-is", however its ends fit.
+    Attributes:
+        heights: Array [ny, nx] of heights above the boundary's depth [cm]; y rises with the first index, x with the second. A DataArray with
+            the dimensions x and y may have them in any order. The file keeps heights in single precision.
+        dx: Distance of grid points along x [cm].
+        dy: Distance of grid points along y [cm]; None is dx.
+        shift: x, y and height of the middle of the map [cm]; default (0, 0, 0).
+        scale: Factor on all coordinates; default 1.
+        tile: True repeats the map over the whole plane, "mirror" repeats it with its mirror image, and "as-is" repeats it however its ends fit; default False.
 
-    >>> Heightmap(np.zeros((2, 3)), dx=0.01).dy is None
-    True
+    Examples:
+        >>> Heightmap(np.zeros((2, 3)), dx=0.01).dy is None
+        True
     """
 
     heights: Any
@@ -140,14 +147,20 @@ def _option_words(options: dict[str, Any]) -> list[str]:
 
 @dataclass
 class Mesh:
-    """A surface as triangles: Mesh(path) of a file (`.obj`, `.gsf`, `.asc`; `.stl` and `.ply` where trimesh is installed, which reads them
-    when the Mesh is made), or Mesh(vertices, faces).
+    """A surface of triangles: Mesh(path), or Mesh(vertices, faces).
 
-    vertices: array [n, 3]; x, y and up. faces: array [m, 3] of indices into the vertices, from 0. units: of the file's or the
-    array's numbers (cm mm um m). up: the axis of the file that points up (z, -z, y, -y, x, -x). rotate: degrees about the vertical.
-    scale: factor on all coordinates. shift: cm; x, y and up. normals: "face" or "vertex". skirt: cm, None for none.
-    tile: of a `.gsf` or `.asc`: True: the map is repeated over the whole plane; "mirror": with its mirror image; "as-is": however
-    its ends fit.
+    Attributes:
+        path: Path of an `.obj`, `.gsf` or `.asc` file, or of an `.stl` or `.ply` file where trimesh is installed.
+        vertices: Array [n, 3] of x, y and height.
+        faces: Array [m, 3] of indices of vertices, from 0.
+        units: Unit of the numbers: "cm", "mm", "um" or "m"; default "cm".
+        up: Axis of the file that points up: "z", "-z", "y", "-y", "x" or "-x"; default "z".
+        rotate: Rotation about the vertical [degrees]; default 0.
+        scale: Factor on all coordinates; default 1.
+        shift: x, y and height that are added [cm]; default (0, 0, 0).
+        normals: "face" reflects at the triangles, "vertex" at interpolated normals; default "face".
+        skirt: Width of a skirt around a border that is not level [cm]; None is no skirt.
+        tile: As of Heightmap; of a `.gsf` or `.asc` file; default False.
     """
 
     path: Union[None, str, os.PathLike[str], ArrayLike] = None
@@ -213,12 +226,17 @@ class Mesh:
 class Relief:
     """A random surface of Gaussian heights, drawn by the program and repeated over the whole plane.
 
-    slope: rms gradient of its facets, the Sdq of ISO 25178. length: correlation length [cm]. seed: another one is another surface.
-    points: heights along each axis, ten to a length; a power of two. spectrum: "gaussian", "exponential" or "fractal:H" with a Hurst
-    exponent H. shift: x, y and up [cm].
+    Attributes:
+        slope: rms gradient of the facets, the Sdq of ISO 25178; 1e-4 to 10.
+        length: Correlation length [cm].
+        seed: Number of the surface; another seed is another surface; default 1.
+        points: Heights along each axis, ten to a length; a power of two from 16 to 8192; default 512.
+        spectrum: "gaussian", "exponential", or "fractal:H" with a Hurst exponent H; default "gaussian".
+        shift: x, y and height that are added [cm]; default (0, 0, 0).
 
-    >>> Relief(slope=0.3, length=0.002).points
-    512
+    Examples:
+        >>> Relief(slope=0.3, length=0.002).points
+        512
     """
 
     slope: float
@@ -246,12 +264,15 @@ class Relief:
 
 @dataclass
 class Rough:
-    """How rough a boundary or a body is below the resolution of its shape.
+    """Roughness of a boundary or a body below the resolution of its shape.
 
-    kind: "ggx" or "beckmann". alpha: 0 (smooth) or 1e-4 to 2; of beckmann the rms gradient of the facets.
+    Attributes:
+        kind: "ggx" or "beckmann".
+        alpha: 0 (smooth), or 1e-4 to 2. With "beckmann" it is the rms gradient of the facets.
 
-    >>> Rough("ggx", 0.2).words()
-    'ggx 0.2'
+    Examples:
+        >>> Rough("ggx", 0.2).words()
+        'ggx 0.2'
     """
 
     kind: str

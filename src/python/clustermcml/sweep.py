@@ -155,19 +155,30 @@ def _kept(result: xr.Dataset, table: _Table, variables: Optional[Sequence[str]])
 def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], pd.DataFrame], *, dim: Optional[str] = None,
           coords: Union[Sequence[str], Mapping[str, ArrayLike]] = (), variables: Optional[Sequence[str]] = None,
           output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
-    """Flies a scene for all combinations of values, or for the rows of a table, and returns one Dataset with further dimensions, first.
+    """Simulates a scene for all combinations of values, or for the rows of a table.
 
-    parameters: {name: values}, names as `--set` takes them: layer1.mua, boundary0.height, above.n, beam.angle, photons, seed; all
-    combinations are flown, and each name is a dimension. With dim or coords, and always as a DataFrame, it is a table: a run for each row.
-    dim: the name of its dimension, "row" without it; where a column has that name, its values are the axis. coords: names of columns that
-    are carried along and not set, or {name: values}, numbers or texts.
-    variables: names of what is kept, None for everything. Meshes are built once for all rows that leave them as they are. All else
-    is as for `run`; with reweight=True rows that differ in nothing but mua come of one flight, with A_z and A_rz by every eighth interaction; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
+    Args:
+        scene: A Scene, or the path of an `.mci` file with one run.
+        parameters: {name: values}, with names as `set` takes them: layer1.mua, boundary0.height, above.n, beam.angle, photons, seed. All
+            combinations are simulated. With `dim` or `coords`, and always as a DataFrame, it is a table: one run for each row.
+        dim: Name of the dimension of a table; None is "row". If a column has that name, its values are the axis.
+        coords: Names of columns that are carried along and not set, or {name: values} of numbers or texts.
+        variables: Names of the arrays to keep; None keeps all.
+        output_dir: Folder in which the result of each row stays; with resume=True a stopped sweep goes on there.
+        progress: Whether to show a progress bar; None shows one in notebooks and terminals.
+        **options: As of `run`. reweight=True takes rows that differ in mua alone from one flight, with A_z and A_rz by every eighth interaction.
 
-    >>> sweep("scene.mci", {"layer1.mua": []})
-    Traceback (most recent call last):
-    ...
-    clustermcml.errors.InputError: parameters['layer1.mua'] = [] (expected a list of at least one number)
+    Returns:
+        An xarray.Dataset with the results of all rows. The parameters are further dimensions, in front of the axes.
+
+    Raises:
+        InputError: A parameter, the scene or an option is refused.
+
+    Examples:
+        >>> sweep("scene.mci", {"layer1.mua": []})
+        Traceback (most recent call last):
+        ...
+        clustermcml.errors.InputError: parameters['layer1.mua'] = [] (expected a list of at least one number)
     """
     table = _table(parameters, dim, coords)
     if variables is not None and not isinstance(variables, (list, tuple)):

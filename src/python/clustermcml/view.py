@@ -312,8 +312,15 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
 
 
 def view(scene: Union[Scene, str, os.PathLike[str]], output: Union[str, os.PathLike[str]], run: int = 1, style: Optional[str] = None, **options: Any) -> None:
-    """Draws the section through a scene along x into a file, .svg, .png, .pdf or .eps: boundaries, layers, bodies, beams, detectors, the map.
-    run: which of the file's. Options are those of mc.mesh."""
+    """Draws the section y = 0 through a scene: boundaries, layers, bodies, beams, detectors and the map.
+
+    Args:
+        scene: A Scene, or the path of an `.mci` file.
+        output: Path of the picture: .svg, .png, .pdf or .eps.
+        run: Number of the run in the file, from 1.
+        style: Path of a style of matplotlib (`.mplstyle`).
+        **options: As of `mesh`.
+    """
     path, run = picture_path(output), errors.whole("run", run, 1, 2**31)
     if style is not None:
         style = errors.existing_file("style", style)

@@ -29,9 +29,7 @@ def check_blocks(verdict):
         for name in manual.pages():
             if name.startswith("tutorial/"):
                 continue
-            here = os.path.join(tree, "run", name)
-            os.makedirs(here)
-            _, complaint = manual.run_page(name, tree, here)
+            _, complaint = manual.run_page(name, tree, manual.make_folder(tree, name))
             verdict.check(name, not complaint, complaint)
 
 
@@ -65,12 +63,32 @@ def check_names(verdict, folder):
     verdict.check("output", not missing, f"no page names {sorted(missing)}")
 
 
+def check_errors(verdict, folder):
+    """The page on standard errors names each array of a scene with maps, voxels, bodies and facets that has one, and no array that
+    has none."""
+    scene = re.sub("^map .*", "map 8 8 0.1 0.1 angles volume", manual.read("samples/vein.mci"), flags=re.MULTILINE)
+    path = os.path.join(folder, "errors.mci")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(scene.replace("../meshes", os.path.join(manual.TOP, "meshes")).replace("vein.mco", "errors.mco"))
+    status, output = run(path, "--photons", "1e3", "--quiet", folder=folder)
+    verdict.check("errors.mci", status == 0, output)
+    with h5py.File(os.path.join(folder, "errors.h5")) as file:
+        scored = {re.sub("(?:boundary[0-9]|body)_(irradiance|exitance)_.*", r"\1", name): name + "_se" in file
+                  for name in file if not name.endswith(("_se", "_outside"))}
+    named = {name for row in manual.page("output/standard-errors.md").splitlines() if row.count("|") == 5
+             for name in re.findall(r"`(\w+)`", row.split("|")[2])}
+    verdict.check("errors", len(named) > 40, f"{len(named)} arrays are named")
+    for name, has in scored.items():
+        verdict.check("errors", has == (name in named), f"{name} has {'an' if has else 'no'} error, and the page says otherwise")
+
+
 def main():
     verdict = cml.Verdict("manual")
     warm_python.start()
     check_keys(verdict)
     with tempfile.TemporaryDirectory() as folder:
         check_names(verdict, folder)
+        check_errors(verdict, folder)
     check_blocks(verdict)
     verdict.finish()
 

@@ -50,8 +50,7 @@ def check_readme(verdict, folder):
 def check_tutorial(verdict, folder):
     """All pages in one folder, as a later page may build on an earlier one."""
     manual.make_tree(folder)
-    here = os.path.join(folder, "tutorial")
-    os.mkdir(here)
+    here = manual.make_folder(folder, "tutorial")
     for name in (name for name in manual.pages() if name.startswith("tutorial/")):
         _, complaint = manual.run_page(name, folder, here)
         verdict.check(name, not complaint, complaint)

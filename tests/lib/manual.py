@@ -64,6 +64,15 @@ def make_tree(folder):
             os.symlink(os.path.join(TOP, "samples", name), path)
 
 
+def make_folder(tree, name):
+    """A folder for the blocks of pages, with the samples and meshes in it."""
+    here = os.path.join(tree, "run", name)
+    os.makedirs(here)
+    for other in ("meshes", "samples"):
+        os.symlink(os.path.join(tree, other), os.path.join(here, other))
+    return here
+
+
 def run_scene(code, tree, here):
     """The scene is saved under the name in its first comment, `# NAME.mci`, and flies where its results harm nothing."""
     name = (re.match(r"# *([\w-]+\.mci)\b", code) or ["", "scene.mci"])[1]

@@ -3,7 +3,8 @@
 
 #include <zlib.h>
 
-/* Adds numbers to a checksum, in which zero has one sign. */
+/* Adds numbers, rounded to single precision, to the checksum `sum`. Adding 0 turns -0 into +0, so that both
+ * zeros count alike. */
 static uLong add_numbers(uLong sum, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

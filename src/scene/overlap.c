@@ -1,6 +1,6 @@
-/* The overlap check of scene.h: what each boundary is, which pairs can meet at all, and the messages.
- * Touching counts as overlap, because a layer must have an inside everywhere; only planes may touch, as
- * layers of no thickness do in original MCML. SPDX-License-Identifier: MIT */
+/* The overlap check of scene.h: classifies boundaries, chooses the pairs that can meet, and writes the
+ * messages. Touching counts as overlap, because a layer must have an inside everywhere. Only planes may
+ * touch, as layers of no thickness do in original MCML. SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 #include "scene/overlap_sheet.h"
 #include "scene/radial.h"
@@ -11,20 +11,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A boundary as the comparison sees it: flat heightfields, meshes and tiles count as planes. */
+/* A boundary as the overlap check sees it. Flat heightfields, meshes and tiles count as planes. */
 struct shape {
     int number;
     const struct cml_boundary *boundary;
     bool is_mesh, is_plane, is_tile;
-    struct cml_radial_surface field; /* unless is_mesh or is_tile */
-    struct cml_sheet sheet;          /* of every mesh, for its own sake even when flat */
-    double top, bottom;              /* least and greatest z */
+    struct cml_radial_surface field; /* the radial surface; not set if is_mesh or is_tile */
+    /* set for every mesh, even a flat one, which is checked against itself */
+    struct cml_sheet sheet;
+    double top, bottom; /* least and greatest z, cm */
 };
 
 static double zero[1];
 static const struct cml_radial level = {1, zero, zero};
 
-/* A plane is a heightfield of one sample: so planes, too, are compared by cml_radial_against_*. */
+/* Makes a shape a plane. A plane is a heightfield of one sample, so that cml_radial_against_* can compare
+ * planes, too. */
 static void make_plane(struct shape *shape, double z)
 {
     shape->is_plane = true;
@@ -32,7 +34,8 @@ static void make_plane(struct shape *shape, double z)
     shape->top = shape->bottom = z;
 }
 
-/* Heights count up, depths down. */
+/* Sets the shape's least and greatest z from heights, which count up from depth z, while depths count
+ * down. */
 static void set_range(struct shape *shape, const double *height, size_t count, double z)
 {
     shape->top = INFINITY;
@@ -98,7 +101,8 @@ static struct phrase name_part(uint32_t triangle, int boundary)
     return phrase;
 }
 
-/* The line of the .mci of the lower boundary, or of the upper one where that is a plane without one. */
+/* Returns the .mci line of the lower boundary, or that of the upper one if the lower one is a plane without a
+ * line. */
 static int line_of(const struct shape *upper, const struct shape *lower)
 {
     return lower->boundary->line > 0 ? lower->boundary->line : upper->boundary->line;
@@ -124,7 +128,7 @@ static cml_status fail_deep(const struct cml_scene *scene, const struct shape *u
                     scene->file, line_of(upper, lower), a, b, at[0], at[1], at[2], a, depth, b, apart);
 }
 
-/* The skirt's triangles are the mesh's last. */
+/* True if the overlap involves a triangle of the mesh's skirt. A mesh lists the skirt's triangles last. */
 static bool is_of_skirt(const struct cml_boundary *boundary, const struct cml_sheet_overlap *overlap)
 {
     const size_t first = boundary->mesh.num_triangles - boundary->mesh_notes.skirt;
@@ -186,7 +190,7 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* A sample of the tile that lies deepest, or highest; the first one. */
+/* Sets at[0] and at[1] to the first sample of the tile whose depth is exactly z. */
 static void find_sample(const struct cml_boundary *boundary, double z, double at[3])
 {
     const struct cml_heightmap *tile = &boundary->tile;
@@ -197,7 +201,8 @@ static void find_sample(const struct cml_boundary *boundary, double z, double at
     at[1] = tile->y0 + (double)(i / nx) * tile->dy;
 }
 
-/* Where a tile and a plane, or two tiles, come closest; false where only their depths are known. */
+/* Finds the place where a tile and a plane, or two tiles, come closest. Returns false for other pairs, of
+ * which only the ranges of depth can be compared. */
 static bool find_closest(const struct shape *upper, const struct shape *lower, double *gap, double at[3])
 {
     if (upper->is_tile && lower->is_tile)
@@ -210,7 +215,8 @@ static bool find_closest(const struct shape *upper, const struct shape *lower, d
     return true;
 }
 
-/* Exact or refused: what else a tile may be compared with has no period, or another one. */
+/* Compares pairs with a tile. A pair that cannot be compared exactly is refused, because its other surface
+ * has no period or another one. */
 static cml_status compare_tiles(const struct cml_scene *scene, const struct shape *upper,
                                 const struct shape *lower, struct cml_error *err)
 {
@@ -228,7 +234,7 @@ static cml_status compare_tiles(const struct cml_scene *scene, const struct shap
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* Most pairs lie at different depths altogether, and cost nothing. */
+/* Compares two boundaries. Most pairs lie at entirely different depths, and cost nothing. */
 static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
                           struct cml_error *err)
 {
@@ -246,13 +252,15 @@ static cml_status check_self(const struct cml_scene *scene, const struct shape *
     return overlap.contact == CML_APART ? CML_OK : fail_self(scene, shape, &overlap, err);
 }
 
-/* What a boundary is held against: of those above it the last that is no plane, and the deepest plane. */
+/* Boundaries that the next one is compared with: the last one above it that is not a plane, and the deepest
+ * plane. */
 struct above {
-    struct shape curved, plane; /* boundary NULL: none */
+    struct shape curved, plane; /* member `boundary` is NULL: there is none */
 };
 
-/* Whatever lies above a boundary lies above all that is below it. Only planes may touch: so it is the deepest
- * of them that counts. The nearer of the two comes first, as that is where the user must look. */
+/* Compares a boundary with those above it. Two are enough: all others above lie above these. Among planes
+ * only the deepest counts, because planes may touch each other. The nearer of the two comes first, so that
+ * the message names the place where the user must look. */
 static cml_status compare_with_above(const struct cml_scene *scene, const struct above *above,
                                      const struct shape *shape, struct cml_error *err)
 {
@@ -264,7 +272,8 @@ static cml_status compare_with_above(const struct cml_scene *scene, const struct
     return CML_OK;
 }
 
-/* Takes over the shape where it replaces one of those above. */
+/* Keeps the shape if it replaces the curved boundary or the plane that the next boundaries are compared
+ * with. */
 static void keep_above(struct above *above, struct shape *shape)
 {
     if (!shape->is_plane) {
@@ -272,7 +281,7 @@ static void keep_above(struct above *above, struct shape *shape)
         above->curved = *shape;
         return;
     }
-    cml_sheet_clear(&shape->sheet); /* of a flat mesh */
+    cml_sheet_clear(&shape->sheet); /* only a flat mesh has one here */
     if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 

@@ -1,5 +1,6 @@
-/* The least vertical gap between surfaces of which one is a function of the radius. It is piecewise smooth,
- * so it is enough to look where pieces meet and where its derivative is 0. SPDX-License-Identifier: MIT */
+/* Finds the least vertical gap between two surfaces of which one depends on the radius only. The gap is
+ * piecewise smooth, so it suffices to look where pieces meet and where its derivative is 0.
+ * SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 
 #include "geometry/vec3.h"
@@ -7,8 +8,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Looks at one vertical: the upper surface's z and the lower one's over (x, y). `size` is what their rounding
- * grows with. */
+/* Compares the two surfaces over (x, y), where they lie at z = upper and z = lower, and keeps the place if
+ * the gap is smaller than before. The rounding error of the gap grows with `size`. */
 static void keep_closest(struct cml_closest *closest, double x, double y, double upper, double lower,
                          double size)
 {
@@ -36,10 +37,10 @@ void cml_radial_against_radial(const struct cml_radial_surface *upper, const str
     for (int i = 0; i < lower->radial->n; i++) compare_at_radius(upper, lower, lower->radial->r[i], closest);
 }
 
-/* One comparison of a mesh with a field; lengths in the mesh's frame. */
+/* The comparison of a mesh with a radial heightfield; lengths in the mesh's frame. */
 struct comparison {
     const struct cml_radial *radial;
-    double z_mesh, z_field; /* nominal depths */
+    double z_mesh, z_field; /* nominal depths of mesh and heightfield, cm */
     bool mesh_is_upper;
     struct cml_closest *closest;
 };
@@ -69,14 +70,15 @@ int cml_radial_sample_from(const struct cml_radial *radial, double r)
     return low;
 }
 
-/* An edge seen from above, as a line that passes the axis at `distance`: r^2 = along^2 (t - foot)^2 +
- * distance^2. */
+/* A mesh edge seen from above, as part of a line that passes the axis at `distance`. A point at share t of
+ * the edge has the radius r^2 = along^2 (t - foot)^2 + distance^2. */
 struct edge {
     const double *a, *b;
     double along, foot, distance;
 };
 
-/* Seen from above a vertical edge is a point: `along` is 0, and the rest means nothing. */
+/* Makes an edge. A vertical edge is a point when seen from above: `along` is then 0, and the other numbers
+ * mean nothing. */
 static struct edge make_edge(const double *a, const double *b)
 {
     struct edge edge = {a, b, hypot(b[0] - a[0], b[1] - a[1]), 0.0, hypot(a[0], a[1])};
@@ -87,7 +89,7 @@ static struct edge make_edge(const double *a, const double *b)
     return edge;
 }
 
-/* Ends do not count: vertices are compared by themselves. */
+/* Compares at share t of an edge. The ends do not count, because vertices are compared by themselves. */
 static void compare_on_edge(const struct comparison *c, const struct edge *edge, double t)
 {
     if (!(t > 0.0 && t < 1.0)) return;
@@ -95,7 +97,8 @@ static void compare_on_edge(const struct comparison *c, const struct edge *edge,
     compare_at_point(c, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]));
 }
 
-/* Where the edge, seen from above, passes the circle of radius r. (r - d) (r + d): r^2 - d^2 would cancel. */
+/* Compares where the edge, seen from above, crosses the circle of radius r. (r - d) (r + d) avoids the
+ * cancellation of r^2 - d^2. */
 static void compare_at_ring(const struct comparison *c, const struct edge *edge, double r)
 {
     if (r < edge->distance) return;
@@ -104,8 +107,8 @@ static void compare_at_ring(const struct comparison *c, const struct edge *edge,
     compare_on_edge(c, edge, edge->foot + half);
 }
 
-/* Where an edge of slope s = dz/d(way seen from above) runs parallel to a cone of slope k: with w the way
- * from the foot, k w / sqrt(w^2 + distance^2) = s. */
+/* Compares where an edge of slope s = dz/d(horizontal distance) runs parallel to a cone of slope k. At the
+ * distance w from the foot the condition is k w / sqrt(w^2 + distance^2) = s. */
 static void compare_where_parallel(const struct comparison *c, const struct edge *edge, int i)
 {
     const struct cml_radial *radial = c->radial;
@@ -116,12 +119,12 @@ static void compare_where_parallel(const struct comparison *c, const struct edge
     compare_on_edge(c, edge, edge->foot + copysign(1.0, k) * way / edge->along);
 }
 
-/* Along an edge the gap bends at the rings that it crosses, and between two of them is least at an end or
- * where the edge runs parallel to the cone. */
+/* Compares along an edge. The gap has kinks at the rings that the edge crosses. Between two rings it is least
+ * at an end or where the edge runs parallel to the cone. */
 static void compare_edge(const struct comparison *c, const double *a, const double *b)
 {
     const struct edge edge = make_edge(a, b);
-    if (edge.along == 0.0) return; /* vertical: its ends, the vertices, have been looked at */
+    if (edge.along == 0.0) return; /* the ends of a vertical edge, its vertices, have been compared already */
     const double r_a = hypot(a[0], a[1]), r_b = hypot(b[0], b[1]), to = fmax(r_a, r_b);
     const double from = edge.foot > 0.0 && edge.foot < 1.0 ? edge.distance : fmin(r_a, r_b);
     const int n = c->radial->n;
@@ -132,27 +135,31 @@ static void compare_edge(const struct comparison *c, const double *a, const doub
     }
 }
 
-/* The part of a triangle over the line through the axis along its steepest direction, seen from above. */
+/* The cut through a triangle by the vertical plane that contains the z axis and the triangle's steepest
+ * direction. */
 struct section {
     double direction[2];
-    double s[2], z[2]; /* way from the axis, depth; at both ends */
+    double s[2], z[2]; /* both ends of the cut: distance from the axis along `direction`, and depth */
 };
 
-/* A vertex's way along the section's line and its distance from it. */
+/* Splits a vertex's horizontal position into its distance along the section's line and its distance from that
+ * line. */
 static void place_vertex(const struct section *section, const double *v, double *along, double *across)
 {
     *along = v[0] * section->direction[0] + v[1] * section->direction[1];
     *across = v[0] * section->direction[1] - v[1] * section->direction[0];
 }
 
-/* False when the triangle stands upright or the line misses it. Over a flat triangle the gap to a cone is
- * least where the cone's gradient, which is radial, is the triangle's: on this line. */
+/* Finds the section of a triangle. Returns false if the triangle stands upright or the section's line misses
+ * it. Over a flat triangle the gap to a cone is least where the cone's gradient, which is radial, equals the
+ * triangle's: on this line. */
 static bool find_section(const double *const v[3], struct section *section)
 {
     double normal[3];
     cml_vec3_area(v[0], v[1], v[2], normal);
     if (normal[2] == 0.0) return false;
-    const double length = hypot(normal[0], normal[1]); /* 0 when level: then every direction is as good */
+    /* 0 for a level triangle, for which every direction serves */
+    const double length = hypot(normal[0], normal[1]);
     section->direction[0] = length > 0.0 ? normal[0] / length : 1.0;
     section->direction[1] = length > 0.0 ? normal[1] / length : 0.0;
     int ends = 0;
@@ -169,8 +176,8 @@ static bool find_section(const double *const v[3], struct section *section)
     return ends == 2 && section->s[0] != section->s[1];
 }
 
-/* On a line through the axis both surfaces are piecewise linear: the gap is least at a ring, or at an end,
- * which is on an edge. `side` 1 and -1 are the two halves of the line. */
+/* Compares along half a section; `side` is 1 or -1. Both surfaces are piecewise linear on a line through the
+ * axis, so the gap is least at a ring or at an end, and the ends lie on edges. */
 static void compare_section(const struct comparison *c, const struct section *section, double side)
 {
     const double s_0 = side * section->s[0], s_1 = side * section->s[1];
@@ -183,7 +190,8 @@ static void compare_section(const struct comparison *c, const struct section *se
     }
 }
 
-/* The places where the gap over a triangle can be least: see cml_radial_against_mesh. */
+/* Compares a triangle with the heightfield at all places where the gap can be least (see
+ * cml_radial_against_mesh). */
 static void compare_triangle(const struct comparison *c, const double *const v[3])
 {
     struct section section;
@@ -196,8 +204,8 @@ static void compare_triangle(const struct comparison *c, const double *const v[3
     compare_section(c, &section, -1.0);
 }
 
-/* The outer plane at the rings. One point per ring is enough: a ring that is partly inside the footprint
- * crosses the border's edges, where the triangles have been looked at. */
+/* Compares the mesh's outer plane with the heightfield at the rings. One point per ring is enough: a ring
+ * that is partly inside the footprint crosses border edges, where the triangles have been compared. */
 static void compare_outer_plane(const struct comparison *c, const struct cml_footprint *footprint,
                                 double z_border)
 {
@@ -206,7 +214,8 @@ static void compare_outer_plane(const struct comparison *c, const struct cml_foo
             compare_at_point(c, c->radial->r[i], 0.0, z_border);
 }
 
-/* The least gap that a triangle can have: lets nearly all triangles of distant surfaces pass at once. */
+/* Returns a lower bound of the gap over a triangle. It excludes nearly all triangles of distant surfaces at
+ * once. */
 static double least_gap(const struct comparison *c, const double *const v[3], double field_top,
                         double field_bottom)
 {
@@ -214,7 +223,7 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-/* The field's range of depths is known once, and lets whole triangles pass (least_gap). */
+/* Computes the heightfield's range of depths once, so that least_gap can exclude whole triangles. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)

@@ -1,5 +1,6 @@
-/* Exact order of a surface that is a function of the radius (plane, radial heightfield) against another one
- * or against a mesh. Part of the overlap check. SPDX-License-Identifier: MIT */
+/* Part of the overlap check: compares a surface whose height depends only on the radius (a plane or a radial
+ * heightfield) with another such surface or with a mesh. The comparison is exact. SPDX-License-Identifier:
+ * MIT */
 #pragma once
 
 #include "geometry/footprint.h"
@@ -8,32 +9,36 @@
 
 #include <stdbool.h>
 
-/* z(r) = z - h(r), cm. A plane is a field of one sample of height 0. */
+/* A radial heightfield at nominal depth z: its surface lies at depth z - h(r), cm. A plane is a heightfield
+ * of one sample of height 0. */
 struct cml_radial_surface {
     const struct cml_radial *radial;
     double z;
 };
 
-/* The first sample with r_i >= r; n when there is none. */
+/* Returns the index of the first sample with r_i >= r, or n if there is none. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r);
 
-/* The place where two surfaces come closest in the vertical, over all places that were looked at. */
+/* The place where two surfaces come closest in the vertical, among all places compared until now. */
 struct cml_closest {
-    double gap;     /* z of the lower surface minus z of the upper one, cm; INFINITY at first */
-    double at[3];   /* on the upper surface, scene's frame, cm */
-    double err_gap; /* |gap| up to this is none, cm: each of its two depths is a difference of a nominal depth
-                     * and an interpolated height, some 4 roundings of half an epsilon; twice that */
+    /* z of the lower surface minus z of the upper one, cm; INFINITY before the first comparison */
+    double gap;
+    double at[3]; /* the place on the upper surface, scene's frame, cm */
+    /* Tolerance, cm: the surfaces touch if |gap| is no larger. It is 8 epsilon times the sum of the depths
+     * and heights involved, well above the rounding of two interpolated depths. */
+    double err_gap;
 };
 
-/* Where two radial surfaces come closest: both are piecewise linear in r, so the least gap is at a radius of
- * one of them. */
+/* Finds the place where two radial surfaces come closest. Both are piecewise linear in r, so the gap is least
+ * at one of their samples. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest);
 
-/* A mesh in its boundary's frame at depth `z`, with its outer plane unless footprint is NULL (a closed mesh).
- * Exact: over a triangle the gap is extremal at its vertices, on its edges where they cross rings or where
- * the gap is stationary, or where a ring runs along the triangle's steepest direction; on the outer plane at
- * the rings. */
+/* Finds the place where a radial heightfield and a mesh come closest. The mesh is given in its boundary's
+ * frame at depth `z`. Its outer plane is compared, too, unless footprint is NULL (a closed mesh). The search
+ * is exact. Over a triangle the gap can be least at a vertex; on an edge that crosses a ring or runs parallel
+ * to a cone; or where a ring crosses the line of steepest descent through the axis. Over the outer plane the
+ * gap is least at a ring. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest);

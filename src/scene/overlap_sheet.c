@@ -1,5 +1,5 @@
-/* Sheets against themselves and each other: order by columns through vertices, contact by pairs of triangles.
- * SPDX-License-Identifier: MIT */
+/* Checks sheets against themselves and each other: their order by vertical lines through vertices, contact by
+ * pairs of triangles. SPDX-License-Identifier: MIT */
 #include "scene/overlap_sheet.h"
 
 #include <float.h>
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Depth is added once; all exact decisions are about these rounded sums. */
+/* Moves the vertices to the scene's frame. Depth is added only here, and all exact decisions are about these
+ * rounded sums. */
 static void place_vertices(struct cml_sheet *sheet, double z)
 {
     const struct cml_mesh *mesh = sheet->mesh;
@@ -33,7 +34,7 @@ static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error
     CML_TRY(cml_boxtree_create((const double(*)[3])sheet->vertex, (const uint32_t(*)[3])mesh->triangle,
                                mesh->num_triangles, &sheet->tree, err));
     if (!mesh->closed) return cml_footprint_create(mesh, &sheet->footprint, err);
-    sheet->z_plane = NAN; /* meets nothing */
+    sheet->z_plane = NAN; /* NAN, which compares false: the plane meets nothing */
     return CML_OK;
 }
 
@@ -61,7 +62,7 @@ static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3
     for (int k = 0; k < 3; k++) v[k] = sheet->vertex[sheet->mesh->triangle[i][k]];
 }
 
-/* Keeps the stronger of two contacts. */
+/* Keeps the stronger of two contacts: crossing counts more than touching. */
 static void keep_stronger(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3],
                           uint32_t i, uint32_t j)
 {
@@ -72,19 +73,20 @@ static void keep_stronger(struct cml_sheet_overlap *overlap, enum cml_contact co
     overlap->triangle[1] = j;
 }
 
-/* What a search for triangles that overlap needs. */
+/* Arguments of a search for pairs of triangles that overlap. */
 struct search {
     const struct cml_sheet *a, *b;
     struct cml_sheet_overlap *overlap;
 };
 
-/* Moves the corners that triangles i and j have in common to the front of both; returns how many. */
+/* Moves the corners that triangles i and j have in common to the front of a and b. Returns the number of
+ * common corners. */
 static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double *a[3],
                                 const double *b[3])
 {
     const uint32_t *s = mesh->triangle[i], *t = mesh->triangle[j];
     int shared = 0;
-    int at[3] = {0, 1, 2}; /* which corner of j stands where in b */
+    int at[3] = {0, 1, 2}; /* at[l]: number of the corner of triangle j that stands at b[l] */
     for (int k = 0; k < 3; k++)
         for (int l = shared; l < 3; l++) {
             if (s[k] != t[at[l]]) continue;
@@ -99,7 +101,8 @@ static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_
     return shared;
 }
 
-/* Within one sheet neighbours have corners in common, and i and j come in any order. */
+/* Compares two triangles of the search; true ends the search. Within one sheet neighbours have common
+ * corners, and i and j come in any order. */
 static bool compare_triangles(void *context, uint32_t i, uint32_t j)
 {
     const struct search *search = context;
@@ -117,9 +120,10 @@ static bool compare_triangles(void *context, uint32_t i, uint32_t j)
     return contact == CML_CROSS;
 }
 
-/* Where does triangle i of `sheet` meet the outer plane of `other` (which may be the sheet itself) outside
- * the border? Looked at: where its edges pass the plane, and its vertices in the plane. A segment of the
- * plane that is partly inside passes the border, where the triangles meet. */
+/* Finds where triangle i of `sheet` meets the outer plane of `other` (which may be the same sheet) outside
+ * the border. Compares the points where its edges pass through the plane, and its vertices in the plane. A
+ * line of intersection that is partly inside the border crosses it, and there the triangles themselves
+ * meet. */
 static enum cml_contact plane_contact(const struct cml_sheet *sheet, const struct cml_sheet *other,
                                       uint32_t i, double at[3])
 {
@@ -142,7 +146,8 @@ static enum cml_contact plane_contact(const struct cml_sheet *sheet, const struc
     return found;
 }
 
-/* A triangle wholly in its own outer plane: its corners may all be on the border. */
+/* Finds whether a triangle lies wholly in its own outer plane, outside the border. All its corners may lie on
+ * the border, so that plane_contact does not see it. */
 static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, double at[3])
 {
     const double *v[3];
@@ -167,7 +172,8 @@ void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_ov
     }
 }
 
-/* The outer plane stands in the column where the triangles alone would not close the sheet. */
+/* Returns the crossings of the vertical line through a point with a sheet. The outer plane counts where the
+ * triangles alone do not close the sheet, that is where their number of crossings is even. */
 static struct cml_column column_through(const struct cml_sheet *sheet, const double *point)
 {
     const struct cml_column_mesh mesh = {(const double(*)[3])sheet->vertex,
@@ -187,7 +193,8 @@ bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
     return sheet->mesh->unite ? column.winding > 0 : column.above % 2 == 1;
 }
 
-/* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */
+/* Returns the vertical distance by which the point is on the wrong side of the sheet, 0 if it is on the right
+ * side. */
 static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *point, bool should_be_below)
 {
     const struct cml_column column = column_through(sheet, point);
@@ -197,7 +204,8 @@ static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *p
     return column.nearest;
 }
 
-/* A depth is something that a user can see and mend, so the deepest place is named rather than the first. */
+/* Keeps the deepest place. A message names this place rather than the first one, because a user can see and
+ * mend a depth. */
 static void keep_deepest(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
 {
     if (!(depth > overlap->depth)) return;
@@ -208,8 +216,8 @@ static void keep_deepest(struct cml_sheet_overlap *overlap, double depth, double
     overlap->at[2] = z;
 }
 
-/* Where one sheet reaches through the other with a vertex, the vertex is on the wrong side. Vertices beyond
- * all of the other sheet need no column. */
+/* Compares the vertices of each sheet with the other sheet. A vertex that pokes through the other sheet is on
+ * the wrong side. Vertices beyond the whole other sheet are skipped. */
 static void compare_vertices(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {
@@ -225,7 +233,7 @@ static void compare_vertices(const struct cml_sheet *upper, const struct cml_she
     }
 }
 
-/* The outer planes have the last word on the order; the place is a corner of the box around both sheets. */
+/* Compares the outer planes. The reported place is a corner of the box around both sheets. */
 static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet *lower,
                            struct cml_sheet_overlap *overlap)
 {
@@ -236,7 +244,8 @@ static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet
         keep_stronger(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
 }
 
-/* What the triangles of one sheet do in the outer plane of the other, which has no triangles of its own. */
+/* Compares the triangles of one sheet with the outer plane of the other, which has no triangles of its
+ * own. */
 static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_sheet *other, bool sheet_first,
                                struct cml_sheet_overlap *overlap)
 {
@@ -250,7 +259,7 @@ static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_s
     }
 }
 
-/* The triangles of both, and those of either against the other's outer plane. */
+/* Compares the triangles of both sheets with each other, and those of each with the other's outer plane. */
 static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *b,
                              struct cml_sheet_overlap *overlap)
 {
@@ -267,7 +276,7 @@ void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
     compare_surfaces(a, b, overlap);
 }
 
-/* The cheap comparison of vertices first: it also finds the depth, which makes the better message. */
+/* Compares vertices first: this is cheap, and it finds the depth, which makes a better message. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {

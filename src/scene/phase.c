@@ -44,7 +44,7 @@ bool cml_phase_scale_table(struct cml_phase *phase)
     return true;
 }
 
-/* The last row but one at most that is deflected by no more. */
+/* Returns the row i, 0..rows - 2, whose interval to row i + 1 contains the deflection. */
 static int row_of(const struct cml_phase *phase, double deflection)
 {
     return (int)cml_last_not_above(phase->deflection, (size_t)phase->rows - 1, deflection);
@@ -76,8 +76,8 @@ static double table_mean(const struct cml_phase *phase)
 
 /* ---- closed forms ---- */
 
-/* Henyey and Greenstein's share below the deflection x: with a = 1 - g and b = sqrt(a^2 + 2 g x) it is (1 -
- * g^2) / (2 g) (1 / a - 1 / b), computed without the difference. */
+/* Returns Henyey and Greenstein's share below the deflection x. With a = 1 - g and b = sqrt(a^2 + 2 g x) it
+ * is (1 - g^2) / (2 g) (1 / a - 1 / b), computed without that difference. */
 static double hg_below(double g, double x)
 {
     const double a = 1 - g, b = sqrt(a * a + 2 * g * x);
@@ -89,7 +89,7 @@ static double hg_density(double g, double x)
     return (1 - g * g) / 2 / pow((1 - g) * (1 - g) + 2 * g * x, 1.5);
 }
 
-/* Logarithm of (1 + g^2 - 2 g c) / (1 - g)^2. */
+/* Returns the logarithm of (1 + g^2 - 2 g c) / (1 - g)^2 for the deflection x = 1 - c. */
 static double gk_log(double g, double x)
 {
     return log1p(2 * g * x / ((1 - g) * (1 - g)));
@@ -102,7 +102,7 @@ static double gk_below(double g, double a, double x)
     return expm1(-a * gk_log(g, x)) / expm1(-a * gk_log(g, 2));
 }
 
-/* a / (1 - exp(-a L)), at a = 0 its limit. */
+/* Returns a / (1 - exp(-a L)) with L = `all`, at a = 0 its limit 1 / L. */
 static double gk_scale(double a, double all)
 {
     return a == 0 ? 1 / all : -a / expm1(-a * all);
@@ -114,8 +114,8 @@ static double gk_density(double g, double a, double x)
     return gk_scale(a, gk_log(g, 2)) * exp(-a * gk_log(g, x)) * 2 * g / ((1 - g) * (1 - g) + 2 * g * x);
 }
 
-/* In t = log / all the deflection is (1 - g)^2 expm1(t all) / (2 g), and its density gk_scale all
- * exp(-a t all): both are smooth. Simpson's rule. */
+/* Returns the mean cosine of gk by Simpson's rule over t = log / all. In t the deflection is (1 - g)^2
+ * expm1(t all) / (2 g), and its density is gk_scale all exp(-a t all): both are smooth. */
 static double gk_mean(double g, double a)
 {
     enum { STEPS = 2000 };

@@ -1,6 +1,6 @@
-/* Phase functions beside Henyey and Greenstein's: how much light is scattered into which cosine c of the
- * angle of deflection. p(c) is the density of c, 2 pi times that per solid angle, and integrates to 1 over
- * -1..1. SPDX-License-Identifier: MIT */
+/* Phase functions other than Henyey and Greenstein's: the density p(c) of the cosine c of the scattering
+ * angle. p integrates to 1 over -1..1, so it is 2 pi times the density per solid angle.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -9,7 +9,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* With HG(g) for Henyey and Greenstein's p(c) = (1 - g^2) / 2 / (1 + g^2 - 2 g c)^(3/2):
+/* The kinds of phase functions. HG(g) is Henyey and Greenstein's
+ * p(c) = (1 - g^2) / 2 / (1 + g^2 - 2 g c)^(3/2).
+ *
  *   hg2       w HG(g1) + (1 - w) HG(g2)
  *   mhg       w HG(g) + (1 - w) 3 c^2 / 2 [Bevilacqua & Depeursinge, JOSA A 16, 2935 (1999)]
  *   gk        2 a g (1 - g^2)^(2 a) / (((1 + g)^(2 a) - (1 - g)^(2 a)) (1 + g^2 - 2 g c)^(a + 1))
@@ -18,53 +20,56 @@
  *   table     linear in c between rows */
 enum cml_phase_kind { CML_PHASE_HG2, CML_PHASE_MHG, CML_PHASE_GK, CML_PHASE_RAYLEIGH, CML_PHASE_TABLE };
 #define CML_PHASE_KINDS 5
-#define CML_PHASE_NUMBERS 3  /* at most */
-#define CML_MOST_PHASES 1000 /* of a scene; media with equal functions share one */
+#define CML_PHASE_NUMBERS 3 /* the largest number of parameters of a kind */
+/* limit of different phase functions in a scene; media with equal functions share one */
+#define CML_MOST_PHASES 1000
 
 struct cml_phase {
     enum cml_phase_kind kind;
-    double number[CML_PHASE_NUMBERS]; /* as in the line: g1 g2 w, g w, g a; |g| <= 0.9999, 0 <= w <= 1,
-                                       * a > -1/2 */
-    /* CML_PHASE_TABLE: rows from the forward direction on, */
+    /* parameters in the order of the .mci line: g1 g2 w, or g w, or g a; |g| <= 0.9999, 0 <= w <= 1, a >
+     * -1/2 */
+    double number[CML_PHASE_NUMBERS];
+    /* Members of CML_PHASE_TABLE. Rows begin at the forward direction. */
     int rows;
-    double *deflection;     /* [rows] 1 - c, rising from 0 to 2 */
-    double *density;        /* [rows] p(c), scaled so that it integrates to 1 */
-    double *below;          /* [rows] the share that is scattered by less than the row's */
-    uint32_t checksum;      /* CRC-32 of deflection and density */
-    char *file;             /* as the line names it, beside the .mci */
-    int *users;             /* functions of several scenes that share arrays and file (base/shared.h) */
-    int line;               /* of the .mci, the first that names it */
-    int index;              /* which of the scene's this is, from 0 */
-    struct cml_phase *next; /* of the scene */
+    double *deflection; /* [rows] deflection 1 - c, rising from 0 to 2 */
+    double *density;    /* [rows] p(c), scaled so that it integrates to 1 */
+    double *below;      /* [rows] share of the light that is deflected less than this row */
+    uint32_t checksum;  /* CRC-32 of deflection and density */
+    char *file;         /* the table's file as the line names it, relative to the .mci */
+    /* reference count: phase functions of several scenes share arrays and file (base/shared.h) */
+    int *users;
+    int line;               /* line number in the .mci of the first line that names the function */
+    int index;              /* number of the function in its scene, from 0 */
+    struct cml_phase *next; /* next phase function of the same scene */
 };
 
-/* "hg2" ... "table". */
+/* Returns the kind's word in the .mci: "hg2" ... "table". */
 const char *cml_phase_name(enum cml_phase_kind kind);
 
-/* The names of its numbers, then NULL. */
+/* Returns the names of a kind's parameters, ended by NULL. */
 const char *const *cml_phase_numbers(enum cml_phase_kind kind);
 
-/* Makes a table ready, whose deflections and densities the caller has filled in, in any scale: makes `below`,
- * which is [rows] already, the scale and the checksum. False when all densities are 0 or the sum overflows.
- * */
+/* Completes a table whose deflections and densities, in any scale, the caller has filled in. Scales the
+ * densities, fills `below`, which must have room for all rows, and sets the checksum. Returns false if all
+ * densities are 0 or their sum overflows. */
 bool cml_phase_scale_table(struct cml_phase *phase);
 
-/* Share of the light that is scattered with 1 - c < deflection, 0 <= deflection <= 2. Nothing cancels near
- * the forward direction. */
+/* Returns the share of the light that is scattered with 1 - c < deflection, 0 <= deflection <= 2. No digits
+ * cancel near the forward direction. */
 double cml_phase_below(const struct cml_phase *phase, double deflection);
 
-/* The density p(1 - deflection) of a phase function, which integrates to 1 over deflections 0 to 2. */
+/* Returns the density p(1 - deflection) of a phase function. It integrates to 1 over deflections 0 to 2. */
 double cml_phase_density(const struct cml_phase *phase, double deflection);
 
-/* The mean cosine of a phase function. Error < 1e-9. */
+/* Returns the mean cosine of a phase function, with an error below 1e-9. */
 double cml_phase_mean(const struct cml_phase *phase);
 
-/* Whether light is scattered by the same function. */
+/* True if both phase functions scatter light alike. */
 bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b);
 
-/* The words of its line; a table as "table of 181 rows". sums: with the checksum that tells tables apart. The
- * file is left out. */
+/* Prints a phase function as its .mci line has it; a table as "table of 181 rows" without its file. sums:
+ * also prints the checksum, which tells tables apart. */
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums);
 
-/* Frees the phase function `first` and all that follow it. */
+/* Frees the phase function `first` and all that follow it in its list. */
 void cml_phases_free(struct cml_phase *first);

@@ -1,4 +1,5 @@
-/* Rings that are not needed are found from the samples alone. SPDX-License-Identifier: MIT */
+/* Finds rings that a radial heightfield does not need, from the samples alone. SPDX-License-Identifier:
+ * MIT */
 #include "scene/radial.h"
 
 #include <float.h>
@@ -31,8 +32,8 @@ static cml_status allocate(struct cml_radial *radial, int n, struct cml_error *e
     return cml_fail_memory(err, 2.0 * (double)bytes, "a radial heightfield");
 }
 
-/* How many samples are left when those at the end that repeat the last height are dropped: beyond the last
- * sample the surface is level anyway. */
+/* Returns the number of samples without trailing ones that repeat the last height. Beyond the last sample the
+ * surface is level anyway. */
 static int count_without_tail(const struct cml_radial *radial)
 {
     int n = radial->n;
@@ -40,7 +41,7 @@ static int count_without_tail(const struct cml_radial *radial)
     return n;
 }
 
-/* The slopes of all lines from one sample that pass every later sample within its rounding. */
+/* The range of slopes with which a line from one sample passes all later samples within their rounding. */
 struct slopes {
     double lowest, highest;
 };
@@ -50,7 +51,8 @@ static double slope_between(const struct cml_radial *radial, int a, int b)
     return (radial->h[b] - radial->h[a]) / (radial->r[b] - radial->r[a]);
 }
 
-/* The line may pass sample i anywhere within the rounding of its height and radius. */
+/* Narrows the range of slopes, so that the line passes sample i within the rounding of its height and
+ * radius. */
 static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial, int anchor, int i)
 {
     const double slope = slope_between(radial, anchor, i);
@@ -61,10 +63,10 @@ static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial
     slopes->highest = fmin(slopes->highest, slope + err_slope);
 }
 
-/* The furthest sample (< n) that a straight line from `anchor` reaches without leaving those between.
- * Compared from the anchor, not from neighbour to neighbour: small bends must not add up unseen. The slopes
- * that are still allowed are a wedge that every sample narrows [J. Sklansky and V. Gonzalez, Fast polygonal
- * approximation of digitized curves, Pattern Recognition 12 (1980) 327]. */
+/* Returns the furthest sample (< n) that a straight line from `anchor` reaches while it passes through all
+ * samples between. Slopes are compared from the anchor, not from neighbour to neighbour, so that small bends
+ * cannot add up unseen. The allowed slopes form a wedge that every sample narrows [J. Sklansky and V.
+ * Gonzalez, Fast polygonal approximation of digitized curves, Pattern Recognition 12 (1980) 327]. */
 static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
 {
     struct slopes slopes = {-INFINITY, INFINITY};

@@ -1,4 +1,4 @@
-/* What belongs to a scene is copied and freed here, and a radial height is looked up.
+/* Copies and frees scenes, and answers small questions about beams, bodies and boundaries.
  * SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
@@ -64,7 +64,7 @@ static void clear_beam(struct cml_beam *beam)
 
 void cml_scene_clear(struct cml_scene *scene)
 {
-    /* A scene that was refused half way may know its number of layers before it has them. */
+    /* A scene that was refused while being read may have its number of layers set, but no boundaries yet. */
     for (int b = 0; scene->boundaries && b <= scene->num_layers; b++)
         cml_boundary_clear(&scene->boundaries[b]);
     clear_bodies(scene);
@@ -95,7 +95,7 @@ static char *copied_text(const char *from, bool *failed)
     return cml_array_copy(from, from ? strlen(from) + 1 : 0, 1, failed);
 }
 
-/* The list with the same numbers in it, and the media's functions of it in place of those of *from. */
+/* Copies the list of phase functions, and points the copied media to the copies with the same numbers. */
 static void copy_phases(const struct cml_scene *from, struct cml_scene *to, bool *failed)
 {
     const size_t media = (size_t)from->num_layers + 2 + (size_t)from->num_bodies;
@@ -150,7 +150,7 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
-/* The widest angle of a light; of a table, where its last part ends that is not dark. */
+/* Returns the widest angle of a light. For a table this is the end of the last interval that is not dark. */
 double cml_light_widest(const struct cml_light *light, double medium_n)
 {
     int last = light->rows - 1;
@@ -169,7 +169,7 @@ double cml_light_widest(const struct cml_light *light, double medium_n)
     }
 }
 
-/* The first body of layer l or of one below it. */
+/* Returns the number of the first body in layer l or in a layer below it. */
 static int first_body_from(const struct cml_scene *scene, int l)
 {
     int low = 0, high = scene->num_bodies;
@@ -233,7 +233,7 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Linear in each segment. */
+/* Interpolates linearly between samples. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;

@@ -3,13 +3,14 @@
 
 #include <math.h>
 
-/* Reflectance of a boundary at normal incidence. */
+/* Returns the reflectance of a boundary at normal incidence. */
 static double normal_reflectance(const struct cml_medium_def *m, int boundary)
 {
     return pow((m[boundary].n - m[boundary + 1].n) / (m[boundary].n + m[boundary + 1].n), 2);
 }
 
-/* In the clear layer (1 - r1) / (1 - r1 r2) comes to its lower face, of which the share r2 goes up. */
+/* Sums over all passages in the clear layer: the share (1 - r1) / (1 - r1 r2) of the light reaches its lower
+ * face, which reflects the share r2 of that upwards. */
 struct cml_specular cml_specular_split(const struct cml_medium_def *media, int num_layers, bool planes)
 {
     const bool glass = media[1].mua == 0 && media[1].mus == 0 && num_layers > 1 && planes;

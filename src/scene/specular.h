@@ -1,16 +1,17 @@
-/* What original MCML takes as specular reflection of a pencil at normal incidence (P1).
+/* Specular reflection as original MCML defines it, for a pencil beam at normal incidence (rule P1).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "scene/scene.h"
 
-/* Shares of the light. Of a clear first layer between planes, `glass`, both faces count, and `between` is
- * what goes up in it, summed over all ways to and fro; else it is 0. */
+/* Specular shares of the light. If the first layer is clear and lies between planes (`glass`), `reflected`
+ * counts both its faces, and `between` is the light that travels up inside it, summed over all passages. Else
+ * `between` is 0. */
 struct cml_specular {
     bool glass;
     double reflected, between;
 };
 
-/* media: [num_layers + 2]. Boundary 0 is a plane; planes: so is boundary 1. [MCML manual,
- * equations 3.2a to 3.4] */
+/* Computes the specular shares. media: [num_layers + 2]. Boundary 0 must be a plane; planes: boundary 1 is
+ * one, too. [MCML manual, equations 3.2a to 3.4] */
 struct cml_specular cml_specular_split(const struct cml_medium_def *media, int num_layers, bool planes);

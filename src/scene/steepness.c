@@ -1,13 +1,13 @@
-/* How steep boundaries may be. Light that falls into a groove between walls of slope m is turned by 2 / m at
- * every reflection, and comes out after pi m / 2 at most: at 5000 after 7900, fewer than the 10000 in a row
- * after which P9 takes it for trapped. SPDX-License-Identifier: MIT */
+/* The limit on how steep boundaries may be. Light that falls into a groove between walls of slope m turns by
+ * 2 / m at every reflection, and comes out after at most pi m / 2 reflections. At slope 5000 these are 7900,
+ * fewer than the 10000 in a row after which rule P9 takes light for trapped. SPDX-License-Identifier: MIT */
 #include "geometry/vec3.h"
 #include "scene/scene.h"
 
 #include <math.h>
 
-/* Whether a step of so many cm over a run is too steep; numbers of the user's own are not refused for their
- * rounding. */
+/* True if a height step over a horizontal run, both cm, exceeds the limit. Slopes that exceed it only by
+ * rounding pass. */
 static bool is_too_steep(double step, double run)
 {
     return fabs(step) > (1 + 1e-9) * CML_STEEPEST * run;
@@ -36,9 +36,9 @@ static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_
     return CML_OK;
 }
 
-/* Checks every facet of a heightmap. Those of an .obj may be as steep as they are, for a pit has upright
- * walls, and no facet tells whether another one faces it closely; but no sheet is that much higher than it is
- * wide. */
+/* Checks every facet of a heightmap, and the height of any mesh against its width. Single facets of an .obj
+ * may have any slope, because a pit has upright walls and a facet alone does not tell whether another one
+ * faces it closely. */
 static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &scene->boundaries[b].mesh;

@@ -1,33 +1,41 @@
-/* Weight windows (P19): what packets shall weigh by depth, or by their distance from a
- * detector, too, as it is made of what light is worth, and engines read it. SPDX-License-Identifier: MIT */
+/* Weight windows (rule P19): the weight that packets should have at each depth, or at each depth and distance
+ * from a detector. The windows are made from the importance of light, and engines read them.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
 
 #include <stdint.h>
 
-/* Owned. Zeroed: none. */
+/* A table of target weights by ring and depth. It owns its array; zeroed, it is empty. */
 struct cml_window_table {
-    int layers;   /* light is wanted that comes out of so many of the scene's */
-    int detector; /* or that this one sees, from 1 */
-    double share; /* below 1: the scene is the same all about x, y, and of light that leaves on a circle the
-                   * detector sees the share that lies in it, on average so much */
-    double worth; /* which share of the light does, of the flat scene's */
-    double accepted; /* below 1: so much of what comes to the detector lies in its aperture */
-    double gain; /* in how much less time it is known as well as by plain flights, within a factor of 2 or 3;
-                  * 0: in no less */
-    int cells, rings; /* of equal depth; about x, y, borders at reach (i / rings)^2; 1: depth alone counts */
-    double depth;     /* where the last cell ends, cm; the first begins at 0 */
-    double x, y, reach; /* cm, of the scene */
-    uint32_t *target;   /* [rings][cells] units of weight, CML_LEAST_TARGET to a whole packet */
+    int layers; /* number of layers, from the top, that the windows cover */
+    /* detector whose light is wanted, from 1; 0: light that comes out below the covered layers */
+    int detector;
+    /* 1, or less if the scene is symmetric about the axis x, y. Then `worth` counts light in a whole ring
+     * about the axis, and this is the share of the ring's area that the detector covers. */
+    double share;
+    double worth; /* share of the beam's light that reaches the target, in the flat scene */
+    /* share of the light arriving at the detector that lies in its aperture; 1: no aperture */
+    double accepted;
+    /* Estimated ratio of the times of plain flights and of flights with windows to the same error, right
+     * within a factor of 2 or 3; 0: windows save no time. */
+    double gain;
+    /* Number of depth cells, all of one thickness, and of rings about x, y. Ring i begins at the radius reach
+     * (i / rings)^2. 1 ring: only depth counts. */
+    int cells, rings;
+    double depth;       /* depth where the last cell ends, cm; the first cell begins at 0 */
+    double x, y, reach; /* axis of the rings and their outer radius, scene coordinates, cm */
+    /* [rings][cells] target weight in units of 2^-31, from CML_LEAST_TARGET to a whole packet */
+    uint32_t *target;
 };
 
 #define CML_WINDOW_CELLS 1024
-#define CML_LEAST_TARGET 256u /* of 2^-31: lighter packets would be rounded too coarsely (P3) */
+#define CML_LEAST_TARGET 256u /* units of 2^-31; lighter packets would be rounded too coarsely (rule P3) */
 
-/* A whole packet where light is worth no more than `start`, and where it is worth more (start /
- * importance)^power. to: all but `target` is set. importance: [rings][cells]. The caller clears *to.
- * CML_E_INPUT: out of memory. */
+/* Computes `target` from the importance of light, [rings][cells]. Packets keep their whole weight where the
+ * importance is at most `start`, and get the share (start / importance)^power elsewhere. All other members of
+ * *to must be set; the caller clears *to. CML_E_INPUT: out of memory. */
 CML_NODISCARD cml_status cml_window_table_create(const double *importance, double start, double power,
                                                  struct cml_window_table *to, struct cml_error *err);
 

@@ -8,11 +8,10 @@
  *     medium 2, n2      | \
  *
  * Both s and the etendue s ds stay the same in all media. So one set of values of s serves the whole stack,
- * and smooth boundaries do not mix directions.
- * Between two neighbouring indices of the stack the response to light is a smooth function of s; at s = n_m
- * medium m begins to reflect totally. So each interval between indices has Gauss-Legendre nodes of its own,
- * in the cosine in the medium whose index ends the interval. With one index this is double-Gauss quadrature
- * (Sykes 1951). SPDX-License-Identifier: MIT */
+ * and smooth boundaries do not mix directions. Between two neighbouring indices of the stack the response to
+ * light is a smooth function of s; at s = n_m medium m begins to reflect totally. So each interval between
+ * indices has Gauss-Legendre nodes of its own, in the cosine in the medium whose index ends the interval.
+ * With one index this is double-Gauss quadrature (Sykes 1951). SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/array.h"

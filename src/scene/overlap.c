@@ -17,7 +17,7 @@ struct shape {
     const struct cml_boundary *boundary;
     bool is_mesh, is_plane, is_tile;
     struct cml_radial_surface field; /* the radial surface; not set if is_mesh or is_tile */
-    /* set for every mesh, even a flat one, which is checked against itself */
+    /* Set for every mesh, even a flat one, which is checked against itself. */
     struct cml_sheet sheet;
     double top, bottom; /* least and greatest z, cm */
 };

@@ -37,15 +37,15 @@ CML_NODISCARD cml_status cml_sheet_create(const struct cml_mesh *mesh, double z,
 
 void cml_sheet_clear(struct cml_sheet *sheet);
 
-/* stands in for a triangle's number when the outer plane meets something */
+/* Stands in for a triangle's number when the outer plane meets something. */
 #define CML_SHEET_OUTER_PLANE UINT32_MAX
 
 struct cml_sheet_overlap {
     enum cml_contact contact;
     double at[3]; /* place of the overlap in the scene's frame, cm */
-    /* vertical distance by which the upper sheet reaches below the lower one here, cm; 0: not known */
+    /* Vertical distance by which the upper sheet reaches below the lower one here, cm; 0: not known. */
     double depth;
-    /* if the depth is not known: the triangles that meet, of the first and of the second sheet */
+    /* If the depth is not known: the triangles that meet, of the first and of the second sheet. */
     uint32_t triangle[2];
 };
 

@@ -21,13 +21,13 @@
 enum cml_phase_kind { CML_PHASE_HG2, CML_PHASE_MHG, CML_PHASE_GK, CML_PHASE_RAYLEIGH, CML_PHASE_TABLE };
 #define CML_PHASE_KINDS 5
 #define CML_PHASE_NUMBERS 3 /* the largest number of parameters of a kind */
-/* limit of different phase functions in a scene; media with equal functions share one */
+/* Limit of different phase functions in a scene; media with equal functions share one. */
 #define CML_MOST_PHASES 1000
 
 struct cml_phase {
     enum cml_phase_kind kind;
-    /* parameters in the order of the .mci line: g1 g2 w, or g w, or g a; |g| <= 0.9999, 0 <= w <= 1, a >
-     * -1/2 */
+    /* Parameters in the order of the .mci line: g1 g2 w, or g w, or g a; |g| <= 0.9999, 0 <= w <= 1, a >
+     * -1/2. */
     double number[CML_PHASE_NUMBERS];
     /* Members of CML_PHASE_TABLE. Rows begin at the forward direction. */
     int rows;
@@ -36,7 +36,7 @@ struct cml_phase {
     double *below;      /* [rows] share of the light that is deflected less than this row */
     uint32_t checksum;  /* CRC-32 of deflection and density */
     char *file;         /* the table's file as the line names it, relative to the .mci */
-    /* reference count: phase functions of several scenes share arrays and file (base/shared.h) */
+    /* Reference count: phase functions of several scenes share arrays and file (base/shared.h). */
     int *users;
     int line;               /* line number in the .mci of the first line that names the function */
     int index;              /* number of the function in its scene, from 0 */

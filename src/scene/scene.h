@@ -40,11 +40,11 @@ struct cml_medium_def {
     double mua, mus; /* absorption and scattering coefficient [1/cm], >= 0; 0 in the media above and below */
     double g;        /* anisotropy [-], -1..1 */
     double d;        /* thickness [cm], >= 0; 0 in the media above and below */
-    /* phase function, owned by the scene; NULL: Henyey and Greenstein's with g */
+    /* Phase function, owned by the scene; NULL: Henyey and Greenstein's with g. */
     const struct cml_phase *phase;
-    /* roughness of a body's surface; kept here because copies of a scene share the bodies themselves */
+    /* Roughness of a body's surface; kept here because copies of a scene share the bodies themselves. */
     struct cml_rough_def rough;
-    /* line numbers in the .mci: of the medium's numbers, and of its phase function */
+    /* Line numbers in the .mci: of the medium's numbers, and of its phase function. */
     int line, phase_line;
 };
 
@@ -74,18 +74,18 @@ struct cml_radial {
 enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH, CML_FORM_TILE };
 
 struct cml_boundary {
-    /* form in the input; its representation for rays is chosen later (surface.h) */
+    /* Form in the input; its representation for rays is chosen later (surface.h). */
     enum cml_boundary_form form;
     double z;                 /* nominal depth, cm */
     struct cml_radial radial; /* CML_FORM_RADIAL */
     struct cml_mesh mesh;     /* CML_FORM_MESH: the prepared mesh, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
-    /* the heightmap that the mesh was made from; all zero if there was none */
+    /* The heightmap that the mesh was made from; all zero if there was none. */
     struct cml_heightmap_notes map_notes;
     struct cml_heightmap tile; /* CML_FORM_TILE: one period; heights count up from z */
     enum cml_normals tile_normals;
     struct cml_tile_notes tile_notes;
-    /* period of a tile along x and y, cm, kept even if the tile has become a plane; 0: not a tile */
+    /* Period of a tile along x and y, cm, kept even if the tile has become a plane; 0: not a tile. */
     double period[2];
     /* Factors that the input applied: to all coordinates, and to the heights in addition */
     double scale, height;
@@ -110,7 +110,7 @@ struct cml_backing_def {
 struct cml_scene_body {
     enum cml_body_form form;
     int layer; /* layer that contains the body, 1..L, even if the body lies inside another body */
-    /* medium directly around the body: its layer, or the medium of another body (cml_scene_place_bodies) */
+    /* Medium directly around the body: its layer, or the medium of another body (cml_scene_place_bodies). */
     int host;
     double centre[3]; /* centre of a sphere; middle of the first end of a cylinder */
     double end[3];    /* middle of the other end of a cylinder */
@@ -203,7 +203,7 @@ struct cml_saved_def {
 struct cml_detector_def {
     char *name;
     enum cml_detector_shape shape;
-    /* both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm */
+    /* Both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm. */
     double size[2];
     int nx, ny;     /* number of pixels of a map; 1 for other shapes */
     double x, y, z; /* centre of the area in scene coordinates, cm */
@@ -212,7 +212,7 @@ struct cml_detector_def {
     bool below, at_z;
     bool aimed; /* the detector sees only a cone about its axis; else all angles */
     double na;  /* numerical aperture, n sin(widest angle); n or more: the half space about the axis */
-    /* angle between the axis, which points along the light, and the outward vertical, 0 to pi/2 rad */
+    /* Angle between the axis, which points along the light, and the outward vertical, 0 to pi/2 rad. */
     double angle;
     double azimuth; /* azimuth of the axis, rad */
     bool diffuse;   /* light that never entered the material is ignored */
@@ -241,7 +241,7 @@ struct cml_scene {
     char (*layer_names)[CML_LAYER_NAME];
     /* [L+2+num_bodies] medium above, layers, medium below, bodies: body k has medium L+2+k */
     struct cml_medium_def *media;
-    /* list of the different phase functions, the last one first; at most CML_MOST_PHASES */
+    /* List of the different phase functions, the last one first; at most CML_MOST_PHASES. */
     struct cml_phase *phases;
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_scene_body *bodies;   /* [num_bodies] sorted by layer */
@@ -257,7 +257,7 @@ struct cml_scene {
     struct cml_detector_def *detectors; /* [num_detectors] */
     struct cml_fluence_def fluence;
     struct cml_saved_def saved;
-    /* line number of the `facets` line, which asks for irradiance and exitance of all facets; 0: none */
+    /* Line number of the `facets` line, which asks for irradiance and exitance of all facets; 0: none. */
     int facets;
     char *text;     /* data lines of the run as written, joined with line feeds: the result's provenance */
     char *settings; /* settings from outside the file (--set), a line "NAME = VALUE" each; NULL: none */

@@ -10,13 +10,13 @@
 /* A table of target weights by ring and depth. It owns its array; zeroed, it is empty. */
 struct cml_window_table {
     int layers; /* number of layers, from the top, that the windows cover */
-    /* detector whose light is wanted, from 1; 0: light that comes out below the covered layers */
+    /* Detector whose light is wanted, from 1; 0: light that comes out below the covered layers. */
     int detector;
     /* 1, or less if the scene is symmetric about the axis x, y. Then `worth` counts light in a whole ring
      * about the axis, and this is the share of the ring's area that the detector covers. */
     double share;
     double worth; /* share of the beam's light that reaches the target, in the flat scene */
-    /* share of the light arriving at the detector that lies in its aperture; 1: no aperture */
+    /* Share of the light arriving at the detector that lies in its aperture; 1: no aperture. */
     double accepted;
     /* Estimated ratio of the times of plain flights and of flights with windows to the same error, right
      * within a factor of 2 or 3; 0: windows save no time. */

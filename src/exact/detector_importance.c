@@ -43,6 +43,7 @@ static void cut_layer(const struct cml_medium_def *medium, double top, double d,
     }
 }
 
+/* Cuts the layers down to `depth` into pieces, and sets the borders of the rings. */
 static void cut(const struct cml_medium_def *media, int layers, double reach, double depth,
                 struct volumes *to)
 {
@@ -78,6 +79,7 @@ static double flow_down(const struct volumes *volumes, int ring, int piece)
            (volumes->h[piece] / 2 / volumes->D[piece] + volumes->h[piece + 1] / 2 / volumes->D[piece + 1]);
 }
 
+/* Returns the flow between a volume and the next one outwards, per difference of their values. */
 static double flow_out(const struct volumes *volumes, int ring, int piece)
 {
     const double *border = volumes->border;

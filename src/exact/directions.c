@@ -53,6 +53,7 @@ static int interval_nodes(double below, double above, int order)
     return 3 + order / 8 + (int)ceil((order - 3 - order / 8) * part);
 }
 
+/* Adds a direction; one with etendue is also added to the list of directions with weight. */
 static void add_direction(struct cml_directions *to, double index, double cosine, double etendue)
 {
     to->index[to->count] = index;
@@ -138,8 +139,8 @@ struct cml_dense_kind cml_directions_kind(const struct cml_directions *direction
     return (struct cml_dense_kind){n, full, directions->weighted};
 }
 
-/* Returns the number of directions that exist in a medium, by bisection: directions that exist at a lower
- * index come first. */
+/* Returns the number of directions that exist in a medium of index n, by bisection. Directions that exist at
+ * a lower index come first. */
 static int count_directions(const struct cml_directions *directions, double n)
 {
     int low = 0, high = directions->count;

@@ -62,6 +62,7 @@ static bool is_rough(const struct search *search, int b)
            (backed || search->media[b].n != search->media[b + 1].n);
 }
 
+/* Returns the share of the incident light that the matrix R reflects. */
 static double reflected_by(const double *R, const struct cml_directions *directions)
 {
     const int n = directions->live[0];
@@ -162,6 +163,7 @@ static cml_status walk_boundaries(struct search *search, const struct cml_direct
     return CML_OK;
 }
 
+/* Computes the shares of one order, unless the work would become too much (search->enough). */
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
@@ -242,6 +244,7 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
+/* Raises the order until all errors are within the tolerance. */
 static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
 {
     CML_TRY(look_ahead(search, err));
@@ -270,6 +273,7 @@ static cml_status allocate(struct cml_arrays *arrays, struct search *search, str
     return cml_arrays_check(arrays, "totals", err);
 }
 
+/* Finds the boundaries that are rough, and those that send light into all directions. */
 static void find_rough(struct search *search)
 {
     const struct cml_backing_def *backing = search->options->backing;

@@ -18,6 +18,7 @@ enum cml_exact_share {
     CML_EXACT_LAYERS
 };
 
+/* What cml_exact_solve may spend, and parts of the scene beside layers and light. */
 struct cml_exact_options {
     double tolerance; /* the order rises until no error exceeds this */
     /* Number of multiplications beyond which the order does not rise further. */
@@ -29,6 +30,7 @@ struct cml_exact_options {
     const struct cml_rough_def *rough;
 };
 
+/* The shares of a scene with their errors; owns its arrays. */
 struct cml_exact {
     int count;      /* number of shares, CML_EXACT_LAYERS + num_layers */
     double *value;  /* [count] shares of the incident light */

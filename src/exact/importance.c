@@ -26,6 +26,7 @@ static int pieces_of(double d, double depth)
     return 2 + (int)(PIECES * d / depth);
 }
 
+/* Fills in the pieces of all layers, from below. */
 static void cut(const struct cml_medium_def *media, int layers, double depth, struct pieces *to)
 {
     double bottom = depth;
@@ -43,6 +44,7 @@ static void cut(const struct cml_medium_def *media, int layers, double depth, st
     to->media[to->count + 1] = media[0];
 }
 
+/* Computes the absorption of all pieces in diffuse light. */
 static cml_status solve(struct pieces *pieces, struct cml_error *err)
 {
     const struct cml_exact_light light = {.diffuse = 1};

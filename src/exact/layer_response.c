@@ -238,6 +238,7 @@ void cml_layer_response_clear(struct cml_layer_response *response)
     *response = (struct cml_layer_response){0};
 }
 
+/* Sets the cosines and weights of all directions in this layer. */
 static void set_cosines(const struct cml_directions *directions, struct work *w)
 {
     const double n = w->medium->n;

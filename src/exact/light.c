@@ -27,6 +27,7 @@ static int pieces_of(const struct cml_light *light)
     return light->kind == CML_LIGHT_OF_TABLE ? light->rows - 1 : 1;
 }
 
+/* Sets the ends of an interval of angle in which the density is smooth. */
 static void piece_of(const struct cml_light *light, double n, int piece, double ends[2])
 {
     const bool table = light->kind == CML_LIGHT_OF_TABLE;
@@ -69,6 +70,7 @@ static int add_cone(const struct cml_beam *beam, double t, double weight, struct
     return count;
 }
 
+/* Fills in the rays of one beam, which together have the beam's share. Returns their number. */
 static int sample_beam(const struct cml_beam *beam, double n, double share, struct cml_exact_ray *ray)
 {
     static const double node[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5, 8, 5};

@@ -6,11 +6,13 @@
 #include "base/status.h"
 #include "scene/scene.h"
 
+/* A parallel ray: its direction and its share of the light. */
 struct cml_exact_ray {
     double cosine; /* cosine of the angle to +z in medium 0, 0 < cosine <= 1 */
     double share;  /* share of all light */
 };
 
+/* The light on a stack as three sums: diffuse, parallel, and sampled light; owns its arrays. */
 struct cml_exact_light {
     double diffuse; /* share of diffuse light, whose radiance is equal in all directions */
     int num_beams;

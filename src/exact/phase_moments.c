@@ -13,6 +13,7 @@ struct rule {
     double *node, *weight; /* [most] nodes and weights */
 };
 
+/* Sets up a Gauss-Legendre rule of this many nodes, unless the rule has them already. */
 static void set_rule(struct rule *rule, int nodes)
 {
     if (rule->nodes == nodes) return;

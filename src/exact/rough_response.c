@@ -25,6 +25,7 @@ static cml_rough_walker *best_walker(void)
     return cml_rough_walker_base;
 }
 
+/* The state of estimating one boundary's matrices. */
 struct work {
     const struct cml_rough_plane *plane;
     const struct cml_directions *directions;
@@ -50,6 +51,7 @@ static void add_interval(struct work *w, struct cml_rough_interval *to, int firs
     }
 }
 
+/* Finds the intervals between indices, each with its nodes. */
 static void find_intervals(struct work *w)
 {
     const struct cml_directions *d = w->directions;
@@ -103,6 +105,7 @@ static void symmetrise(const struct work *w)
         }
 }
 
+/* Copies the powers of all walks into the four matrices of a boundary. */
 static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
 {
     const int a = w->above, b = w->below;
@@ -116,6 +119,7 @@ static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
         }
 }
 
+/* Makes the walks of one part, from all directions on both sides. */
 static void walk_part(const struct work *w, int part, double walks, struct cml_rough_matrices *to)
 {
     const struct cml_rough_plane *plane = w->plane;

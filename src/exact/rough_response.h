@@ -14,6 +14,7 @@ struct cml_rough_matrices {
     double *R_below, *T_below; /* light from below: reflected [below][below], transmitted [above][below] */
 };
 
+/* The matrices of one rough boundary, by all walks and by parts of them; owns its arrays. */
 struct cml_rough_response {
     struct cml_arrays arrays;
     int above, below;               /* number of directions on each side; 0 below: a backing */

@@ -12,6 +12,7 @@ struct cml_rough_interval {
     const double *factor; /* [count] factors of the barycentric formula */
 };
 
+/* The start of walks on a rough boundary: its facets and media, the incident light, random numbers. */
 struct cml_rough_start {
     int kind; /* enum cml_rough_kind */
     /* alpha: roughness. near, far: indices of the medium that light comes from, and of the medium beyond. */

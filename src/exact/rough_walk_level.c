@@ -46,6 +46,7 @@ static struct cml_block draw(const struct walks *w, int k, int step)
     return cml_lattice_block(cml_lattice_point(photon), (cml_u32)step, w->shift[step], random);
 }
 
+/* Reflects or refracts a walk at a facet with the normal m; `word` decides between the two. */
 static void turn(const struct walks *w, struct cml_rough_walk *walk, struct cml_vec m, cml_u32 word)
 {
     const real n[2] = {(real)w->start->near, (real)w->start->far};
@@ -97,6 +98,7 @@ static void walk(struct walks *w, int k, double power)
     w->stream.key[3] = 0;
 }
 
+/* Makes all walks of one call: a cml_rough_walker. */
 static void walk_all(const struct cml_rough_start *start, const struct cml_rough_interval *interval,
                      double *share, double *back, double *beyond)
 {

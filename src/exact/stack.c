@@ -69,7 +69,7 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
-    /* Number of directions below, and of those on both sides. */
+    /* directions below the boundary; directions on both sides */
     const int inner = stack->n, shared = n < inner ? n : inner;
     const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
     double *r = stack->mirror, *to = stack->other;
@@ -202,6 +202,7 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
+/* Builds the stack from below: boundary and layer in turn, up to boundary 0. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)

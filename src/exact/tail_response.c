@@ -150,6 +150,7 @@ static void scale(struct cml_flat_tail *tail, const double *table)
     }
 }
 
+/* Computes the responses at the nodes, interpolates the table and scales it. */
 static cml_status fill(const struct cml_medium_def *stack, int num_layers, struct cml_flat_tail *tail,
                        struct cml_error *err)
 {

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The fields of a file, and the axes that they share. */
 struct fields {
     struct cml_axis axis[CML_NUM_AXES];
     struct cml_field *field;
@@ -57,6 +58,7 @@ static void add_depths(struct fields *f)
     strcpy(depths->name, f->axis[CML_AXIS_z].name);
 }
 
+/* Adds one part of a quantity as a field, and its standard errors as another. */
 static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;

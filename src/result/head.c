@@ -63,6 +63,7 @@ static bool cut_comment(char *line)
     return good;
 }
 
+/* True if a line holds only numbers and a comment, or the name of the next section. */
 static bool is_sound(struct reader *r, char *line, bool may_be_key)
 {
     double number;
@@ -122,6 +123,7 @@ static bool is_text(const struct cml_text *text)
     return true;
 }
 
+/* Reads the head of an .mco. A file without an identity is not checked beyond its head. */
 static bool read_mco(const char *path, struct cml_head *head)
 {
     struct reader r = {.head = head};

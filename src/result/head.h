@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The head of a result file. */
 struct cml_head {
     uint64_t photons;                /* 0: the file holds saved packets, no totals */
     char identity[CML_IDENTITY_SUM]; /* checksum of the run's identity; "": the file has none */

@@ -117,6 +117,7 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
 
 /* ---- this program's part ---- */
 
+/* Writes the comments about the program and the scene, and the section `lattice`. */
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
@@ -146,6 +147,7 @@ static void write_errors_of(FILE *out, const struct cml_outcome *o, enum cml_qua
     }
 }
 
+/* Writes the sections of standard errors. */
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);

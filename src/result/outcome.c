@@ -115,6 +115,7 @@ cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bo
                : cml_fail_memory(err, (double)size * (double)sizeof **array, cml_quantities[quantity].name);
 }
 
+/* True if original MCML's .mco contains the quantity. */
 static bool is_of_mcml(enum cml_quantity quantity)
 {
     return quantity <= CML_QUANTITY_Tt ||
@@ -232,6 +233,7 @@ static double expected_of(const struct cml_result *sums, enum cml_quantity quant
     return value;
 }
 
+/* Returns value i of a quantity, from the sums that its estimator uses. */
 static double number_of(const struct cml_outcome *o, const struct cml_result *sums,
                         enum cml_quantity quantity, int size, int i, double *error)
 {
@@ -257,6 +259,7 @@ static double number_of(const struct cml_outcome *o, const struct cml_result *su
     }
 }
 
+/* True if the sums contain all that the quantity is computed from. */
 static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -266,6 +269,7 @@ static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sum
     return sums->array[info->sums] != NULL;
 }
 
+/* Fills in a quantity and, if it has any, its standard errors. */
 static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        struct cml_error *err)
 {

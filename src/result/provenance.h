@@ -42,6 +42,7 @@ enum { CML_IDENTITY_SUM = 17 };
 enum cml_option_of_bits { CML_OPTIONS_OF_BITS(CML_ENUMERATOR) CML_NUM_OPTIONS_OF_BITS };
 #undef CML_ENUMERATOR
 
+/* A row of CML_OPTIONS_OF_BITS. */
 struct cml_option_info {
     const char *name;
     unsigned where;

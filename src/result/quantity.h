@@ -16,7 +16,7 @@ enum cml_estimator {
     CML_FROM_LOST,    /* number of lost packets */
     /* Absorption by layer, as a share of the launched weight, with errors; sums: an array by medium. */
     CML_FROM_LAYERS,
-    CML_FROM_BODIES, /* absorption by body, from the same kind of array */
+    CML_FROM_BODIES, /* absorption by body, with errors; sums: an array by medium */
     /* Cells of an array; with errors if the array is kept by batch or group, or with squares. */
     CML_FROM_ARRAY,
     /* Mean over the light that a detector has seen, from an array of moments, with errors; NaN if it has seen
@@ -26,7 +26,7 @@ enum cml_estimator {
     /* Derivative by mua of each medium inside, from scores (rule P17), with errors; NaN if not known. sums:
      * the enum cml_quantity that is derived. */
     CML_FROM_MUA,
-    CML_FROM_MUS,    /* derivative by mus, likewise */
+    CML_FROM_MUS,    /* derivative by mus of each medium inside, from scores, with errors */
     CML_FROM_INPUT,  /* a number of the scene */
     CML_FROM_FACETS, /* sums over facets, filled in by code that knows the surfaces */
     CML_FROM_FACET,  /* a score of facets, computed piece by piece; sums: enum cml_facet_score */
@@ -159,6 +159,7 @@ enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_QUANT
  * balance are neighbours, and so are the numbers of a layer, in the order of an .mci line. */
 enum { CML_TOTALS = 4, CML_BOOKS = 12, CML_LAYER_NUMBERS = 5, CML_QUANTITY_AXES = 3 };
 
+/* A row of the table of quantities. */
 struct cml_quantity_info {
     const char *name, *units, *long_name;
     enum cml_estimator estimator;
@@ -171,6 +172,7 @@ extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 /* Makes a named axis of n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
+/* True for fluence, whose sums are weight times length. */
 static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 {
     return quantity >= CML_QUANTITY_phi_z && quantity <= CML_QUANTITY_phi_rzt_later;

@@ -15,6 +15,7 @@ struct cml_rank_report {
     double processor; /* processor time of all threads, since the start or the resume */
 };
 
+/* The times of a run. */
 struct cml_timing {
     double seconds; /* wall time of the photons' flight, with that before a resume */
     int threads, ranks;

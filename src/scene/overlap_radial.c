@@ -22,6 +22,7 @@ static void keep_closest(struct cml_closest *closest, double x, double y, double
     closest->err_gap = 8.0 * DBL_EPSILON * size;
 }
 
+/* Compares two radial surfaces at the radius r. */
 static void compare_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                               double r, struct cml_closest *closest)
 {
@@ -45,6 +46,7 @@ struct comparison {
     struct cml_closest *closest;
 };
 
+/* Compares a point of the mesh, x, y, z in the mesh's frame, with the heightfield above or below it. */
 static void compare_at_point(const struct comparison *c, double x, double y, double z)
 {
     const double height = cml_radial_height(c->radial, hypot(x, y));

@@ -40,6 +40,7 @@ void cml_sheet_clear(struct cml_sheet *sheet);
 /* Stands in for a triangle's number when the outer plane meets something. */
 #define CML_SHEET_OUTER_PLANE UINT32_MAX
 
+/* A place where sheets cross or touch. */
 struct cml_sheet_overlap {
     enum cml_contact contact;
     double at[3]; /* place of the overlap in the scene's frame, cm */

@@ -24,6 +24,7 @@ enum cml_phase_kind { CML_PHASE_HG2, CML_PHASE_MHG, CML_PHASE_GK, CML_PHASE_RAYL
 /* Limit of different phase functions in a scene; media with equal functions share one. */
 #define CML_MOST_PHASES 1000
 
+/* A phase function of a scene. Scenes keep them in a list. */
 struct cml_phase {
     enum cml_phase_kind kind;
     /* Parameters in the order of the .mci line: g1 g2 w, or g w, or g a; |g| <= 0.9999, 0 <= w <= 1, a >

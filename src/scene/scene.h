@@ -35,6 +35,7 @@ struct cml_rough_def {
     int line;     /* line number in the .mci */
 };
 
+/* A medium: a layer, one of the outer media, or a body. */
 struct cml_medium_def {
     double n;        /* refractive index [-], > 0 */
     double mua, mus; /* absorption and scattering coefficient [1/cm], >= 0; 0 in the media above and below */
@@ -71,8 +72,10 @@ struct cml_radial {
     double *r, *h; /* [n] radii and heights, cm */
 };
 
+/* Forms of a boundary. */
 enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH, CML_FORM_TILE };
 
+/* A boundary between two media. */
 struct cml_boundary {
     /* Form in the input; its representation for rays is chosen later (surface.h). */
     enum cml_boundary_form form;
@@ -130,6 +133,7 @@ enum cml_light_kind {
     CML_LIGHT_OF_TABLE
 };
 
+/* The angular distribution of a beam's light. */
 struct cml_light {
     enum cml_light_kind kind;
     double na; /* CML_LIGHT_OF_NA: n times the sine of the widest angle */
@@ -139,6 +143,7 @@ struct cml_light {
     double *t, *intensity;
 };
 
+/* A beam: a source of light with a shape, an axis and an angular distribution. */
 struct cml_beam {
     enum cml_beam_shape shape; /* shape of the beam's cross section, centred on its axis */
     /* Size of the shape, cm: the radius of a disk; the 1/e^2 radius of a gaussian; both radii of a ring; the
@@ -227,6 +232,7 @@ struct cml_detector_def {
 /* Size of a layer's name in bytes, with its final NUL. */
 enum { CML_LAYER_NAME = 25 };
 
+/* A scene: all that one run of an .mci file describes. */
 struct cml_scene {
     char *file;       /* path of the .mci, for messages and for names relative to it */
     int line;         /* line number where the run begins */
@@ -276,6 +282,7 @@ static inline const char *cml_rough_word(enum cml_rough_kind kind)
     return words[kind];
 }
 
+/* The scenes of all runs of an .mci file. */
 struct cml_scene_list {
     int count;
     struct cml_scene *scenes; /* [count] */

@@ -18,8 +18,8 @@ struct cml_window_table {
     double worth; /* share of the beam's light that reaches the target, in the flat scene */
     /* Share of the light arriving at the detector that lies in its aperture; 1: no aperture. */
     double accepted;
-    /* Estimated ratio of the times of plain flights and of flights with windows to the same error, right
-     * within a factor of 2 or 3; 0: windows save no time. */
+    /* Estimated speed-up: the time in which plain packets reach an error, over the time in which packets with
+     * windows do. Right within a factor of 2 or 3; 0: windows save no time. */
     double gain;
     /* Number of depth cells, all of one thickness, and of rings about x, y. Ring i begins at the radius reach
      * (i / rings)^2. 1 ring: only depth counts. */

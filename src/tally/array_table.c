@@ -86,6 +86,7 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     return bins(0);
 }
 
+/* True if a holder has an array with this condition. */
 static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, enum cml_holder holder)
 {
     const bool rows = holder == CML_OF_ROW_BINS || holder == CML_OF_ROW_GRIDS,
@@ -133,6 +134,7 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
+/* Returns the number of parts in which a holder keeps an array. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {

@@ -168,6 +168,7 @@ enum cml_array {
 
 enum { CML_ARRAY_AXES = 2, CML_NO_TERM = -1 };
 
+/* A row of the table of arrays. */
 struct cml_array_info {
     const char *name;
     enum cml_cell_axis axis[CML_ARRAY_AXES]; /* slowest first */
@@ -209,6 +210,7 @@ struct cml_layout {
     struct cml_once once[CML_NUM_ARRAYS]; /* distances in cells between parts */
     size_t cells;                         /* number of cells of all arrays */
 };
+/* Returns the places of all arrays of a holder. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder);
 
 /* Returns the number of cells of an array in all its parts: groups, batches, or sums and squares. */
@@ -222,12 +224,14 @@ struct cml_array_order {
     int count;
     const enum cml_array *array;
 };
+/* Returns the arrays of a holder in the order of their cells. */
 struct cml_array_order cml_order_of(enum cml_holder holder);
 
 /* The number of bins along an axis, and of extra cells before the first and behind the last bin. */
 struct cml_extent {
     size_t bins, before, behind;
 };
+/* Returns the number of bins and extra cells along an axis, for a holder. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder);
 

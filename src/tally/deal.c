@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The fraction of a photon that rounding down took from a beam. */
 struct remainder {
     long double part;
     int beam;
@@ -56,6 +57,7 @@ void cml_deal_clear(struct cml_deal *deal)
     *deal = (struct cml_deal){0};
 }
 
+/* Sets sums[k] to the number of photons of all beams before beam k, of `photons` in all. */
 static cml_status sum_numbers(const struct cml_deal *deal, uint64_t photons, uint64_t *sums,
                               struct cml_error *err)
 {

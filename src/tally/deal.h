@@ -14,6 +14,7 @@
 
 #include <stdbool.h>
 
+/* The state of dealing: the beams' shares, and the numbers of photons in the current round. */
 struct cml_deal {
     int count;           /* number of beams */
     const double *share; /* [count] share of each beam, > 0, borrowed */
@@ -21,7 +22,8 @@ struct cml_deal {
     /* [count + 1] for each beam, how many of the first `begin` photons belong to the beams before it;
      * owned */
     uint64_t *before;
-    uint64_t *after; /* [count + 1] the same for the first `end` photons; owned */
+    /* [count + 1] for each beam, how many of the first `end` photons belong to the beams before it; owned */
+    uint64_t *after;
 };
 
 /* Sets number[count] to the number of photons of each beam, which add up to `photons`. For equal remainders

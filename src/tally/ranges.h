@@ -8,10 +8,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* A range of turns. */
 struct cml_range {
     uint64_t first, count; /* turns first to first + count - 1 */
 };
 
+/* A set of disjoint ranges of turns. */
 struct cml_ranges {
     size_t count;
     struct cml_range *item; /* [count] disjoint ranges, none empty */

@@ -62,9 +62,9 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
     return sum;
 }
 
-/* Rows have no extra cell before the first bin, and rows and columns have at most one behind the last. The
- * only axis of a 1D array is that of columns. Arrays over radius alone are margins of grids; cells beyond the
- * bins count in the balance when the grid is added. */
+/* Adds the cells of an array row by row. Rows have no extra cell before the first bin, and rows and columns
+ * have at most one behind the last. The only axis of a 1D array is that of columns. Arrays over radius alone
+ * are margins of grids, whose cells beyond the bins count in the balance already. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
@@ -213,6 +213,7 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
+/* Returns the number of photons in one of `groups` groups, of `photons` dealt out in turn. */
 static uint64_t group_size(uint64_t photons, int groups, int group)
 {
     return photons / (uint64_t)groups + ((uint64_t)group < photons % (uint64_t)groups);

@@ -15,7 +15,8 @@ struct cml_summary {
     struct cml_lost_list lost;
 };
 
-/* The sums of a run. Arrays have no cells beyond their axes, except those of maps and volume. */
+/* The sums of a run, and the arrays that hold them. Arrays have no cells beyond their axes; only maps and
+ * volumes keep a cell for all outside. */
 struct cml_result {
     struct cml_tally_grid grid;
     uint64_t photons; /* number of photons requested */

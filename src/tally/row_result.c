@@ -14,6 +14,7 @@ struct row {
     struct cml_result *to;
 };
 
+/* Prepares to take a row of a flight. */
 static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
 {
     const struct cml_tally_grid *grid = &flight->grid;
@@ -53,6 +54,7 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
                : whole << CML_ROW_MOMENT_SHIFT; /* interactions are counted without a unit */
 }
 
+/* Takes the moments of detectors of one batch. */
 static void take_means(const struct row *row, size_t batch)
 {
     struct cml_result *to = row->to;
@@ -65,6 +67,7 @@ static void take_means(const struct row *row, size_t batch)
     }
 }
 
+/* Takes the totals of one batch, and the terms of the balance. */
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_tally_media(&row->to->grid);
@@ -170,6 +173,7 @@ cml_status cml_score_result(const struct cml_result *flight, int score, struct c
     return take_batches(&row, err);
 }
 
+/* Returns the number of packets of equal weight with this relative error. */
 static double effective_packets(const struct cml_result *result, double relative_error)
 {
     return 1 / (relative_error * relative_error + 1 / (double)result->photons);

@@ -19,5 +19,6 @@ CML_NODISCARD cml_status cml_score_result(const struct cml_result *flight, int s
  * (relative error^2 + 1 / photons); 0 for a total of 0. */
 double cml_effective_packets(const struct cml_result *result, enum cml_total total);
 
-/* Returns the same number for the sum of A_z, which comes from samples. */
+/* Returns the number of packets of equal weight that would give the sum of A_z as precisely as the result
+ * does. A_z comes from samples, so this number is smaller than that of the total A. */
 double cml_effective_packets_by_depth(const struct cml_result *result);

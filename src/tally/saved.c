@@ -9,6 +9,7 @@ struct key {
     uint64_t order, at;
 };
 
+/* Saved packets in rows, and keys to sort them. */
 struct cml_saved {
     size_t media, words, limit, capacity, count;
     uint64_t beams, found;

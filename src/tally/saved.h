@@ -50,8 +50,8 @@ double cml_saved_bytes(const struct cml_saved_kind *kind);
 /* Adds `count` rows that lie one behind the other. */
 void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count);
 
-/* The numbers of packets found, and of those kept. cml_saved_sort brings the rows into the order of their
- * indices, where they stay until others are added. */
+/* The numbers of packets found, and of packets whose rows are kept. cml_saved_sort drops surplus rows and
+ * sorts the others by index; they stay in this order until rows are added. */
 struct cml_saved_sums {
     uint64_t found;
     size_t kept;
@@ -70,8 +70,9 @@ size_t cml_saved_media(const struct cml_saved *saved);
  * by one. Call cml_saved_sort first. */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run);
 
-/* Clear: forgets all rows and counts. Find: adds `more` to the packets found, whose rows are not kept or are
- * added separately. Both are for code that moves or stores rows, after cml_saved_sort. */
+/* cml_saved_clear forgets all rows and counts. cml_saved_find adds `more` to the number of packets found,
+ * whose rows are not kept or are added separately. Both are for code that moves or stores rows, after
+ * cml_saved_sort. */
 void cml_saved_clear(struct cml_saved *saved);
 void cml_saved_find(struct cml_saved *saved, uint64_t more);
 

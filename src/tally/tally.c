@@ -67,6 +67,7 @@ static size_t bins_of_cells(const struct cml_tally *tally)
     return tally->profile.A_l - tally->profile.Rd_r;
 }
 
+/* Returns the number of bins of all groups' profiles. */
 static size_t grouped_bins(const struct cml_tally *tally)
 {
     return (size_t)cml_cell_groups(&tally->grid) * bins_of_cells(tally);

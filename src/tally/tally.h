@@ -94,8 +94,8 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 /* Returns the number of cells of all arrays of a tally. */
 size_t cml_tally_cells(const struct cml_tally_grid *grid);
 
-/* Returns the size in bytes of a tally with this grid. Of the profiles only those of detectors are counted,
- * which may be many. */
+/* Returns the size of a tally with this grid in bytes. Among profiles only those of detectors are counted,
+ * because there may be many. */
 double cml_tally_bytes(const struct cml_tally_grid *grid);
 
 /* Makes a tally of zeros that owns its cells. CML_E_INPUT when memory runs out. */

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* The sizes of all arrays of a tally or result. */
 struct cml_tally_grid {
     int nr, nz, na;
     int num_layers, num_bodies;
@@ -76,6 +77,7 @@ static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
 enum cml_moment { CML_MOMENT_PATH, CML_MOMENT_INTERACTIONS, CML_MOMENT_MOMENTUM, CML_MEDIUM_MOMENTS };
 #define CML_MOMENTUM_UNIT 1.52587890625e-5 /* 2^-16 */
 
+/* Returns the number of moments of a detector. */
 static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 {
     return CML_MEDIUM_MOMENTS * cml_tally_media(grid) + 1;

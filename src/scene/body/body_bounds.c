@@ -152,6 +152,7 @@ static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
     return false;
 }
 
+/* Compares a body's mesh with a mesh boundary. */
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -211,6 +212,7 @@ static void take_heights(struct encounter *e, const double *h, size_t n)
     }
 }
 
+/* Sets the boundary's depths and, for a mesh, its sheet. */
 static cml_status prepare(struct encounter *e, struct cml_error *err)
 {
     const struct cml_boundary *boundary = e->boundary;

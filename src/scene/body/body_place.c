@@ -61,6 +61,7 @@ struct facets {
     double *at;
 };
 
+/* Compares a sphere or cylinder with one facet of a mesh: a cml_boxtree_visit. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
@@ -121,6 +122,7 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
     return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
+/* Tells how two bodies of any form lie to each other. */
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
     if (a->sheet && b->sheet) return compare_meshes(a, b, at);
@@ -135,6 +137,7 @@ static enum cml_convex_order compare_solids(const struct solid *a, const struct 
                                                : order;
 }
 
+/* Refuses a mesh that crosses or touches itself. */
 static cml_status check_self(const struct cml_scene *scene, const struct solid *solid, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;
@@ -239,6 +242,7 @@ static cml_status compare_all(struct placing *p)
     return CML_OK;
 }
 
+/* Finds the hosts of all bodies. sheets: room for the sheets of all meshes. */
 static cml_status place(struct placing *p, struct cml_sheet *sheets)
 {
     for (size_t i = 0, meshes = 0; i < p->count; i++) {

@@ -6,6 +6,7 @@
 
 enum cml_convex_form { CML_CONVEX_SPHERE, CML_CONVEX_CYLINDER, CML_CONVEX_TRIANGLE };
 
+/* A convex set: a sphere, a cylinder or a triangle. */
 struct cml_convex {
     enum cml_convex_form form;
     double centre[3];       /* centre of a sphere; middle of the first end of a cylinder */
@@ -14,6 +15,7 @@ struct cml_convex {
     const double *corner[3]; /* corners of a triangle; borrowed */
 };
 
+/* The ways in which two sets can lie to each other. */
 enum cml_convex_order {
     CML_CONVEX_APART,        /* the sets have no common point */
     CML_CONVEX_FIRST_INSIDE, /* the first set lies inside the second, and not on its surface */

@@ -26,6 +26,7 @@
 
 #define CML_HIGHEST_SAMPLE 1e30 /* largest height, cm; the limit of all lengths in .mci files */
 
+/* A heightmap: samples of a height on a regular grid; owns its heights. */
 struct cml_heightmap {
     int nx, ny;    /* number of samples along x and y, each 2 or more */
     double x0, y0; /* position of the first sample, cm */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The state of making a mesh from a heightmap. */
 struct builder {
     const struct cml_heightmap *map;
     size_t (*corner)[3]; /* [count] samples at the corners of the triangles, stored up to `most` triangles */
@@ -39,6 +40,7 @@ static void add_triangle(void *context, const size_t corner[3])
 
 /* ---- the rim ---- */
 
+/* Returns the number of samples on the rim. */
 static size_t rim_length(const struct cml_heightmap *map)
 {
     return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
@@ -203,6 +205,7 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
+/* Merges triangles within the tolerance, and checks their number against the budget. */
 static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
                         double *surface, struct cml_error *err)
 {

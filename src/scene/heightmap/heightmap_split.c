@@ -151,6 +151,7 @@ void cml_split_free(struct cml_split *split)
 
 /* ---- what is left ---- */
 
+/* The arguments of cml_split_walk. */
 struct walk {
     const struct cml_split *split;
     double tolerance;
@@ -173,6 +174,7 @@ static void fill_surface(const struct walk *walk, const struct triangle *t, int 
     fill_surface(walk, &half[1], depths - 1, zb, zc, zm);
 }
 
+/* Keeps a triangle as it is: fills in its heights and visits it. */
 static void keep_triangle(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = walk->split->map;

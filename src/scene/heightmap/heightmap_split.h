@@ -16,6 +16,7 @@
 
 #include "scene/heightmap/heightmap.h"
 
+/* The errors at all middles of triangles, which decide where triangles are split. */
 struct cml_split {
     const struct cml_heightmap *map; /* borrowed heightmap */
     double *error;                   /* [ny][nx] error at each middle, cm */

@@ -16,6 +16,7 @@ double cml_mesh_budget_default(void)
     return fmax(1, floor(fmin(MOST_BY_DEFAULT, SHARE_OF_MEMORY * memory / BYTES)));
 }
 
+/* Writes the name of the boundary or body that the mesh belongs to, with file and line. */
 static void name(const struct cml_mesh_budget *budget, char *text, size_t size)
 {
     const char *what = budget->body > 0 ? "body" : "boundary";

@@ -6,6 +6,7 @@
 
 #define CML_MESH_MOST 0x1p26 /* triangles; more are refused for any budget */
 
+/* The triangles that a mesh may have, and whom to tell about a large one. */
 struct cml_mesh_budget {
     double most; /* largest number of triangles; 0: CML_MESH_MOST */
     /* Function called before a mesh is made that should take more than a second. It gets a text without a

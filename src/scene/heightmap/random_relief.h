@@ -16,6 +16,7 @@
 
 #define CML_RELIEF_STEPS 10 /* samples per correlation length */
 
+/* The parameters of a random relief. */
 struct cml_random_relief {
     double slope;  /* rms gradient of the facets [-], called Sdq in ISO 25178 */
     double length; /* correlation length L, cm */

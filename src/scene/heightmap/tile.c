@@ -18,6 +18,7 @@ static void measure_step(const double *from, const double *to, double *most)
     *most = fmax(*most, fabs(*to - *from));
 }
 
+/* Measures the largest steps between neighbouring samples, inside the map and across its seam. */
 static void measure_steps(const struct cml_heightmap *map, struct cml_tile_notes *notes)
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
@@ -191,6 +192,7 @@ static bool cells_between(const double origin[2], const double spacing[2], const
            fabs(between - whole) <= err_place * fmax(1, fabs(between));
 }
 
+/* Returns the depth in the middle of cell i, j, which is the middle of the cell's diagonal. */
 static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_t i, int64_t j)
 {
     const int64_t one = cml_tile_rises(tile, i, j) ? 0 : 1;

@@ -137,8 +137,8 @@ static void compare_edge(const struct comparison *c, const double *a, const doub
     }
 }
 
-/* The cut through a triangle by the vertical plane that contains the z axis and the triangle's steepest
- * direction. */
+/* The cut through a triangle by the vertical plane that contains the z axis and is parallel to the triangle's
+ * direction of steepest descent. */
 struct section {
     double direction[2];
     double s[2], z[2]; /* both ends of the cut: distance from the axis along `direction`, and depth */

@@ -377,10 +377,9 @@ double cml_radial_height(const struct cml_radial *radial, double r);
  * everywhere. Planes (also flat heightfields and meshes) may touch: layers of no thickness. Only neighbours
  * are compared, and the next boundaries beyond planes, because order among neighbours implies order among
  * all. Exact for the coordinates as given (overlap.c). A tile is compared with planes and with tiles of the
- * same cells; a tile whose depths overlap those of any other surface is refused.
- * CML_E_INPUT: "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1",
- * "FILE: boundaries 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm:
- * triangles i and j". */
+ * same cells; a tile whose depths overlap those of any other surface is refused. CML_E_INPUT: "FILE:LINE:
+ * boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE:LINE: boundaries 0
+ * and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
 /* The largest allowed slope of radial heightfields and heightmaps, and the largest ratio of height to width

@@ -20,5 +20,5 @@ CML_NODISCARD cml_status cml_score_result(const struct cml_result *flight, int s
 double cml_effective_packets(const struct cml_result *result, enum cml_total total);
 
 /* Returns the number of packets of equal weight that would give the sum of A_z as precisely as the result
- * does. A_z comes from samples, so this number is smaller than that of the total A. */
+ * does. A_z comes from samples of the interactions. */
 double cml_effective_packets_by_depth(const struct cml_result *result);

@@ -12,7 +12,8 @@ CML_NODISCARD cml_status cml_scene_place_bodies(struct cml_scene *scene, struct 
 
 /* Checks that bodies lie inside their layer and do not touch its boundaries. Cylinders are compared with
  * heightfields and meshes as the prisms of 512 sides around them. CML_E_INPUT: "FILE:LINE: body 1 meets
- * boundary 0 at (x y z) cm", or "lies outside of layer 1". */
+ * boundary 0 at (x y z) cm (expected it inside its layer)", or "lies above", "lies below" or "lies beyond" in
+ * place of "meets". */
 CML_NODISCARD cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err);
 
 /* Runs the checks that a reader leaves to its caller because they cost time: cml_scene_check_steepness,

@@ -26,8 +26,8 @@ enum cml_convex_order {
 };
 
 /* Tells how a and b lie to each other. With CML_CONVEX_MEET `at` is set to a place near both surfaces, else
- * it stays. A triangle has no inside. Sets are found apart by a plane between them. That a set lies inside is
- * found in closed form, except for two cylinders, where its farthest point is searched for. */
+ * it is left unchanged. A triangle has no inside. Sets are found apart by a plane between them. A set is
+ * found inside another in closed form; only for two cylinders its farthest point is searched for. */
 enum cml_convex_order cml_convex_compare(const struct cml_convex *a, const struct cml_convex *b,
                                          double at[3]);
 

@@ -181,8 +181,9 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
     return status;
 }
 
-/* Returns the change of a share if its optical depths change by a relative unit: an absolute error for a
- * large share, nearly a relative error for a small one. */
+/* Returns the weight of a share's error: by how much a share exp(-depth) changes per relative change of its
+ * optical depth, plus the share itself. Errors of large shares count absolutely, those of small ones nearly
+ * relatively. */
 static double weight_of(double share)
 {
     return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;

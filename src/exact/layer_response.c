@@ -181,8 +181,8 @@ static void double_layer(struct work *w, struct cml_layer_response *to)
     memcpy(U, X, bytes);
 }
 
-/* Returns the number of halvings after which no direction loses more than the share 1 over the layer (d rate
- * <= 1). The series are then exact. */
+/* Returns the number of halvings after which thickness times loss rate is at most 1 in every direction. The
+ * power series are then exact in double precision. */
 static int halvings(double d, double rate)
 {
     return (int)fmax(0, ceil(log2(d) + log2(rate)));

@@ -80,7 +80,7 @@ struct cml_boundary {
     /* Form in the input; its representation for rays is chosen later (surface.h). */
     enum cml_boundary_form form;
     double z;                 /* nominal depth, cm */
-    struct cml_radial radial; /* CML_FORM_RADIAL */
+    struct cml_radial radial; /* CML_FORM_RADIAL: samples of the heightfield */
     struct cml_mesh mesh;     /* CML_FORM_MESH: the prepared mesh, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
     /* The heightmap that the mesh was made from; all zero if there was none. */
@@ -90,7 +90,7 @@ struct cml_boundary {
     struct cml_tile_notes tile_notes;
     /* Period of a tile along x and y, cm, kept even if the tile has become a plane; 0: not a tile. */
     double period[2];
-    /* Factors that the input applied: to all coordinates, and to the heights in addition */
+    /* Factors that the input applied: to all coordinates, and to the heights in addition. */
     double scale, height;
     struct cml_rough_def rough;
     char *file; /* the .obj, .gsf, .asc or height file; NULL if the numbers stand in the .mci */
@@ -120,7 +120,7 @@ struct cml_scene_body {
     double radius;
     struct cml_mesh mesh; /* CML_BODY_MESH: the mesh, prepared and closed */
     struct cml_mesh_notes mesh_notes;
-    char *file; /* the .obj file, or NULL */
+    char *file; /* the .obj file of a mesh, or NULL */
     int line;   /* line number in the .mci */
 };
 
@@ -237,7 +237,7 @@ struct cml_scene {
     char *file;       /* path of the .mci, for messages and for names relative to it */
     int line;         /* line number where the run begins */
     char *output;     /* output name as the .mci gives it */
-    char format;      /* 'A' or 'B' */
+    char format;      /* format letter as the .mci gives it, 'A' or 'B' */
     uint64_t photons; /* number of photons, 1..2^48 */
     double dz, dr;    /* grid spacing, cm, > 0 */
     int nz, nr, na;   /* number of grid bins, >= 1 */
@@ -249,18 +249,18 @@ struct cml_scene {
     struct cml_medium_def *media;
     /* List of the different phase functions, the last one first; at most CML_MOST_PHASES. */
     struct cml_phase *phases;
-    struct cml_boundary *boundaries; /* [L+1] */
+    struct cml_boundary *boundaries; /* [L+1] boundaries 0..L */
     struct cml_scene_body *bodies;   /* [num_bodies] sorted by layer */
     int *body_users;                 /* reference count of scenes that share the bodies */
     struct cml_backing_def backing;
-    int num_beams;          /* >= 1 */
-    struct cml_beam *beams; /* [num_beams] */
+    int num_beams;          /* number of beams, >= 1 */
+    struct cml_beam *beams; /* [num_beams] beams */
     double *shares;         /* [num_beams] share of the light of each beam, > 0 */
     struct cml_map_def map;
     struct cml_time_def time;
     struct cml_directions_def directions;
     int num_detectors;
-    struct cml_detector_def *detectors; /* [num_detectors] */
+    struct cml_detector_def *detectors; /* [num_detectors] detectors */
     struct cml_fluence_def fluence;
     struct cml_saved_def saved;
     /* Line number of the `facets` line, which asks for irradiance and exitance of all facets; 0: none. */
@@ -285,7 +285,7 @@ static inline const char *cml_rough_word(enum cml_rough_kind kind)
 /* The scenes of all runs of an .mci file. */
 struct cml_scene_list {
     int count;
-    struct cml_scene *scenes; /* [count] */
+    struct cml_scene *scenes; /* [count] scenes */
 };
 
 /* Copies a scene, so that the copy may be changed. Both share shapes, bodies and tables. On failure *to is

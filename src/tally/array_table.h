@@ -1,7 +1,7 @@
 /* The table of arrays: one row for every array of sums. Sizes and places follow from it in four kinds of
  * holders:
  *
- *     tally of a thread  -->  profiles of a batch, brought to  -->  result of a run
+ *     tally of a thread  -->  profiles of a batch, added to  -->  result of a run
  *     rows of a sweep, or scores of derivatives (row_cells.h)
  *
  * A new array needs a row here, its place in the orders of array_table.c, and a line that scores into it.
@@ -46,7 +46,7 @@ enum cml_spread {
     /* For arrays to whose cells a packet adds at most once: one copy per group, or sums and squares for a
      * large array. Neighbours with the same axes are stored together, group by group. */
     CML_KEPT_ONCE,
-    /* One copy per batch (CML_NUM_BATCHES) in a result; a thread brings the sums of one batch. */
+    /* One copy per batch (CML_NUM_BATCHES) in a result; a thread adds the sums of one batch. */
     CML_KEPT_BY_BATCH,
     CML_KEPT_AS_BATCHES /* one copy per batch, in a tally as well */
 };
@@ -182,7 +182,7 @@ extern const struct cml_array_info cml_arrays[CML_NUM_ARRAYS];
 enum cml_holder {
     CML_OF_TALLY,
     CML_OF_RESULT,
-    CML_OF_PROFILES, /* sums of one batch that a thread brings to the result */
+    CML_OF_PROFILES, /* sums of one batch that a thread adds to the result */
     CML_OF_ROW_BINS, /* bins of a row of a sweep, or of a score, for one batch */
     CML_OF_ROW_GRIDS /* grids of a row of a sweep, behind the bins of all batches */
 };

@@ -102,28 +102,28 @@ static cml_u128 moment_of(const uint64_t *parts)
     return sum;
 }
 
-/* Adds the moments of detector k. brought: the moments' parts as tallies keep them. */
-static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
+/* Adds the moments of detector k. sums: the moments' parts as tallies keep them. */
+static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *sums)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
     for (size_t i = 0; i < CML_MEDIUM_MOMENTS * media; i++)
         result->array[CML_ARRAY_detector_path + i / media][at * media + i % media] +=
-            moment_of(brought + i * CML_MOMENT_CELLS);
-    result->detector_deepest[at] += moment_of(brought + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS);
+            moment_of(sums + i * CML_MOMENT_CELLS);
+    result->detector_deepest[at] += moment_of(sums + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS);
 }
 
 /* Adds expected values, which a tally has in units of 2^6 2^-exponent, to those of a batch. */
-static void add_expected(struct cml_result *result, size_t batch, const uint64_t *brought)
+static void add_expected(struct cml_result *result, size_t batch, const uint64_t *sums)
 {
     const size_t n = (size_t)result->grid.scores;
     for (size_t i = 0; i < n; i++)
-        result->expected[batch * n + i] += (cml_u128)brought[i]
+        result->expected[batch * n + i] += (cml_u128)sums[i]
                                            << (CML_EXPECTED_SHIFT - result->grid.exponent[i]);
 }
 
 /* Adds totals and profiles of a tally to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally,
-                         const uint64_t *brought)
+                         const uint64_t *sums)
 {
     const struct cml_array_order order = cml_order_of(CML_OF_PROFILES);
     const struct cml_layout *at = &tally->profile;
@@ -131,17 +131,17 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     for (int i = 0; i < order.count; i++) {
         const enum cml_array array = order.array[i];
         if (array == CML_ARRAY_moments || array == CML_ARRAY_expected) continue;
-        cml_result_add_cells(result, array, b, &(struct cml_cell_source){.narrow = brought + at->at[array]});
+        cml_result_add_cells(result, array, b, &(struct cml_cell_source){.narrow = sums + at->at[array]});
     }
     for (size_t k = 0; k < (size_t)result->grid.detectors; k++)
-        add_moments(result, b, k, brought + at->moments + k * moments);
-    add_expected(result, b, brought + at->expected);
+        add_moments(result, b, k, sums + at->moments + k * moments);
+    add_expected(result, b, sums + at->expected);
 }
 
-void cml_result_add_brought(struct cml_result *result, int batch, const struct cml_tally *tally)
+void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
-    add_to_batch(result, batch, tally, tally->brought);
+    add_to_batch(result, batch, tally, tally->batch_sums);
     for (int row = 0; row < late->count; row++)
         add_to_batch(result, late->batch[row], tally, late->rows + (size_t)row * tally->profile.cells);
 }

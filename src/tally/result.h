@@ -47,9 +47,9 @@ CML_NODISCARD cml_status cml_result_create(const struct cml_tally_grid *grid, ui
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds the sums found by the last cml_tally_bring to the totals and profiles of batch 0..63, and those of
+/* Adds the sums of the last cml_tally_sum_batch to the totals and profiles of batch 0..63, and those of
  * late packets to their own batches. The tally has the grid of the result, or that of a thread. */
-void cml_result_add_brought(struct cml_result *result, int batch, const struct cml_tally *tally);
+void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally);
 
 /* Adds all of a tally except its totals and profiles. Borrowed arrays are left to the tally that owns
  * them. */

@@ -237,7 +237,7 @@ void cml_saved_clear(struct cml_saved *saved)
     saved->last = UINT64_MAX;
 }
 
-void cml_saved_find(struct cml_saved *saved, uint64_t more)
+void cml_saved_add_found(struct cml_saved *saved, uint64_t more)
 {
     saved->found += more;
 }

@@ -70,11 +70,11 @@ size_t cml_saved_media(const struct cml_saved *saved);
  * by one. Call cml_saved_sort first. */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run);
 
-/* cml_saved_clear forgets all rows and counts. cml_saved_find adds `more` to the number of packets found,
- * whose rows are not kept or are added separately. Both are for code that moves or stores rows, after
+/* cml_saved_clear forgets all rows and counts. cml_saved_add_found adds `more` to the number of packets
+ * found, whose rows are not kept or are added separately. Both are for code that moves or stores rows, after
  * cml_saved_sort. */
 void cml_saved_clear(struct cml_saved *saved);
-void cml_saved_find(struct cml_saved *saved, uint64_t more);
+void cml_saved_add_found(struct cml_saved *saved, uint64_t more);
 
 /* The receiver of rows that threads hand in, called by any thread at any time. take NULL: rows are
  * dropped. */

@@ -96,8 +96,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     tally->cells = cml_arrays_add(&tally->arrays, cells, sizeof *tally->cells);
     if (tally->cells && grid->rows) prefer_large_pages(tally->cells, cells * sizeof *tally->cells);
     tally->grouped = cml_arrays_add(&tally->arrays, grouped_bins(tally), sizeof *tally->grouped);
-    tally->summed = cml_arrays_add(&tally->arrays, bins, sizeof *tally->summed);
-    tally->brought = cml_arrays_add(&tally->arrays, bins, sizeof *tally->brought);
+    tally->last_sums = cml_arrays_add(&tally->arrays, bins, sizeof *tally->last_sums);
+    tally->batch_sums = cml_arrays_add(&tally->arrays, bins, sizeof *tally->batch_sums);
     tally->late.rows = cml_arrays_add(&tally->arrays, CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
     if (trail_cells(grid))
         tally->stay = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->stay);
@@ -128,7 +128,7 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
     memset(tally->grouped, 0, grouped_bins(tally) * sizeof *tally->grouped);
-    memset(tally->summed, 0, tally->profile.cells * sizeof *tally->summed);
+    memset(tally->last_sums, 0, tally->profile.cells * sizeof *tally->last_sums);
     cml_tally_drop_late(tally);
 }
 
@@ -266,16 +266,16 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 
 /* A tally continues from batch to batch, and is summed anew each time, because its profiles are much shorter
  * than its grids. The difference to the last sums is the batch's share. */
-void cml_tally_bring(struct cml_tally *tally, int batch)
+void cml_tally_sum_batch(struct cml_tally *tally, int batch)
 {
     const size_t bins = tally->profile.cells;
     sum_groups(tally, batch);
-    sum_profiles(tally, tally->brought);
+    sum_profiles(tally, tally->batch_sums);
     for (size_t i = 0; i < bins; i++) {
-        const uint64_t sum = tally->brought[i];
-        tally->brought[i] = sum - tally->summed[i];
-        tally->summed[i] = sum;
+        const uint64_t sum = tally->batch_sums[i];
+        tally->batch_sums[i] = sum - tally->last_sums[i];
+        tally->last_sums[i] = sum;
     }
     for (int row = 0; row < tally->late.count; row++)
-        for (size_t i = 0; i < bins; i++) tally->brought[i] -= tally->late.rows[(size_t)row * bins + i];
+        for (size_t i = 0; i < bins; i++) tally->batch_sums[i] -= tally->late.rows[(size_t)row * bins + i];
 }

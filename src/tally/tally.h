@@ -29,24 +29,24 @@ struct cml_lost_list {
 };
 
 /* Late packets, and how totals and profiles reach a result. A thread scores the packets of one batch after
- * the other into one tally, which is not cleared in between. cml_tally_bring finds the sums that a batch has
- * added:
+ * the other into one tally, which is not cleared in between. cml_tally_sum_batch finds the sums that a batch
+ * has added:
  *
  *     Rd_ra, Tt_ra, A_rz --margins--> grouped --+
  *     A_l, Rd_t ... expected, balance ----------+--> sum now
- *                                                    - summed     the sum at the last bring
+ *                                                    - last_sums  the sum after the batch before
  *                                                    - late.rows  added by packets of earlier batches
- *                                                    = brought    added by the current batch
+ *                                                    = batch_sums added by the current batch
  *
  * - grouped: margins (Rd_r, Tt_r, Rd_a, Tt_a, A_z) of the grids of each group. Only those of the current
  *   batch's group are summed anew, because packets of the batch score into no other group; late packets add
  *   theirs.
- * - summed: becomes the sum now.
+ * - last_sums: becomes the sum now.
  * - late: packets that still fly while those of another batch are launched. Their additions to totals and
  *   profiles are noted here as well, in a row for each of their batches.
  *
- * The result adds `brought` to the current batch, and each late row to the batch of the row
- * (cml_result_add_brought). cml_tally_drop_late empties the rows. Grids and maps are added once, at the end
+ * The result adds `batch_sums` to the current batch, and each late row to the batch of the row
+ * (cml_result_add_batch). cml_tally_drop_late empties the rows. Grids and maps are added once, at the end
  * of a range (cml_result_add). */
 struct cml_late {
     int count;                  /* number of rows in use */
@@ -81,10 +81,10 @@ struct cml_tally {
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
     /* Totals and profiles, with places as in `profile`: */
-    uint64_t *grouped; /* [cml_cell_groups] profiles by group at the last cml_tally_bring; private */
-    uint64_t *summed;  /* totals and profiles at the last cml_tally_bring; private */
-    /* Additions between the last two calls of cml_tally_bring, without those of late packets. */
-    uint64_t *brought;
+    uint64_t *grouped;   /* [cml_cell_groups] profiles by group at the last cml_tally_sum_batch; private */
+    uint64_t *last_sums; /* totals and profiles at the last cml_tally_sum_batch; private */
+    /* Additions between the last two calls of cml_tally_sum_batch, without those of late packets. */
+    uint64_t *batch_sums;
     struct cml_late late;
 };
 
@@ -136,11 +136,11 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid);
  * go into the tally's arrays. Valid until cml_tally_drop_late. */
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch);
 
-/* Empties the rows of late packets, when no packet is late or all rows have been brought
- * (cml_tally_bring). */
+/* Empties the rows of late packets, when no packet is late or all rows have been subtracted
+ * (cml_tally_sum_batch). */
 void cml_tally_drop_late(struct cml_tally *tally);
 
-/* Sets `brought` to the tally's own additions to totals and profiles since the last call, or since the tally
- * was zero, without those in rows of late packets. All of them must belong to batch 0..63, or to any batch if
- * `batch` is -1. */
-void cml_tally_bring(struct cml_tally *tally, int batch);
+/* Sets `batch_sums` to the tally's own additions to totals and profiles since the last call, or since the
+ * tally was zero, without those in rows of late packets. All of them must belong to batch 0..63, or to any
+ * batch if `batch` is -1. */
+void cml_tally_sum_batch(struct cml_tally *tally, int batch);

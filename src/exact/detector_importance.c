@@ -65,7 +65,7 @@ static double area(const struct volumes *volumes, int ring)
 }
 
 /* Returns the area of a ring that the detector sees, cm^2. */
-static double seen_of(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
+static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
 {
     const double inner = fmax(seen.inner, volumes->border[ring]),
                  outer = fmin(seen.outer, volumes->border[ring + 1]);
@@ -97,7 +97,7 @@ static void set_row(struct volumes *volumes, int ring, int piece, struct cml_see
         if (piece != (side ? n - 1 : 0)) continue;
         const double way = volumes->h[piece] / 2 / volumes->D[piece] + volumes->longer[side];
         *diagonal += area(volumes, ring) / way;
-        if (side == seen.below) volumes->value[k] = seen_of(volumes, ring, seen) / way;
+        if (side == seen.below) volumes->value[k] = seen_area(volumes, ring, seen) / way;
     }
     if (piece < n - 1) {
         const double flow = flow_down(volumes, ring, piece);

@@ -80,8 +80,8 @@ static void walk(struct walks *w, int k, double power)
     if (cml_rough_fly(w->rough, first.v, &first.e, block.w[0])) return;
     const struct cml_vec m = cml_rough_normal(w->rough, first.v, block.w[1], block.w[2]);
     if (w->start->backed) {
-        const double kept = (double)cml_rough_mirror(&first, m, &w->backing);
-        finish(w, first, k, power * kept);
+        const double reflected = (double)cml_rough_mirror(&first, m, &w->backing);
+        finish(w, first, k, power * reflected);
         return;
     }
     real ct;

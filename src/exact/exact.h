@@ -18,7 +18,7 @@ enum cml_exact_share {
     CML_EXACT_LAYERS
 };
 
-/* What cml_exact_solve may spend, and parts of the scene beside layers and light. */
+/* Options of cml_exact_solve: accuracy, allowed work, and the parts of the scene beside layers and light. */
 struct cml_exact_options {
     double tolerance; /* the order rises until no error exceeds this */
     /* Number of multiplications beyond which the order does not rise further. */

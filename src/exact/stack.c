@@ -1,7 +1,7 @@
 /* Adds up layers and boundaries from below [van de Hulst, Multiple Light Scattering, 1980, chapter 4; Prahl,
- * van Gemert, Welch 1993]. All that lies below a level is described by a matrix, from the power that comes
- * down in each direction to the power that comes back up, and by rows, from the power that comes down to the
- * shares transmitted and absorbed in each layer. Layers and boundaries are put on top one by one.
+ * van Gemert, Welch 1993]. A matrix and some rows describe all that lies below a level. The matrix takes the
+ * power that comes down in each direction to the power that comes back up. The rows take it to the shares
+ * transmitted, and absorbed in each layer. Layers and boundaries are put on top one by one.
  * SPDX-License-Identifier: MIT */
 #include "exact/stack.h"
 

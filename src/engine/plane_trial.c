@@ -58,7 +58,7 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
-/* Lists the series of all values that cml_tally_bring brings. */
+/* Lists the series of all values that cml_tally_sum_batch computes. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
@@ -82,8 +82,8 @@ static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;
     const size_t nr = (size_t)tally->grid.nr, nz = (size_t)tally->grid.nz;
-    uint64_t *Rd_r = tally->brought + at.Rd_r, *Tt_r = tally->brought + at.Tt_r,
-             *A_z = tally->brought + at.A_z;
+    uint64_t *Rd_r = tally->batch_sums + at.Rd_r, *Tt_r = tally->batch_sums + at.Tt_r,
+             *A_z = tally->batch_sums + at.A_z;
     uint64_t *const ends[][2] = {
         {Rd_r + nr, Rd_r + nr - 1}, {Tt_r + nr, Tt_r + nr - 1}, {A_z, A_z + 1}, {A_z + nz + 1, A_z + nz}};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
@@ -110,12 +110,12 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         struct cml_tally *tally = &trial->tally[way];
         cml_tally_zero(tally);
         CML_TRY(cml_engine_run_range(trial->engine, trial->flight[way], trial->packets, count, tally, err));
-        cml_tally_bring(tally, -1);
+        cml_tally_sum_batch(tally, -1);
         fold_profiles(tally);
         trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);
     }
-    add_values(trial->tally[0].brought, trial->tally[1].brought, trial->num_values, trial->value);
+    add_values(trial->tally[0].batch_sums, trial->tally[1].batch_sums, trial->num_values, trial->value);
     trial->packets += count;
     return CML_OK;
 }

@@ -9,7 +9,7 @@ static double *row_of(double *matrix, int n, int i)
     return matrix + (size_t)i * (size_t)n;
 }
 
-/* Whether row i is full; *next, which begins at 0, counts the full rows that were met, for rising i. */
+/* True if row i is full. Calls must come with rising i; *next counts the full rows met until now, from 0. */
 static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
 {
     const bool full = *next < kind->num_full && kind->full[*next] == i;
@@ -17,7 +17,7 @@ static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
     return full;
 }
 
-/* Four rows of b at once: c is read and written a quarter as often. */
+/* Adds four rows of b at once, so that c is read and written a quarter as often. */
 void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *restrict a,
                                const double *restrict b, double *restrict c)
 {
@@ -59,13 +59,13 @@ void cml_dense_add_general(int rows, int middle, int columns, const double *rest
         }
 }
 
-/* to[j] -= factor from[j], first <= j < end */
+/* to[j] -= factor from[j] for first <= j < end */
 static void subtract(double factor, const double *restrict from, double *restrict to, int first, int end)
 {
     for (int j = first; j < end; j++) to[j] -= factor * from[j];
 }
 
-/* a becomes L (below the diagonal, which is 1) and U. */
+/* Replaces a by its factors: L below the diagonal, whose own diagonal is 1, and U. */
 static void factorise(const struct cml_dense_kind *kind, double *a)
 {
     const int n = kind->n;

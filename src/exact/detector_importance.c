@@ -7,25 +7,29 @@
 
 enum { PIECES = 64 };
 
-/* Rings about the middle of a detector, and pieces of layers. Unknown k is that of ring k / pieces, piece k %
- * pieces; faces at both ends make the way out longer by 2 A, for light comes back from them. */
+/* Finite volumes: rings about the middle of a detector, times pieces of layers. Unknown k belongs to ring k /
+ * pieces and piece k % pieces. Both outer faces reflect light, which acts as if the way out were longer by 2
+ * A. */
 struct volumes {
     int rings, pieces;
-    double *border;               /* [rings + 1] */
-    double *h, *middle, *D, *mua; /* [pieces] thickness, depth, coefficient of diffusion, absorption */
-    double longer[2];             /* above, below */
-    double *band;                 /* [unknowns][pieces + 1]: of each row what stands up to its diagonal */
-    double *value;                /* [unknowns] */
+    double *border; /* [rings + 1] radii of the borders of rings, cm */
+    /* [pieces] thickness, depth of the middle, diffusion coefficient (cm), absorption (1/cm) */
+    double *h, *middle, *D, *mua;
+    double longer[2]; /* extra way 2 A at the upper and lower face */
+    /* [unknowns][pieces + 1] the part of each row of the symmetric matrix up to its diagonal */
+    double *band;
+    double *value; /* [unknowns] right-hand side, then solution */
 };
 
-/* 2 A of a face to a relative index, by Groenhuis' fit of what it reflects of diffuse light. */
+/* Returns 2 A of a face with relative index n, from Groenhuis' fit of its reflectance for diffuse light. */
 static double longer_by(double n)
 {
     const double R = fmax(0, -1.440 / (n * n) + 0.710 / n + 0.668 + 0.0636 * n);
     return 2 * (1 + R) / (1 - R);
 }
 
-/* Light in a clear layer would diffuse without end. */
+/* Adds the pieces of a layer. Transport attenuation is at least `least`, because light in a clear layer would
+ * diffuse without end. */
 static void cut_layer(const struct cml_medium_def *medium, double top, double d, double depth, double least,
                       struct volumes *to)
 {
@@ -39,6 +43,7 @@ static void cut_layer(const struct cml_medium_def *medium, double top, double d,
     }
 }
 
+/* Cuts the layers down to `depth` into pieces, and sets the borders of the rings. */
 static void cut(const struct cml_medium_def *media, int layers, double reach, double depth,
                 struct volumes *to)
 {
@@ -59,21 +64,22 @@ static double area(const struct volumes *volumes, int ring)
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
 }
 
-/* The share of a ring's area that the detector sees. */
-static double seen_of(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
+/* Returns the area of a ring that the detector sees, cm^2. */
+static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
 {
     const double inner = fmax(seen.inner, volumes->border[ring]),
                  outer = fmin(seen.outer, volumes->border[ring + 1]);
     return outer > inner ? M_PI * (outer * outer - inner * inner) : 0;
 }
 
-/* What flows between two volumes of one ring, by what their values differ. */
+/* Returns the flow between a volume and the one below it in the same ring, per difference of their values. */
 static double flow_down(const struct volumes *volumes, int ring, int piece)
 {
     return area(volumes, ring) /
            (volumes->h[piece] / 2 / volumes->D[piece] + volumes->h[piece + 1] / 2 / volumes->D[piece + 1]);
 }
 
+/* Returns the flow between a volume and the next one outwards, per difference of their values. */
 static double flow_out(const struct volumes *volumes, int ring, int piece)
 {
     const double *border = volumes->border;
@@ -81,7 +87,7 @@ static double flow_out(const struct volumes *volumes, int ring, int piece)
            (border[ring + 2] - border[ring]);
 }
 
-/* The row of a volume, and what flows into it from the detector. */
+/* Sets the matrix row of a volume, and its source: the flow into it from the detector. */
 static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_ring seen)
 {
     const int n = volumes->pieces, k = ring * n + piece;
@@ -91,7 +97,7 @@ static void set_row(struct volumes *volumes, int ring, int piece, struct cml_see
         if (piece != (side ? n - 1 : 0)) continue;
         const double way = volumes->h[piece] / 2 / volumes->D[piece] + volumes->longer[side];
         *diagonal += area(volumes, ring) / way;
-        if (side == seen.below) volumes->value[k] = seen_of(volumes, ring, seen) / way;
+        if (side == seen.below) volumes->value[k] = seen_area(volumes, ring, seen) / way;
     }
     if (piece < n - 1) {
         const double flow = flow_down(volumes, ring, piece);
@@ -114,7 +120,8 @@ static double dot(const double *a, const double *b, int n)
     return sum;
 }
 
-/* Cholesky's factor in place of the matrix, which is an M-matrix: no value is lost in a difference. */
+/* Solves the equations by Cholesky's factors, which replace the matrix. The matrix is an M-matrix, so that no
+ * digits cancel. */
 static void solve(struct volumes *volumes)
 {
     const int n = volumes->pieces, all = volumes->rings * n;
@@ -136,7 +143,8 @@ static void solve(struct volumes *volumes)
 #undef AT
 }
 
-/* Between the middles of pieces logarithms are straight lines, beyond the last ones level. */
+/* Interpolates importance linearly in its logarithm between the middles of pieces; beyond the first and last
+ * middle it is constant. */
 static void interpolate(const struct volumes *volumes, double depth, int cells, double *to)
 {
     const int n = volumes->pieces;

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* P_n(x) by its recurrence; *slope its derivative, -1 < x < 1. */
+/* Returns the Legendre polynomial P_n(x) by its recurrence, and its derivative in *slope; -1 < x < 1. */
 static double legendre(int n, double x, double *slope)
 {
     double before = 1, p = x;
@@ -19,7 +19,7 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* By Newton's steps from Tricomi's guess. */
+/* Finds the node by Newton's method from Tricomi's first guess. */
 double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
@@ -29,29 +29,31 @@ double cml_gauss_node(int n, int i, double *weight)
     return x;
 }
 
-/* The indices of the stack, rising, each once. Returns how many. */
+/* Fills `index` with the different indices of the media, rising. Returns their number. */
 static int sort_indices(const struct cml_medium_def *media, int count, double *index)
 {
     for (int m = 0; m < count; m++) index[m] = media[m].n;
     return (int)cml_sort_distinct(index, (size_t)count);
 }
 
-/* Cosine, in a medium of index n, of the direction that has the cosine c in one of index n1; 0: none. Written
- * so that nothing cancels where the indices are nearly equal. */
+/* Returns the cosine, in a medium of index n, of the direction with the cosine c in a medium of index n1; 0:
+ * total reflection. Written so that no digits cancel if the indices are nearly equal. */
 static double refracted_cosine(double n1, double c, double n)
 {
     const double square = (n - n1) * (n + n1) + n1 * c * (n1 * c);
     return square > 0 ? sqrt(square) / n : 0;
 }
 
-/* Nodes of the interval of s between two indices: as many as its part of a quarter of a circle asks for, and
- * a few, because light in a narrow interval is a smooth function, but no polynomial of low degree. */
+/* Returns the number of nodes in the interval of s between two indices. It is proportional to the interval's
+ * part of a quarter circle, plus a few: in a narrow interval light is a smooth function, but not a polynomial
+ * of low degree. */
 static int interval_nodes(double below, double above, int order)
 {
     const double part = acos(below / above) / (CML_PI / 2);
     return 3 + order / 8 + (int)ceil((order - 3 - order / 8) * part);
 }
 
+/* Adds a direction; one with etendue is also added to the list of directions with weight. */
 static void add_direction(struct cml_directions *to, double index, double cosine, double etendue)
 {
     to->index[to->count] = index;
@@ -61,7 +63,7 @@ static void add_direction(struct cml_directions *to, double index, double cosine
     to->count++;
 }
 
-/* s^2 = above^2 (1 - cosine^2), so s ds = above^2 cosine d(cosine). */
+/* Adds the nodes of an interval. s^2 = above^2 (1 - cosine^2), so s ds = above^2 cosine d(cosine). */
 static void add_interval(struct cml_directions *to, double below, double above, int nodes)
 {
     const double most = sqrt((above - below) * (above + below)) / above;
@@ -77,14 +79,15 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Directions to which the light of an interval is gathered, when it has any. */
+/* Returns the number of directions that stand for the spread light of an interval. */
 static int gathered_nodes(int order)
 {
     return least(8 + order / 4, 64);
 }
 
-/* The light of an interval with spread directions, gathered to nodes in the cosine that interval_nodes has,
- * as a function of which all that becomes of it is smooth. x, gathered: [num_samples], scratch. */
+/* Adds directions that stand for light with spread directions in one interval. The light is gathered at nodes
+ * in the same cosine as in add_interval, because all effects of the light are smooth functions of that
+ * cosine. x, gathered: [num_samples], scratch. */
 static void add_gathered(struct cml_directions *to, const struct cml_exact_light *light, double n0,
                          double below, double above, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -105,7 +108,7 @@ static void add_gathered(struct cml_directions *to, const struct cml_exact_light
     for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
 }
 
-/* Beams stand before the first interval whose end is beyond their s. */
+/* Adds all directions. Those of beams come before the first interval that ends beyond their s. */
 static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
                     const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -136,7 +139,8 @@ struct cml_dense_kind cml_directions_kind(const struct cml_directions *direction
     return (struct cml_dense_kind){n, full, directions->weighted};
 }
 
-/* Directions that exist in a medium; those of a lower index come first. Bisection. */
+/* Returns the number of directions that exist in a medium of index n, by bisection. Directions that exist at
+ * a lower index come first. */
 static int count_directions(const struct cml_directions *directions, double n)
 {
     int low = 0, high = directions->count;
@@ -150,8 +154,8 @@ static int count_directions(const struct cml_directions *directions, double n)
     return low;
 }
 
-/* So little that what is scattered into all directions does not count; exactly on or back is no change of
- * direction. */
+/* True if a layer scatters enough light into other directions to count. Scattering exactly forwards or
+ * backwards changes no direction. */
 static bool scatters(const struct cml_medium_def *medium)
 {
     return medium->mus * medium->d * (medium->phase ? 1 : 1 - fabs(medium->g)) > 1e-12;
@@ -162,9 +166,10 @@ static int greatest(int a, int b)
     return a > b ? a : b;
 }
 
-/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour or
- * from a boundary that spreads it: once down and once up, as on the way it turns it has been before. A clear
- * layer that reflects totally on both sides would hold light for ever, but none gets in. */
+/* Finds in which directions each medium contains light. Light comes from outside, from scattering, from a
+ * neighbour, or from a boundary that spreads light. One pass downwards and one upwards are enough, because
+ * light that turns around keeps the directions that it had on its way. A clear layer that reflects totally on
+ * both sides would hold light for ever, but none gets in. */
 static void find_live(const struct cml_medium_def *media, const bool *spreads, struct cml_directions *to)
 {
     const int last = to->num_media - 1;
@@ -178,7 +183,7 @@ static void find_live(const struct cml_medium_def *media, const bool *spreads, s
         live[m] = greatest(live[m], least(live[m + 1], count_directions(to, media[m].n)));
 }
 
-/* Diffuse light has its share in the etendue of all directions of medium 0. */
+/* Adds diffuse light: each direction of medium 0 gets a share in proportion to its etendue. */
 static void add_diffuse(struct cml_directions *to, double share, double n0)
 {
     for (int i = 0; i < to->live[0]; i++) to->light[i] += share * 2 * to->etendue[i] / (n0 * n0);

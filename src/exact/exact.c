@@ -17,25 +17,28 @@ static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, LEAST_ORDERS = 3, TERMS_PER_NODE = 2 };
 
-/* One call's question, and how far it has come. */
+/* The arguments of one call of cml_exact_solve, and its state. */
 struct search {
     const struct cml_medium_def *media;
-    int num_layers, count; /* of shares */
+    int num_layers, count; /* number of shares */
     const struct cml_exact_light *light;
     const struct cml_exact_options *options;
-    int num_rough;                     /* boundaries */
-    bool *spreads;                     /* [num_layers + 1] of boundaries (directions.h) */
-    struct cml_rough_response *walked; /* [num_layers + 1] of one order, zeroed where smooth */
-    struct cml_stack_rough rough;      /* of these, those by all walks or by a part */
-    double *history[3];                /* all shares, of the newest order first */
-    double *spread; /* standard errors of the newest shares by walks; behind them room for as many shares */
-    double defect;  /* what the newest shares lack of 1 */
-    double spent;   /* work */
-    bool enough;    /* the next order was too much work */
+    int num_rough; /* number of rough boundaries */
+    /* [num_layers + 1] boundaries that send light into all directions (directions.h) */
+    bool *spreads;
+    /* [num_layers + 1] walks at each boundary for one order; zeroed where smooth */
+    struct cml_rough_response *walked;
+    struct cml_stack_rough rough; /* matrices chosen from `walked`: those of all walks, or of a part */
+    double *history[3];           /* all shares of the last three orders, the newest first */
+    double *spread; /* [count] standard errors of the newest shares by walks, then [count] scratch */
+    double defect;  /* difference between 1 and the sum of the newest shares */
+    double spent;   /* work done, in multiplications */
+    bool enough;    /* the next order would have been too much work */
 };
 
-/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). With rough
- * boundaries layers are added up again for each part of the walks. */
+/* Estimates the work of one order in multiplications. Nearly all of it are matrix products in power series
+ * and doublings (layer_response.c). With rough boundaries layers are added up again for each part of the
+ * walks. */
 static double work(const struct search *search, const struct cml_directions *directions)
 {
     const struct cml_medium_def *media = search->media;
@@ -51,7 +54,7 @@ static double work(const struct search *search, const struct cml_directions *dir
     return sum;
 }
 
-/* Whether facets do anything. Between equal indices nothing happens. */
+/* True if boundary b has facets that change light. Between equal indices facets change nothing. */
 static bool is_rough(const struct search *search, int b)
 {
     const bool backed = b == search->num_layers && search->options->backing;
@@ -59,6 +62,7 @@ static bool is_rough(const struct search *search, int b)
            (backed || search->media[b].n != search->media[b + 1].n);
 }
 
+/* Returns the share of the incident light that the matrix R reflects. */
 static double reflected_by(const double *R, const struct cml_directions *directions)
 {
     const int n = directions->live[0];
@@ -68,8 +72,8 @@ static double reflected_by(const double *R, const struct cml_directions *directi
     return sum;
 }
 
-/* What comes back from boundary 0 at once; of parallel light at normal incidence as original MCML splits it.
- */
+/* Returns the share that boundary 0 reflects at once. Parallel light at normal incidence is split as original
+ * MCML does it. */
 static double specular(const struct search *search, const struct cml_directions *directions)
 {
     const struct cml_medium_def *media = search->media;
@@ -84,7 +88,7 @@ static double specular(const struct search *search, const struct cml_directions 
     return sum;
 }
 
-/* All shares of one order, by the matrices that are chosen for rough boundaries. value: [count] */
+/* Computes all shares for one order, with the matrices that search->rough selects. value: [count] */
 static cml_status solve_shares(struct search *search, const struct cml_directions *directions, int order,
                                double *value, struct cml_error *err)
 {
@@ -104,7 +108,8 @@ static cml_status solve_shares(struct search *search, const struct cml_direction
     return CML_OK;
 }
 
-/* Standard errors of `value`, which is the mean of all parts of the walks but for their second order. */
+/* Computes standard errors of `value` from the spread over the parts of the walks. `value` is the mean over
+ * these parts but for terms of second order. */
 static cml_status find_spread(struct search *search, const struct cml_directions *directions, int order,
                               const double *value, struct cml_error *err)
 {
@@ -121,7 +126,8 @@ static cml_status find_spread(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* The shares of one order become the newest; those of three orders before go. */
+/* Computes the shares of one order and stores them as the newest. The oldest of three orders is
+ * overwritten. */
 static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
                               struct cml_error *err)
 {
@@ -137,7 +143,8 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* Walks at every rough boundary. Light in a beam's own directions comes to the uppermost one only. */
+/* Makes walks at every rough boundary. Light in a beam's own directions reaches only the uppermost rough
+ * boundary. */
 static cml_status walk_boundaries(struct search *search, const struct cml_directions *directions, int order,
                                   struct cml_error *err)
 {
@@ -156,6 +163,7 @@ static cml_status walk_boundaries(struct search *search, const struct cml_direct
     return CML_OK;
 }
 
+/* Computes the shares of one order, unless the work would become too much (search->enough). */
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
@@ -173,17 +181,19 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
     return status;
 }
 
-/* By how much a share changes where what its logarithm is made of, depths in mean free paths, changes by 1:
- * of a large share an absolute error, of a small one nearly a relative one. */
+/* Returns the weight of a share's error: by how much a share exp(-depth) changes per relative change of its
+ * optical depth, plus the share itself. Errors of large shares count absolutely, those of small ones nearly
+ * relatively. */
 static double weight_of(double share)
 {
     return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;
 }
 
-/* Changes of two orders, and a tenth of what other shares change, because one may be small by chance; twice
- * of them, because they may become smaller slowly; at least four standard errors of walks. The last terms are
- * the rounding of a sum of shares, and of Rd's difference. Returns whether orders change no more than walks
- * leave open. */
+/* Estimates the errors. An error is twice the largest of: the changes between orders, and a tenth of the
+ * changes of other shares, because a single change may be small by chance. The factor of two allows for slow
+ * convergence. An error is at least four standard errors of the walks. The last terms are the rounding of a
+ * sum of shares, and of the difference that gives Rd. Returns true if orders change no more than the noise of
+ * the walks. */
 static bool estimate(const struct search *search, struct cml_exact *exact)
 {
     double *const *history = search->history, most = 0, most_spread = 0;
@@ -219,7 +229,8 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
-/* Whether the orders without which there is no estimate are too much work, before any of it is done. */
+/* Checks the work of the first three orders, without which there is no error estimate, before any of it is
+ * done. */
 static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;
@@ -234,6 +245,7 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
+/* Raises the order until all errors are within the tolerance. */
 static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
 {
     CML_TRY(look_ahead(search, err));
@@ -262,6 +274,7 @@ static cml_status allocate(struct cml_arrays *arrays, struct search *search, str
     return cml_arrays_check(arrays, "totals", err);
 }
 
+/* Finds the boundaries that are rough, and those that send light into all directions. */
 static void find_rough(struct search *search)
 {
     const struct cml_backing_def *backing = search->options->backing;

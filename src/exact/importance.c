@@ -8,14 +8,17 @@
 
 enum { ORDER = 16, TERMS = 2 * ORDER, PIECES = 96, MOST_DIRECTIONS = 320 };
 
-#define LEAST_ABSORPTION 1e-3 /* over all layers, so that fluence shows where nothing else absorbs */
+/* Least absorption, mua times the total depth: fluence is read from absorption, so a clear layer gets this
+ * much. */
+#define LEAST_ABSORPTION 1e-3
 
-/* The layers upside down and in pieces, of which each tells the fluence in its middle by what it absorbs. */
+/* The layers upside down and cut into pieces. The absorption of each piece tells the fluence in its
+ * middle. */
 struct pieces {
-    int count;                    /* of layers between the outer media */
-    struct cml_medium_def *media; /* [count + 2] */
-    double *middle;               /* [count] depths, falling */
-    double *absorbed;             /* [count] */
+    int count;                    /* number of pieces between the outer media */
+    struct cml_medium_def *media; /* [count + 2] media of the pieces and the outer media */
+    double *middle;               /* [count] depths of the pieces' middles, falling, cm */
+    double *absorbed;             /* [count] share of the light that each piece absorbs */
 };
 
 static int pieces_of(double d, double depth)
@@ -23,6 +26,7 @@ static int pieces_of(double d, double depth)
     return 2 + (int)(PIECES * d / depth);
 }
 
+/* Fills in the pieces of all layers, from below. */
 static void cut(const struct cml_medium_def *media, int layers, double depth, struct pieces *to)
 {
     double bottom = depth;
@@ -40,6 +44,7 @@ static void cut(const struct cml_medium_def *media, int layers, double depth, st
     to->media[to->count + 1] = media[0];
 }
 
+/* Computes the absorption of all pieces in diffuse light. */
 static cml_status solve(struct pieces *pieces, struct cml_error *err)
 {
     const struct cml_exact_light light = {.diffuse = 1};
@@ -55,8 +60,8 @@ static cml_status solve(struct pieces *pieces, struct cml_error *err)
     return status;
 }
 
-/* In the middle of piece i, counted from below, of a flux of 1, whose radiance is 1 / pi, and goes with the
- * square of the index. */
+/* Returns the importance in the middle of piece i, counted from below. The incident flux of 1 has the
+ * radiance 1 / pi, which grows with the square of the index. */
 static double worth(const struct pieces *pieces, int i)
 {
     const struct cml_medium_def *piece = &pieces->media[i + 1];
@@ -64,7 +69,8 @@ static double worth(const struct pieces *pieces, int i)
     return pieces->absorbed[i] / (piece->mua * piece->d) / (4 * widened * widened);
 }
 
-/* Between the middles of pieces logarithms are straight lines, beyond the last ones level. */
+/* Interpolates importance linearly in its logarithm between the middles of pieces; beyond the first and last
+ * middle it is constant. */
 static void interpolate(const struct pieces *pieces, double depth, int cells, double *value)
 {
     for (int c = cells - 1, i = 0; c >= 0; c--) {

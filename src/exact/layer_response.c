@@ -1,14 +1,14 @@
-/* Azimuthal means are enough for totals. With f+ and f- the power that goes down and up in each direction,
- * and S = f+ + f-, D = f+ - f-, the equation of transfer in a layer is
+/* Computes the response of a layer. Azimuthal means are enough for totals. With f+ and f- the power that goes
+ * down and up in each direction, and S = f+ + f-, D = f+ - f-, the equation of transfer in a layer is
  *
  *     dS/dz = -P D,    P = (mua + mus - mus H_odd) / mu
  *     dD/dz = -Q S,    Q = (mua + mus - mus H_even) / mu
  *
- * where H_even and H_odd are the even and odd Legendre terms of the scattering function. Light that comes
- * alike from both sides has S even and D odd in z about the middle, light that comes with opposite signs the
- * reverse. So R + T and R - T come from matrices of half the size, as power series in the thickness. Cut off
- * behind the first term they would be the diamond initialisation (Wiscombe 1976); here the layer is so thin
- * that they are exact in double precision. It is then doubled [van de Hulst; Prahl, van Gemert, Welch 1993].
+ * where H_even and H_odd are the even and odd Legendre terms of the scattering function. If equal light comes
+ * from both sides, S is even and D odd in z about the middle; if light of opposite signs comes, the reverse.
+ * So R + T and R - T come from matrices of half the size, as power series in the thickness. Cut off after the
+ * first term this would be the diamond initialisation (Wiscombe 1976); here the first layer is so thin that
+ * the series are exact in double precision. It is then doubled [van de Hulst; Prahl, van Gemert, Welch 1993].
  * SPDX-License-Identifier: MIT */
 #include "exact/layer_response.h"
 
@@ -19,18 +19,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Matrices of n x n that are needed beside R and U. */
+/* BUFFERS: number of n x n scratch matrices beside R and U. SERIES_TERMS: terms of the power series. */
 enum { BUFFERS = 6, SERIES_TERMS = 9 };
 
-/* A layer while it is being made. */
+/* The state of a layer's computation. */
 struct work {
     int n, terms;
     struct cml_dense_kind kind;
     const struct cml_medium_def *medium;
-    double *cosine, *weight; /* [n] in this medium: the weights of integrals over the cosine */
-    double *out;             /* [n] what a direction loses per cm, 1/cm */
-    double *buffer[BUFFERS]; /* [n + 1][n] */
-    double *scratch;         /* [n] */
+    double *cosine, *weight; /* [n] cosine in this medium, and weight of integrals over the cosine */
+    double *out;             /* [n] loss of each direction per length, 1/cm */
+    double *buffer[BUFFERS]; /* [n + 1][n] scratch */
+    double *scratch;         /* [n] scratch */
     double *moment;          /* [terms + 1] Legendre moments of the phase function */
 };
 
@@ -45,17 +45,18 @@ static void allocate_work(struct cml_arrays *arrays, struct work *w)
     for (int i = 0; i < BUFFERS; i++) w->buffer[i] = cml_arrays_add(arrays, n * (n + 1), sizeof(double));
 }
 
-/* The phase function's Legendre series is cut off behind `terms` moments: the share |moment[terms]| is taken
- * to go exactly on, which is no scattering, or exactly back where g < 0 (delta-M, Wiscombe 1977). Moment l of
- * what is left, times its share of mus, times 2l + 1. `terms` is even, so the moment has no sign there but
- * that of a ripple. */
+/* Returns moment l of the truncated phase function times its share of mus and 2l + 1. The Legendre series is
+ * cut off behind `terms` moments. The share |moment[terms]| is taken to go exactly forwards, which is no
+ * scattering, or exactly backwards if g < 0 (delta-M, Wiscombe 1977). `terms` is even, so moment[terms] is
+ * positive but for ripple. */
 static double moment(const struct work *w, int l)
 {
     const double rest = w->moment[w->terms];
     return (2 * l + 1) * (w->moment[l] - (w->medium->g < 0 && l % 2 == 1 ? -rest : rest));
 }
 
-/* even, odd: [n][n] sums of mus (2l+1) moment_l P_l(mu_i) P_l(mu_j) over even and odd l. */
+/* Fills even and odd, [n][n], with the sums of mus (2l+1) moment_l P_l(mu_i) P_l(mu_j) over even and over odd
+ * l. */
 static void scattering(struct work *w, double *even, double *odd)
 {
     const int n = w->n;
@@ -79,9 +80,10 @@ static void scattering(struct work *w, double *even, double *odd)
     }
 }
 
-/* What a direction loses by scattering is what the quadrature finds in all others, so energy is conserved for
- * any order; to keep light in its direction is no scattering. Light that goes exactly back is lost to S
- * nowhere, to D twice. */
+/* Computes the matrices Q and P of the equation of transfer. The scattering loss of a direction is the sum
+ * that the quadrature finds in all directions, so energy is conserved for any order; light scattered into its
+ * own direction is not scattered. Light scattered exactly backwards leaves S unchanged, and counts twice in
+ * D. */
 static void transfer(struct work *w, double *Q, double *P)
 {
     const int n = w->n;
@@ -101,8 +103,8 @@ static void transfer(struct work *w, double *Q, double *P)
     }
 }
 
-/* X = A s (c + A s)^-1, with c = cosh(h sqrt(K) / 2), s = sinh(h sqrt(K) / 2) / sqrt(K), K = B A, as power
- * series. row, or NULL: [n], becomes row s (c + A s)^-1. X, c, s, power: [n + 1][n]. */
+/* Computes X = A s (c + A s)^-1 with c = cosh(h sqrt(K) / 2), s = sinh(h sqrt(K) / 2) / sqrt(K), K = B A, as
+ * power series. row: [n], replaced by row s (c + A s)^-1; or NULL. X, c, s, power: [n + 1][n]. */
 static void half_response(struct work *w, double h, const double *A, const double *B, double *row, double *X)
 {
     const int n = w->n;
@@ -132,7 +134,7 @@ static void half_response(struct work *w, double h, const double *A, const doubl
     if (row) memcpy(row, X + size, (size_t)n * sizeof *row);
 }
 
-/* A layer of thickness h. R + T - 1 = -2 X(Q, P), R - T + 1 = 2 X(P, Q). */
+/* Computes the response of a thin layer of thickness h: R + T - 1 = -2 X(Q, P), R - T + 1 = 2 X(P, Q). */
 static void start(struct work *w, double h, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -147,8 +149,9 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Two of the same, one upon the other; e: `through`. With X = (1 - RR)^-1 - 1, W = (1 + X) R T goes up
- * between them and (1 + X) T = e + B down, B = U + eX + X U; T grows to e + eU + eB + U B, R by T W. */
+/* Doubles a layer: puts an equal one below it; e is `through`. With X = (1 - RR)^-1 - 1, the light between
+ * the two is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + eX + X U. T becomes e +
+ * eU + eB + U B, and R grows by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -178,13 +181,14 @@ static void double_layer(struct work *w, struct cml_layer_response *to)
     memcpy(U, X, bytes);
 }
 
-/* Halvings after which no direction loses more than d rate = 1 over a layer: there the series are exact. */
+/* Returns the number of halvings after which thickness times loss rate is at most 1 in every direction. The
+ * power series are then exact in double precision. */
 static int halvings(double d, double rate)
 {
     return (int)fmax(0, ceil(log2(d) + log2(rate)));
 }
 
-/* The largest part of a direction's light that goes through into one direction. */
+/* Returns the largest share of any direction's light that is transmitted into a single direction. */
 static double most_through(const struct cml_layer_response *layer)
 {
     const int n = layer->count;
@@ -194,14 +198,15 @@ static double most_through(const struct cml_layer_response *layer)
     return most;
 }
 
-/* Counts what goes straight through with the rest: U becomes T. */
+/* Moves `through` into U, so that U becomes the whole transmission T. */
 static void count_all_through(struct cml_layer_response *layer)
 {
     for (int j = 0; j < layer->count; j++) layer->U[j * layer->count + j] += layer->through;
     layer->through = 0;
 }
 
-/* Doubling ends where nothing comes through any more: then more of the same changes nothing. */
+/* Computes the response of a scattering layer. Doubling ends early when no light is transmitted any more,
+ * because further thickness then changes nothing. */
 static void fill_scattering(struct work *w, struct cml_layer_response *to)
 {
     double rate = 0, most = 1;
@@ -217,7 +222,7 @@ static void fill_scattering(struct work *w, struct cml_layer_response *to)
     if (most <= CML_LEAST_THROUGH) memset(to->U, 0, (size_t)w->n * (size_t)w->n * sizeof *to->U);
 }
 
-/* Fills the response of a layer without scattering, where no light changes its direction. */
+/* Computes the response of a layer without scattering, in which light keeps its direction. */
 static void fill_absorbing(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -233,6 +238,7 @@ void cml_layer_response_clear(struct cml_layer_response *response)
     *response = (struct cml_layer_response){0};
 }
 
+/* Sets the cosines and weights of all directions in this layer. */
 static void set_cosines(const struct cml_directions *directions, struct work *w)
 {
     const double n = w->medium->n;

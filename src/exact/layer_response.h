@@ -1,28 +1,36 @@
-/* What one plane layer does with light from either side: reflection, transmission and absorption in discrete
- * ordinates, by doubling. SPDX-License-Identifier: MIT */
+/* The response of one plane layer to light from either side, in discrete directions: reflection, transmission
+ * and absorption, computed by doubling.
+ *
+ *     light j  \   / R[i][j]
+ *     ----------\-/---------
+ *        layer   x   a[j] is absorbed
+ *     ------------\---------
+ *                  \ T[i][j]
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "exact/directions.h"
 
-/* Where less goes through a layer it counts as nothing: twice as thick, little of it would be a double. */
+/* Smallest transmission of a layer that is not taken as 0. Twice as thick, the layer would transmit hardly
+ * more than the smallest double. */
 #define CML_LEAST_THROUGH 1e-150
 
-/* For `count` directions. Light is given by the power that each direction carries through a unit of area, so
- * columns add up to shares: of a unit of power that comes in direction j, R[i][j] goes back in direction i,
- * T[i][j] goes through, and a[j] is absorbed. T = through + U, with through 1 (times the unit matrix) of a
- * layer that lets most light pass and 0 of another: so thin layers lose no digits of what they do, and thick
- * ones none of what little goes through.
- */
+/* The response of a layer for `count` directions. Light is given by the power that each direction carries
+ * through a unit of area, so columns add up to shares. Of a unit of power in direction j, R[i][j] is
+ * reflected into direction i, T[i][j] transmitted, and a[j] absorbed. T = through + U, where `through` is 1
+ * (times the unit matrix) for a layer that transmits most light, and 0 for others. So thin layers lose no
+ * digits of their small effects, and thick layers none of their small transmission. */
 struct cml_layer_response {
     struct cml_arrays arrays;
     int count;
-    double *R, *U; /* [count][count] */
-    double *a;     /* [count] */
+    double *R, *U; /* [count][count] reflection, and transmission beyond `through` */
+    double *a;     /* [count] absorption */
     double through;
 };
 
-/* terms: of the phase function's Legendre series. CML_E_INPUT: out of memory. On failure *to is empty; else
- * the caller clears it. */
+/* Computes the response of a layer for the first `count` directions. terms: number of terms of the phase
+ * function's Legendre series. CML_E_INPUT: out of memory. On failure *to is empty; else the caller clears
+ * it. */
 CML_NODISCARD cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                                    const struct cml_directions *directions, int count,
                                                    int terms, struct cml_layer_response *to,

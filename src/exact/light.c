@@ -7,12 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define PANEL                                                                                                \
-    0.02 /* rad of the angle to the axis: the light of a panel is that of its middle but for 1e-5            \
-          */
-#define AZIMUTHS 256 /* about a slanted axis */
+#define PANEL 0.02   /* rad; width of a panel of angles: rays at its nodes stand for its light to 1e-5 */
+#define AZIMUTHS 256 /* number of rays about a slanted axis */
 
-/* The density of a light in the angle to its axis, but for a factor. */
+/* Returns the density of a light over the angle t to its axis, not normalised. */
 static double density(const struct cml_light *light, double t)
 {
     int row = 0;
@@ -22,12 +20,14 @@ static double density(const struct cml_light *light, double t)
     return sin(t) * (light->intensity[row] + part * (light->intensity[row + 1] - light->intensity[row]));
 }
 
-/* Angles between which the density is smooth: 0 to the widest, or those of a table's rows. */
+/* Returns the number of intervals of angle in which the density is smooth: those between rows of a table,
+ * else 1. */
 static int pieces_of(const struct cml_light *light)
 {
     return light->kind == CML_LIGHT_OF_TABLE ? light->rows - 1 : 1;
 }
 
+/* Sets the ends of an interval of angle in which the density is smooth. */
 static void piece_of(const struct cml_light *light, double n, int piece, double ends[2])
 {
     const bool table = light->kind == CML_LIGHT_OF_TABLE;
@@ -45,7 +45,8 @@ static int azimuths_of(const struct cml_beam *beam)
     return beam->angle == 0 ? 1 : AZIMUTHS;
 }
 
-/* Samples of one beam: three Gauss-Legendre nodes in each panel, times as many azimuths as the axis needs. */
+/* Returns the number of rays that stand for one beam: three Gauss-Legendre nodes in each panel, times the
+ * number of azimuths. */
 static int samples_of(const struct cml_beam *beam, double n)
 {
     int panels = 0;
@@ -57,7 +58,7 @@ static int samples_of(const struct cml_beam *beam, double n)
     return 3 * panels * azimuths_of(beam);
 }
 
-/* The rays at angle t to the axis. Returns how many. */
+/* Adds rays at the angle t to the axis. Returns their number. */
 static int add_cone(const struct cml_beam *beam, double t, double weight, struct cml_exact_ray *ray)
 {
     const int count = azimuths_of(beam);
@@ -69,6 +70,7 @@ static int add_cone(const struct cml_beam *beam, double t, double weight, struct
     return count;
 }
 
+/* Fills in the rays of one beam, which together have the beam's share. Returns their number. */
 static int sample_beam(const struct cml_beam *beam, double n, double share, struct cml_exact_ray *ray)
 {
     static const double node[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5, 8, 5};
@@ -101,7 +103,7 @@ static bool is_spread(const struct cml_beam *beam)
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
 }
 
-/* Whether all of a beam's light comes down onto the planes, the first of which is z = top. */
+/* True if all light of beam k comes down onto the planes, the first of which is z = top. */
 static bool comes_from_above(const struct cml_scene *scene, double top, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -186,7 +188,7 @@ double cml_exact_node(double low, double high, int count, int i)
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
 }
 
-/* The barycentric formula [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
+/* Barycentric interpolation [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share)
 {

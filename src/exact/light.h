@@ -1,40 +1,43 @@
-/* What shines on a stack from above, as adding-doubling takes it: shares of light that comes the same from
- * all directions, of parallel beams, and of the rest, as many rays as it takes. How wide beams are, and where
- * they stand, is no matter for totals. SPDX-License-Identifier: MIT */
+/* The light on a stack from above, as adding-doubling takes it: diffuse light, parallel beams, and rays that
+ * stand for spread light. Widths and positions of beams do not matter for totals. SPDX-License-Identifier:
+ * MIT */
 #pragma once
 
 #include "base/status.h"
 #include "scene/scene.h"
 
+/* A parallel ray: its direction and its share of the light. */
 struct cml_exact_ray {
-    double cosine; /* of the angle to +z in medium 0, 0 < cosine <= 1 */
-    double share;  /* of the light */
+    double cosine; /* cosine of the angle to +z in medium 0, 0 < cosine <= 1 */
+    double share;  /* share of all light */
 };
 
+/* The light on a stack as three sums: diffuse, parallel, and sampled light; owns its arrays. */
 struct cml_exact_light {
-    double diffuse; /* share of the light that has the same radiance in all directions */
+    double diffuse; /* share of diffuse light, whose radiance is equal in all directions */
     int num_beams;
-    struct cml_exact_ray *beam; /* [num_beams] parallel ones, falling cosines */
+    struct cml_exact_ray *beam; /* [num_beams] parallel beams, sorted by falling cosine */
     int num_samples;
-    struct cml_exact_ray *sample; /* [num_samples] of light whose directions are spread */
+    struct cml_exact_ray *sample; /* [num_samples] rays that stand for light with spread directions */
 };
 
-/* The light of a scene's beams, shining on planes in place of all boundaries, the first at z = top.
- * CML_E_INPUT: a beam starts below that ("FILE:LINE: beam: z = ..."), or out of memory; *light is empty then,
- * else the caller clears it. */
+/* Collects the light of a scene's beams on planes that replace all boundaries, the first at z = top.
+ * CML_E_INPUT: a beam starts below that plane ("FILE:LINE: beam: z = ..."), or out of memory; then *light is
+ * empty, else the caller clears it. */
 CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, double top,
                                                 struct cml_exact_light *light, struct cml_error *err);
-/* Whether adding-doubling takes the light, all of which comes from above these planes, and the backing, which
- * is no metal. */
+/* True if adding-doubling can treat the scene's light and backing: all light comes from above the plane z =
+ * top, and the backing is not a metal. */
 bool cml_exact_knows(const struct cml_scene *scene, double top);
 
 void cml_exact_light_clear(struct cml_exact_light *light);
 
-/* The share of parallel light at normal incidence. */
+/* Returns the share of parallel light at normal incidence. */
 double cml_exact_light_normal(const struct cml_exact_light *light);
 
-/* A function of x is known by its values at `count` <= 64 Chebyshev nodes of (low, high), which fall in i.
- * Adds to share[count] what each of them counts for in the sum over `samples` samples at x[k]. */
+/* Interpolation of a function at `count` <= 64 Chebyshev nodes of (low, high). cml_exact_node returns node i;
+ * nodes fall with i. cml_exact_gather adds to share[count] the weights with which the function's values at
+ * the nodes make up its sum over `samples` samples at x[k]. */
 double cml_exact_node(double low, double high, int count, int i);
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share);

@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nodes and weights of a rule on (0, 1), which neighbouring intervals share. */
+/* Nodes and weights of a quadrature on (0, 1), kept for the next interval with as many nodes. */
 struct rule {
     int nodes, most;
-    double *node, *weight; /* [most] */
+    double *node, *weight; /* [most] nodes and weights */
 };
 
+/* Sets up a Gauss-Legendre rule of this many nodes, unless the rule has them already. */
 static void set_rule(struct rule *rule, int nodes)
 {
     if (rule->nodes == nodes) return;
@@ -23,7 +24,7 @@ static void set_rule(struct rule *rule, int nodes)
     }
 }
 
-/* g^l, with the signs of a negative one. */
+/* Adds share * g^l to each moment, also for negative g. */
 static void add_power(double g, double share, int count, double *moment)
 {
     for (int l = 0; l < count; l++) moment[l] += share * (g < 0 && l % 2 ? -1 : 1) * pow(fabs(g), l);
@@ -34,7 +35,8 @@ static double angle_of(double deflection)
     return 2 * asin(fmin(sqrt(deflection / 2), 1));
 }
 
-/* Between two deflections, where the density is smooth; P_l goes through l / (2 pi) periods a radian. */
+/* Adds the integral between two deflections, where the density is smooth. The number of nodes grows with l,
+ * because P_l has l / (2 pi) periods per radian. */
 static void add_interval(const struct cml_phase *phase, double low, double high, int count, struct rule *rule,
                          double *moment)
 {
@@ -53,8 +55,9 @@ static void add_interval(const struct cml_phase *phase, double low, double high,
     }
 }
 
-/* Intervals between the rows of a table; of another function each twice as long as the one before it, from
- * where it is nearly constant on, from the direction that it prefers. */
+/* Integrates the moments interval by interval. For a table these lie between its rows. For other functions
+ * they begin at the preferred direction, with a width over which the function is nearly constant, and each is
+ * twice as long as the one before. */
 static cml_status integrate(const struct cml_phase *phase, int count, double *moment, struct cml_error *err)
 {
     struct rule rule = {.most = 32 + 2 * count};

@@ -1,7 +1,8 @@
-/* Walks start in exactly the direction of a node j. Their power is shared out to nodes i by the polynomials
- * through the nodes, which are orthogonal over etendue. Therefore e_j P_ij, with etendues e, is a Galerkin
- * matrix but for quadrature over j, and symmetric but for noise, because the walk is reciprocal. Its mean
- * with its transpose is symmetric exactly and has half the noise. SPDX-License-Identifier: MIT */
+/* Estimates matrices of a rough plane by walks. Walks start exactly in the direction of a node j. Their power
+ * is shared out to nodes i by the polynomials through the nodes, which are orthogonal over etendue. So e_j
+ * P_ij, with the etendues e, is a Galerkin matrix but for the quadrature over j. It is symmetric but for
+ * noise, because walks are reciprocal. The mean of the matrix and its transpose is exactly symmetric and has
+ * half the noise. SPDX-License-Identifier: MIT */
 #include "exact/rough_response.h"
 
 #include "exact/rough_walk.h"
@@ -24,19 +25,20 @@ static cml_rough_walker *best_walker(void)
     return cml_rough_walker_base;
 }
 
+/* The state of estimating one boundary's matrices. */
 struct work {
     const struct cml_rough_plane *plane;
     const struct cml_directions *directions;
     int above, below, all;
-    struct cml_rough_interval *interval; /* [directions->num_weighted] rising */
-    double *factor;                      /* [directions->count] of intervals */
+    struct cml_rough_interval *interval; /* [directions->num_weighted] intervals between indices, rising */
+    double *factor;                      /* [directions->count] barycentric factors of the intervals' nodes */
     double *share;                       /* [directions->count] scratch */
-    double *walked;                      /* [all][all] from each direction into each */
+    double *walked;                      /* [all][all] power from each direction (row) into each */
     unsigned seed;
 };
 
-/* The nodes above the index `below`, of which `first` is one [factors of the barycentric formula: Wang,
- * Xiang, Math. Comput. 81, 861 (2012)]. */
+/* Sets up the interval of nodes above the index `below`, whose first node is `first` [factors of the
+ * barycentric formula: Wang, Xiang, Math. Comput. 81, 861 (2012)]. */
 static void add_interval(struct work *w, struct cml_rough_interval *to, int first, double below)
 {
     const struct cml_directions *d = w->directions;
@@ -49,6 +51,7 @@ static void add_interval(struct work *w, struct cml_rough_interval *to, int firs
     }
 }
 
+/* Finds the intervals between indices, each with its nodes. */
 static void find_intervals(struct work *w)
 {
     const struct cml_directions *d = w->directions;
@@ -60,9 +63,9 @@ static void find_intervals(struct work *w)
     }
 }
 
-/* The number of walks from direction j in one part. Half of all walks follow the power that nodes carry in
- * even light, a quarter is for all nodes alike, and a quarter for light that comes in directions of its own.
- */
+/* Returns the number of walks from direction j in one part. Half of all walks follow the power that nodes
+ * carry in diffuse light, a quarter is spread evenly over the nodes, and a quarter goes to light in
+ * directions without weight. */
 static int count_walks(const struct work *w, int j, bool from_below, double walks)
 {
     const struct cml_directions *d = w->directions;
@@ -85,7 +88,7 @@ static double etendue(const struct work *w, int i)
     return w->directions->etendue[i < w->above ? i : i - w->above];
 }
 
-/* Makes all pairs of nodes reciprocal. The diagonal makes good for the power that a column gains or loses. */
+/* Makes all pairs of nodes reciprocal. The diagonal compensates the power that a column gains or loses. */
 static void symmetrise(const struct work *w)
 {
     const int n = w->all;
@@ -102,6 +105,7 @@ static void symmetrise(const struct work *w)
         }
 }
 
+/* Copies the powers of all walks into the four matrices of a boundary. */
 static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
 {
     const int a = w->above, b = w->below;
@@ -115,6 +119,7 @@ static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
         }
 }
 
+/* Makes the walks of one part, from all directions on both sides. */
 static void walk_part(const struct work *w, int part, double walks, struct cml_rough_matrices *to)
 {
     const struct cml_rough_plane *plane = w->plane;

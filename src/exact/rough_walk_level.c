@@ -1,4 +1,5 @@
-/* rough_walk.h, compiled once for each level of the processor. SPDX-License-Identifier: MIT */
+/* The walks of rough_walk.h. This file is compiled once for each level of the processor.
+ * SPDX-License-Identifier: MIT */
 #include "exact/rough_walk.h"
 
 #include "rough.h"
@@ -6,15 +7,15 @@
 
 #include <math.h>
 
-/* One call's walks. */
+/* The walks of one call. */
 struct walks {
     const struct cml_rough_start *start;
     const struct cml_rough_interval *interval;
     struct cml_rough rough;
     struct cml_backing backing;
     struct cml_stream stream;
-    struct cml_block shift[CML_LATTICE_EVENTS]; /* of the lattice */
-    double *share, *to[2];                      /* back, beyond */
+    struct cml_block shift[CML_LATTICE_EVENTS]; /* random shifts of the lattice */
+    double *share, *to[2];                      /* scratch, and the power that goes back and beyond */
 };
 
 /* Shares the power of a finished walk out to nodes, by the barycentric formula [Berrut, Trefethen, SIAM
@@ -36,7 +37,7 @@ static void arrive(const struct walks *w, const struct cml_rough_walk *walk, dou
     for (int i = 0; i < at->count; i++) to[i] += power / sum * share[i];
 }
 
-/* The words at facet `step` of walk k. Those of the first facets come of a lattice. */
+/* Returns the random words of walk k at facet `step`. Those of the first facets come from a lattice. */
 static struct cml_block draw(const struct walks *w, int k, int step)
 {
     const cml_u64 photon = (cml_u64)k * CML_NUM_BATCHES + (cml_u64)w->start->part;
@@ -45,13 +46,15 @@ static struct cml_block draw(const struct walks *w, int k, int step)
     return cml_lattice_block(cml_lattice_point(photon), (cml_u32)step, w->shift[step], random);
 }
 
+/* Reflects or refracts a walk at a facet with the normal m; `word` decides between the two. */
 static void turn(const struct walks *w, struct cml_rough_walk *walk, struct cml_vec m, cml_u32 word)
 {
     const real n[2] = {(real)w->start->near, (real)w->start->far};
     *walk = cml_rough_turn(*walk, m, n[walk->beyond], n[!walk->beyond], word);
 }
 
-/* Walks on behind the first facet. The power of a walk that meets too many facets goes where it is last. */
+/* Continues a walk behind its first facet. If the walk meets too many facets, its power goes into its last
+ * direction. */
 static void finish(struct walks *w, struct cml_rough_walk walk, int k, double power)
 {
     for (walk.steps = 1; walk.steps < CML_ROUGH_LIMIT; walk.steps++) {
@@ -66,8 +69,9 @@ static void finish(struct walks *w, struct cml_rough_walk walk, int k, double po
     arrive(w, &walk, power);
 }
 
-/* The power divides at the first facet, which saves most of the noise. Of the words of Fresnel's decision 0
- * is the smallest number, and all ones are the largest. */
+/* Makes one walk. At the first facet the power divides into reflection and transmission, which saves most of
+ * the noise. The word that decides between them is 0, the smallest number, for reflection, and all ones, the
+ * largest, for transmission. */
 static void walk(struct walks *w, int k, double power)
 {
     const double sine = sqrt(1 - w->start->cosine * w->start->cosine);
@@ -76,8 +80,8 @@ static void walk(struct walks *w, int k, double power)
     if (cml_rough_fly(w->rough, first.v, &first.e, block.w[0])) return;
     const struct cml_vec m = cml_rough_normal(w->rough, first.v, block.w[1], block.w[2]);
     if (w->start->backed) {
-        const double kept = (double)cml_rough_mirror(&first, m, &w->backing);
-        finish(w, first, k, power * kept);
+        const double reflected = (double)cml_rough_mirror(&first, m, &w->backing);
+        finish(w, first, k, power * reflected);
         return;
     }
     real ct;
@@ -94,6 +98,7 @@ static void walk(struct walks *w, int k, double power)
     w->stream.key[3] = 0;
 }
 
+/* Makes all walks of one call: a cml_rough_walker. */
 static void walk_all(const struct cml_rough_start *start, const struct cml_rough_interval *interval,
                      double *share, double *back, double *beyond)
 {
@@ -110,6 +115,6 @@ static void walk_all(const struct cml_rough_start *start, const struct cml_rough
     for (int k = 0; k < start->count; k++) walk(&w, k, 1.0 / start->count);
 }
 
-/* declared in rough_response.c only, which picks one */
+/* declared only in rough_response.c, which chooses one level */
 extern cml_rough_walker *const CML_LEVELED(cml_rough_walker_, CML_LEVEL);
 cml_rough_walker *const CML_LEVELED(cml_rough_walker_, CML_LEVEL) = walk_all;

@@ -1,7 +1,8 @@
-/* Adding [van de Hulst, Multiple Light Scattering, 1980, chapter 4; Prahl, van Gemert, Welch 1993]. What lies
- * below a level is a matrix that takes the power that comes down in each direction to that which comes back
- * up, and rows that take it to the shares transmitted and absorbed in each layer. Layers and boundaries are
- * put on top of it. SPDX-License-Identifier: MIT */
+/* Adds up layers and boundaries from below [van de Hulst, Multiple Light Scattering, 1980, chapter 4; Prahl,
+ * van Gemert, Welch 1993]. A matrix and some rows describe all that lies below a level. The matrix takes the
+ * power that comes down in each direction to the power that comes back up. The rows take it to the shares
+ * transmitted, and absorbed in each layer. Layers and boundaries are put on top one by one.
+ * SPDX-License-Identifier: MIT */
 #include "exact/stack.h"
 
 #include "exact/dense.h"
@@ -10,31 +11,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shares of more layers than this go into several blocks: so time and memory grow with the number of layers,
- * not with its square. */
+/* Largest number of layers whose shares form one block. With more layers there are several blocks, so that
+ * time and memory grow with the number of layers, not with its square. */
 #define BLOCK_LAYERS 64
 
-/* Some layers with the boundaries below them; the uppermost block has boundary 0, too. share: [passed +
- * layers][n], by what comes down into the block in each of n directions: what leaves it downwards in each
- * direction, of the lowest block what is transmitted in all, and what each layer absorbs. */
+/* A block: some layers with the boundaries below them; the uppermost block also contains boundary 0. share:
+ * [passed + layers][n], per power that comes down into the block in each of n directions. The first `passed`
+ * rows are the power that leaves the block downwards in each direction (for the lowest block: one row, all
+ * that is transmitted). The other rows are the shares that the layers absorb. */
 struct block {
-    int first, layers; /* the uppermost layer; how many */
+    int first, layers; /* number of the uppermost layer; number of layers */
     int passed, n;
     double *share;
 };
 
-/* Everything below a level, seen from above it. `below`: [n + rows][n]: n rows of what comes back, then
- * shares of the uppermost block. */
+/* All that lies below a level, seen from above. `below`: [n + rows][n], n rows of the light that comes back,
+ * then the shares of the uppermost block. */
 struct stack {
     struct cml_arrays arrays;
-    int n, rows, most; /* directions here; shares; the most directions of any medium */
+    /* Number of directions at the level; number of shares; largest number of directions of any medium. */
+    int n, rows, most;
     double *below;
     double *other, *matrix; /* [most + rows][most] scratch */
-    double *mirror;         /* [most] reflectances of a boundary */
-    double *light;          /* [2 most] what comes down */
+    double *mirror;         /* [most] reflectances of a boundary by direction */
+    double *light;          /* [2 most] light that comes down, for two blocks in turn */
     int num_blocks;
-    struct block *block; /* [num_blocks] the lowest first */
-    double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] of the blocks */
+    struct block *block; /* [num_blocks] the lowest block first */
+    double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] shares of all blocks */
 };
 
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
@@ -60,12 +63,14 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
     return cml_arrays_check(&stack->arrays, "layers", err);
 }
 
-/* A boundary on top, below a medium with n directions. Directions that only one side has are reflected
- * totally. Light goes to and fro between the boundary and what lies below, (1 - r below)^-1 times in all. */
+/* Adds a smooth boundary on top, below a medium with n directions. Directions that exist on one side only are
+ * reflected totally. Light that passes back and forth between the boundary and the stack adds up to (1 - r
+ * below)^-1. */
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
-    const int inner = stack->n, shared = n < inner ? n : inner; /* directions below, on both sides */
+    /* directions below the boundary; directions on both sides */
+    const int inner = stack->n, shared = n < inner ? n : inner;
     const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
     double *r = stack->mirror, *to = stack->other;
     for (int i = 0; i < inner; i++)
@@ -89,7 +94,8 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
     stack->n = n;
 }
 
-/* A rough boundary on top, below a medium with n directions: T (1 - R_below below)^-1 goes down. */
+/* Adds a rough boundary on top, below a medium with n directions. The light T (1 - R_below below)^-1 goes
+ * down. */
 static void add_rough(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_rough_matrices *rough, int n)
 {
@@ -111,8 +117,8 @@ static void add_rough(struct stack *stack, const struct cml_directions *directio
     stack->n = n;
 }
 
-/* A layer on top, whose absorbed share is row `number`. What lies below gets (1 - R below)^-1 T of what
- * comes, and Z comes back from there. */
+/* Adds a layer on top, whose absorbed share is row `number`. The stack below gets the share (1 - R below)^-1
+ * T of the incident light, and Z comes back from there. */
 static void add_layer(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_layer_response *layer, int number)
 {
@@ -135,15 +141,16 @@ static void add_layer(struct stack *stack, const struct cml_directions *directio
     for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
 }
 
-/* The medium below: nothing comes back; share 0 is what is transmitted. */
+/* Begins with the medium below: no light comes back, and share 0 is the transmitted light. */
 static void begin(struct stack *stack, int n)
 {
     stack->n = n;
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1;
 }
 
-/* A backing below a medium of index m with n directions: share 0 is what it keeps. Diffuse light has its part
- * in the etendue of all directions, and all are there. */
+/* Begins with a backing below a medium of index m with n directions; share 0 is the light that the backing
+ * keeps. Diffuse reflection sends light into each direction in proportion to its etendue, and all directions
+ * exist there. */
 static void begin_backed(struct stack *stack, const struct cml_backing_def *backing,
                          const struct cml_directions *directions, double m, int n)
 {
@@ -157,7 +164,7 @@ static void begin_backed(struct stack *stack, const struct cml_backing_def *back
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
 }
 
-/* A rough backing: share 0 is what its facets keep. */
+/* Begins with a rough backing; share 0 is the light that its facets keep. */
 static void begin_rough(struct stack *stack, const struct cml_rough_matrices *rough, int n)
 {
     stack->n = n;
@@ -169,7 +176,8 @@ static void begin_rough(struct stack *stack, const struct cml_rough_matrices *ro
     }
 }
 
-/* Another block, of layers up to layer `last`. What comes down into those below leaves this one. */
+/* Begins another block, of layers up to `last`. Light that comes down into the blocks below leaves this
+ * block. */
 static void begin_block(struct stack *stack, int last)
 {
     struct block *block = &stack->block[stack->num_blocks];
@@ -185,7 +193,7 @@ static void begin_block(struct stack *stack, int last)
     for (int i = 0; i < stack->n; i++) shares[i * stack->n + i] = 1;
 }
 
-/* Keeps the shares of the block that is complete. */
+/* Stores the shares of the completed block. */
 static void end_block(struct stack *stack)
 {
     struct block *block = &stack->block[stack->num_blocks - 1];
@@ -194,6 +202,7 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
+/* Builds the stack from below: boundary and layer in turn, up to boundary 0. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)
@@ -227,7 +236,7 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
     return CML_OK;
 }
 
-/* The share of light in n directions that a row of a matrix [][n] takes. */
+/* Returns the share of the light in n directions that one row of a matrix [][n] takes. */
 static double share(const double *matrix, int n, int row, const double *light)
 {
     double sum = 0;
@@ -235,7 +244,7 @@ static double share(const double *matrix, int n, int row, const double *light)
     return sum;
 }
 
-/* From block to block downwards: the shares of `light` that are transmitted, and that layer l absorbs,
+/* Follows `light` from block to block downwards. Computes the shares transmitted, and absorbed by layer l:
  * absorbed[(l - 1) step]. */
 static void share_out(const struct stack *stack, const double *light, int step, double *transmitted,
                       double *absorbed)

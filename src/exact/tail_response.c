@@ -1,7 +1,7 @@
-/* Between two indices of n sine the response is a smooth function of the cosine c that the direction has in a
- * medium of the upper index, but for grazing light, where it goes with c ln c [Chandrasekhar, Radiative
- * Transfer, 1960, chapter 5: H(c) has it]. As a function of the root of c it is smooth enough for few
- * Chebyshev nodes. SPDX-License-Identifier: MIT */
+/* Makes the table of expected values. Between two indices the response is a smooth function of the cosine c
+ * in a medium of the upper index. Grazing light is the exception, where the response goes with c ln c
+ * [Chandrasekhar, Radiative Transfer, 1960, chapter 5: H(c) has it]. As a function of the square root of c
+ * the response is smooth enough for few Chebyshev nodes. SPDX-License-Identifier: MIT */
 #include "exact/tail_response.h"
 
 #include "base/array.h"
@@ -16,16 +16,18 @@ static const int orders[] = {32, 45, 64, 91, 128};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2, MOST_DIRECTIONS = 640 };
 
-#define CHANGE 2e-5 /* from order to order, of a response; the next is smaller by far */
+/* Largest relative change of a response to the last order; the next change would be much smaller. */
+#define CHANGE 2e-5
 
-/* How many directions an interval of the table has. */
+/* Returns the number of nodes in an interval of the table. */
 static int nodes_of(const struct cml_flat_tail *tail, int interval)
 {
     const double share = interval > 0 ? tail->index[interval - 1] / tail->index[interval] : 0;
     return 12 + (int)ceil(24 * acos(share) / (CML_PI / 2));
 }
 
-/* The indices of the media from the level's on that are no larger than its own, each once. */
+/* Fills tail->index with the different indices, from the level's medium down, that are no larger than that of
+ * the level's medium. */
 static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
 {
     for (int m = 0; m < count; m++)
@@ -33,7 +35,7 @@ static void find_intervals(const struct cml_medium_def *media, int count, struct
     tail->intervals = (int)cml_sort_distinct(tail->index, (size_t)tail->intervals);
 }
 
-/* Rays at all nodes, falling cosines in the level's medium. Returns how many. */
+/* Makes rays at all nodes, with falling cosines in the level's medium. Returns their number. */
 static int set_rays(const struct cml_flat_tail *tail, struct cml_exact_ray *ray)
 {
     const double n = tail->index[tail->intervals - 1];
@@ -48,8 +50,8 @@ static int set_rays(const struct cml_flat_tail *tail, struct cml_exact_ray *ray)
     return count;
 }
 
-/* response: [1 + num_layers][count] of one order. stack: the medium above the level, layers, the medium
- * below. */
+/* Computes the responses of one order, response: [1 + num_layers][count]. stack: the medium above the level,
+ * the layers, and the medium below. */
 static cml_status solve(const struct cml_medium_def *stack, int num_layers,
                         const struct cml_exact_light *light, int order, double *response,
                         struct cml_error *err)
@@ -65,9 +67,9 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
     return status;
 }
 
-/* The largest change of a response, of itself; of what is small beside the most in its row, of a thousandth
- * of that. Light that grazes a boundary counts by its cosine c, as little of it arrives: a share of c^2 of
- * diffuse light. */
+/* Returns the largest relative change of a response. Responses below a thousandth of the largest in their row
+ * are compared with that thousandth. Light that grazes a boundary counts by its cosine c, because little of
+ * it arrives: a share of c^2 of diffuse light. */
 static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
                              int count)
 {
@@ -86,7 +88,7 @@ static double largest_change(const struct cml_flat_tail *tail, const double *old
     return change;
 }
 
-/* Raises the order until the responses at all rays change no more. */
+/* Raises the order until the responses of all rays have settled. */
 static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                            const struct cml_flat_tail *tail, const struct cml_exact_light *light,
                            double *response, struct cml_error *err)
@@ -106,8 +108,8 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                     orders[NUM_ORDERS - 1]);
 }
 
-/* From the nodes of an interval, which begin at `first` among `count` rays, to its table; sum: [nodes]
- * scratch. node: [count] of each score. */
+/* Interpolates the table of one interval from its nodes, which begin at `first` among `count` rays. response:
+ * [1 + layers][count]. */
 static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
                           int count, double *table)
 {
@@ -120,7 +122,8 @@ static void fill_interval(const struct cml_flat_tail *tail, int interval, const 
         cml_exact_gather(&root, &one, 1, 0, widest, nodes, share);
         for (int s = 0; s < scores; s++) {
             const double *node =
-                response + (s == 0 ? 0 : s + 1) * count + first; /* row 1 is the level's own layer */
+                /* Row 1 belongs to the level's own layer, which has no score. */
+                response + (s == 0 ? 0 : s + 1) * count + first;
             double sum = 0;
             for (int i = 0; i < nodes; i++) sum += share[i] * node[i];
             table[j * scores + s] = fmax(sum, 0);
@@ -128,7 +131,7 @@ static void fill_interval(const struct cml_flat_tail *tail, int interval, const 
     }
 }
 
-/* Into 0..1 by a power of two of each score. */
+/* Scales each score by a power of two into 0..1, and converts it to single precision. */
 static void scale(struct cml_flat_tail *tail, const double *table)
 {
     const int cells = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);
@@ -147,6 +150,7 @@ static void scale(struct cml_flat_tail *tail, const double *table)
     }
 }
 
+/* Computes the responses at the nodes, interpolates the table and scales it. */
 static cml_status fill(const struct cml_medium_def *stack, int num_layers, struct cml_flat_tail *tail,
                        struct cml_error *err)
 {

@@ -8,13 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The fields of a file, and the axes that they share. */
 struct fields {
     struct cml_axis axis[CML_NUM_AXES];
     struct cml_field *field;
     int count;
 };
 
-/* Middles of bins; numbers of layers and bodies count from 1. */
+/* Sets the axes to the middles of bins. Layers and bodies are numbered from 1. */
 static void set_axes(struct fields *f, const struct cml_outcome *o)
 {
     const double da = cml_angle_width(o->na);
@@ -38,7 +39,8 @@ static bool lacks_absorption(const struct cml_outcome *o)
     return o->provenance.value[CML_DECIDES_absorption] == 0;
 }
 
-/* Absorption by depth is there, and 0, where it was not tallied: so an .mco has it. */
+/* True if a quantity is written. With --ignore-absorption the arrays over depth exist and are zero, because
+ * an .mco must contain them; an .h5 leaves them out. */
 static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -47,7 +49,8 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
            !(deep && !cml_quantity_is_fluence(quantity) && lacks_absorption(o));
 }
 
-/* The depths stand in the file without absorption, too: an .mco of the run has them. */
+/* Adds the depths as a field of their own. An .h5 without absorption has them, too, because the run's .mco
+ * does. */
 static void add_depths(struct fields *f)
 {
     struct cml_field *depths = &f->field[f->count++];
@@ -55,6 +58,7 @@ static void add_depths(struct fields *f)
     strcpy(depths->name, f->axis[CML_AXIS_z].name);
 }
 
+/* Adds one part of a quantity as a field, and its standard errors as another. */
 static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
@@ -81,7 +85,8 @@ static bool has_field(const struct fields *f, const char *name)
     return false;
 }
 
-/* No times, and nothing of how the program was called: the same run gives the same bytes. */
+/* The attributes contain no times, and nothing about how the program was called, so that equal runs give
+ * equal bytes. */
 int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *more,
                       struct cml_attribute *attributes)
 {
@@ -121,7 +126,8 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
     return cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
 }
 
-/* Values of `more` are computed while they are written, so they are never in memory as a whole. */
+/* Values of the fields in `more` are computed while they are written, so they are never in memory as a
+ * whole. */
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {

@@ -17,12 +17,12 @@
 struct reader {
     struct cml_text text;
     struct cml_head *head;
-    double expected, numbers; /* of MCML's sections: there should be, there are */
-    int keys;                 /* names of sections so far */
-    bool classic;             /* the file of --classic, which ends behind MCML's sections, without a mark */
+    double expected, numbers; /* numbers in MCML's sections: expected, and found */
+    int keys;                 /* number of section names until now */
+    bool classic;             /* the file is from --classic: it ends behind MCML's sections, without a mark */
 };
 
-/* The next line with more than a comment; NULL: there is none. */
+/* Returns the next line that is not just a comment; NULL at the end. */
 static char *next_line(struct reader *r)
 {
     char *line;
@@ -44,7 +44,7 @@ static bool next_count(char **line, uint64_t *count)
     return word && cml_parse_count(word, count) && *count > 0;
 }
 
-/* The names behind the head: RAT, then those of the table that the writer goes by, then any of ours. */
+/* True if a section name is the next one expected: RAT, then those of cml_mco_sections, then any. */
 static bool is_next_key(struct reader *r, const char *word)
 {
     const int i = r->keys++;
@@ -52,16 +52,18 @@ static bool is_next_key(struct reader *r, const char *word)
     return strcmp(word, i == 0 ? "RAT" : cml_quantities[cml_mco_sections[i - 1].quantity].name) == 0;
 }
 
-/* A comment begins at the start of a word, and none of ours begins like a number. */
+/* Cuts off a comment, which begins at the start of a word. Returns false if the comment begins like a number,
+ * as none that this program writes does. */
 static bool cut_comment(char *line)
 {
     char *mark = strchr(line, '#');
     while (mark && mark > line && !strchr(" \t", mark[-1])) mark = strchr(mark + 1, '#');
-    const bool good = !mark || !strchr(".0123456789", mark[1]); /* '\0' is among them */
+    const bool good = !mark || !strchr(".0123456789", mark[1]); /* strchr finds '\0', too */
     if (mark) *mark = '\0';
     return good;
 }
 
+/* True if a line holds only numbers and a comment, or the name of the next section. */
 static bool is_sound(struct reader *r, char *line, bool may_be_key)
 {
     double number;
@@ -76,7 +78,7 @@ static bool is_sound(struct reader *r, char *line, bool may_be_key)
     return true;
 }
 
-/* As far as the number of layers. Behind the name stands the number of photons. */
+/* Reads the head up to the number of layers. The line behind the file name holds the number of photons. */
 static bool read_head(struct reader *r)
 {
     uint64_t nz, nr, na, layers;
@@ -96,7 +98,7 @@ static bool read_head(struct reader *r)
     return true;
 }
 
-/* The rest of a file of ours. */
+/* True if the rest of a file of this program is whole. */
 static bool is_whole(struct reader *r)
 {
     bool may_be_key = false;
@@ -107,7 +109,7 @@ static bool is_whole(struct reader *r)
         may_be_key = separates;
     }
     if (r->keys <= CML_MCO_SECTIONS || r->numbers != r->expected) return false;
-    if (r->text.cursor > r->text.size) return false; /* the last line has a line end, too */
+    if (r->text.cursor > r->text.size) return false; /* the last line ends with a line feed, too */
     if (r->classic) return !line;
     if (!line) return false;
     const char *behind = r->text.data + r->text.cursor;
@@ -121,6 +123,7 @@ static bool is_text(const struct cml_text *text)
     return true;
 }
 
+/* Reads the head of an .mco. A file without an identity is not checked beyond its head. */
 static bool read_mco(const char *path, struct cml_head *head)
 {
     struct reader r = {.head = head};

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- what is MCML's ---- */
+/* ---- MCML's part ---- */
 
 enum { PER_LINE = 5 }; /* numbers on a full line of a grid */
 
@@ -18,7 +18,7 @@ enum { PER_LINE = 5 }; /* numbers on a full line of a grid */
     "# " q what "\n# " q "[0][0], [0][1],..[0][" last "-1]\n# " q "[1][0], [1][1],..[1][" last               \
     "-1]\n# ...\n# " q "[nr-1][0], [nr-1][1],..[nr-1][" last "-1]\n"
 
-/* Blanks and the missing ones are MCML's: the file is to be the same byte by byte. */
+/* Blanks, and missing blanks, are MCML's: the file must be equal byte by byte. */
 const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
     {CML_QUANTITY_A_l, "", " #Absorption as a function of layer. [-]"},
     {CML_QUANTITY_A_z, "", " #A[0], [1],..A[nz-1]. [1/cm]"},
@@ -31,8 +31,7 @@ const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
     {CML_QUANTITY_Tt_ra, GRID_COMMENT("Tt", "[r][angle]. [1/(cm2sr)].", "na"), ""},
 };
 
-/* The hours are those of the seconds as printed: computed from the unrounded time they could not be found
- * again from the file. */
+/* Hours are computed from the seconds as printed, so that a reader of the file can compute them, too. */
 static void write_head(FILE *out, const struct cml_outcome *o)
 {
     const double seconds = rint(o->user_time);
@@ -53,8 +52,8 @@ static void write_head(FILE *out, const struct cml_outcome *o)
     fputs("\n\n", out);
 }
 
-/* The input as MCML repeats it, %G and tabs included. The letter A also where the format was B: the file
- * is text. */
+/* Writes the input as MCML repeats it, with %G and tabs. The format letter is A even if the input says B,
+ * because the file is text. */
 static void write_parameters(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "InParm \t\t\t# Input parameters. cm is used.\n");
@@ -72,7 +71,7 @@ static void write_parameters(FILE *out, const struct cml_outcome *o)
     fprintf(out, "%G\t\t\t\t\t# n for medium below\n\n", o->n_below);
 }
 
-/* Six digits, in a field of fourteen characters as MCML pads it. */
+/* Writes the totals with six digits, in a field of fourteen characters as MCML pads it. */
 static void write_totals(FILE *out, const struct cml_outcome *o)
 {
     static const char *const names[CML_TOTALS] = {"Specular reflectance", "Diffuse reflectance",
@@ -82,7 +81,8 @@ static void write_totals(FILE *out, const struct cml_outcome *o)
     fputc('\n', out);
 }
 
-/* As "%12.4E" prints it: most cells of a grid are dark, and zeros cost a thousandth of that. */
+/* Writes a number as "%12.4E" does. Most cells of a grid are dark, and zeros are written a thousand times
+ * faster this way. */
 static void write_number(FILE *out, double value)
 {
     if (value == 0 && !signbit(value))
@@ -91,14 +91,14 @@ static void write_number(FILE *out, double value)
         fprintf(out, "%12.4E", value);
 }
 
-/* Columns of a grid; 0 for a profile. */
+/* Returns the number of columns of a grid; 0 for a profile. */
 static int columns_of(const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     return cml_outcome_bins(o, cml_quantities[section->quantity].axis[1]);
 }
 
-/* The line ends of a grid are counted over the whole block: a count that fills its last line leaves an empty
- * line behind the block, any other does not. */
+/* Line ends of a grid are counted over the whole block. If the last line is full, an empty line follows the
+ * block, else not. */
 static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     const double *values = o->value[section->quantity];
@@ -115,8 +115,9 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
     fputc('\n', out);
 }
 
-/* ---- what is ours ---- */
+/* ---- this program's part ---- */
 
+/* Writes the comments about the program and the scene, and the section `lattice`. */
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
@@ -128,12 +129,12 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_text_print(out, "# ", o->shapes);
     if (o->beside) fputs(CML_MCO_BESIDE "\n", out);
     const double sampling = o->provenance.value[CML_DECIDES_sampling];
-    if (isnan(sampling)) return; /* the file that was read says nothing of it */
+    if (isnan(sampling)) return; /* the file that was read does not say how it was sampled */
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             sampling > 0);
 }
 
-/* A section "se_KEY # [unit]", then one standard error per line. */
+/* Writes a section "se_KEY # [unit]", then one standard error per line. */
 static void write_errors_of(FILE *out, const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const double *errors = o->error[quantity];
@@ -146,6 +147,7 @@ static void write_errors_of(FILE *out, const struct cml_outcome *o, enum cml_qua
     }
 }
 
+/* Writes the sections of standard errors. */
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
@@ -154,7 +156,7 @@ static void write_errors(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < CML_MCO_SECTIONS; i++) write_errors_of(out, o, cml_mco_sections[i].quantity);
 }
 
-/* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
+/* Writes the sections `books` (the terms of the weight balance, rule P10), `residue` (its imbalance) and
  * `lost`. The names are part of the file format and older than the words of the code. */
 static void write_balance(FILE *out, const struct cml_outcome *o)
 {
@@ -174,7 +176,7 @@ static void write_balance(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
 
-/* Errors of single prints stay with the stream, and the commit looks at it. */
+/* Errors of single prints stay with the stream; cml_file_commit checks them. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
     struct cml_file file;

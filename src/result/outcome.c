@@ -51,7 +51,7 @@ size_t cml_outcome_part_size(const struct cml_outcome *o, enum cml_quantity quan
     return parts > 0 ? cml_outcome_size(o, quantity) / (size_t)parts : 0;
 }
 
-/* The last of a quantity's axes. */
+/* Returns the last of a quantity's axes. */
 static enum cml_axis_kind last_axis(const struct cml_quantity_info *info)
 {
     int last = 0;
@@ -59,8 +59,8 @@ static enum cml_axis_kind last_axis(const struct cml_quantity_info *info)
     return info->axis[last];
 }
 
-/* Number i of a quantity is divided by this to become a density (scaling.h), of gates by their length, too.
- * Over r and another axis angles count by projected solid angle, alone by solid angle. */
+/* Returns the measure by which value `number` of a quantity is divided to become a density (scaling.h), with
+ * the length of gates. Angles count by projected solid angle in arrays over r, else by solid angle. */
 static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t number)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -115,6 +115,7 @@ cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bo
                : cml_fail_memory(err, (double)size * (double)sizeof **array, cml_quantities[quantity].name);
 }
 
+/* True if original MCML's .mco contains the quantity. */
 static bool is_of_mcml(enum cml_quantity quantity)
 {
     return quantity <= CML_QUANTITY_Tt ||
@@ -130,7 +131,7 @@ static void free_arrays(struct cml_outcome *o)
     }
 }
 
-/* As a double: the product of large sizes may overflow any integer. */
+/* Counts in double, because the product of large sizes may overflow any integer. */
 static double numbers_of(const struct cml_outcome *o)
 {
     const double nz = o->nz, nr = o->nr, na = o->na;
@@ -148,7 +149,7 @@ cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the results");
 }
 
-/* Frees all that an outcome has, also one that was never filled, as long as it is zero. */
+/* Frees all members of an outcome. A zeroed outcome may be cleared, too. */
 void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
@@ -166,8 +167,8 @@ double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 
 /* ---- from sums ---- */
 
-/* The order of the operations is part of the results: .h5 files hold every bit of the quotients. What is over
- * depth is divided last. */
+/* Divides a sum by photons and measure. The order of the operations is part of the results, because .h5 files
+ * hold every bit of the quotients. Quantities over depth are divided by their measure last. */
 static double density(const struct cml_outcome *o, enum cml_quantity quantity, double measure, double sum)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
@@ -176,8 +177,8 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, d
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
-/* Number i of `size`. Sums by medium begin with the one above; media outside absorb nothing. Fluence is of
- * weight times length (P14). */
+/* Computes value i of a quantity from the cells of an array. Sums by medium begin with the medium above;
+ * outer media absorb nothing. Fluence is the sum of weight times length (rule P14). */
 static double of_cells(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        int i, double *error)
 {
@@ -194,15 +195,16 @@ static double of_cells(const struct cml_outcome *o, const struct cml_result *sum
     return density(o, quantity, measure, sum);
 }
 
-/* The standard error that rounding leaves in a length: it was rounded to whole units, and to single precision
- * in `cpu` (P13). An error that is spread evenly over a spacing has the square of the spacing over 12. */
+/* Returns the standard error that rounding leaves in a length, which was rounded to whole units and, in
+ * engine cpu, to single precision (rule P13). An error spread evenly over a spacing has the variance
+ * spacing^2 / 12. */
 static double rounding_of(double length, double unit)
 {
     return hypot(unit, length * 0x1p-23) / sqrt(12);
 }
 
-/* Lengths and depths are sums of units, depths from a top. All packets may be rounded alike: then their
- * spread says nothing of the error. */
+/* Computes a mean over detected light. Lengths and depths are sums of units, and depths count from a top. All
+ * packets may be rounded alike, so that their spread hides the rounding error; the error is at least this. */
 static double mean_of(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                       int size, int i, double *error)
 {
@@ -216,11 +218,11 @@ static double mean_of(const struct cml_outcome *o, const struct cml_result *sums
                  units = cml_result_mean(sums, moments, size, i, detector, error), mean = top + unit * units,
                  least = !counts && units > 0 ? rounding_of(mean, unit) : 0;
     *error *= unit;
-    if (*error < least) *error = least; /* not where it is NaN */
+    if (*error < least) *error = least; /* false if the error is NaN */
     return mean;
 }
 
-/* Tt, which is the first score; then of layers. */
+/* Returns an expected value: Tt, which is score 0, or the absorption of a layer. */
 static double expected_of(const struct cml_result *sums, enum cml_quantity quantity, int i, double *error)
 {
     double value;
@@ -231,6 +233,7 @@ static double expected_of(const struct cml_result *sums, enum cml_quantity quant
     return value;
 }
 
+/* Returns value i of a quantity, from the sums that its estimator uses. */
 static double number_of(const struct cml_outcome *o, const struct cml_result *sums,
                         enum cml_quantity quantity, int size, int i, double *error)
 {
@@ -256,6 +259,7 @@ static double number_of(const struct cml_outcome *o, const struct cml_result *su
     }
 }
 
+/* True if the sums contain all that the quantity is computed from. */
 static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -265,6 +269,7 @@ static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sum
     return sums->array[info->sums] != NULL;
 }
 
+/* Fills in a quantity and, if it has any, its standard errors. */
 static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        struct cml_error *err)
 {

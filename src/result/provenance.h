@@ -1,5 +1,5 @@
-/* What decides the bits of a result besides the bytes of its input: one row for each option, and the identity
- * of a run, the head of an .mco, the attributes of an .h5 and JSON walk these rows.
+/* All options that decide the bits of a result, besides the bytes of its input. One row per option; the
+ * identity of a run, the head of an .mco, the attributes of an .h5 and JSON are made from these rows.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,12 +8,14 @@
 #include <stdio.h>
 
 enum { CML_AS_WORD = 8 };
-enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (run/identity.h), as text */
+/* Size in bytes of the checksum of a run's identity (run/identity.h) as text. */
+enum { CML_IDENTITY_SUM = 17 };
 
 /* clang-format off */
-/* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
- * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
- * other (NULL: not there; an empty text: nothing at all) */
+/* Columns: name; value, a number, as run/identity.c finds it among setup, options, surface and flat; where
+ * the option is written besides the identity (CML_IN_H5 and CML_IN_JSON under its name, with CML_AS_WORD as
+ * the word in the head of an .mco); and its form in the head of an .mco: the text before it, the text for the
+ * value 0, and the text for other values (NULL: not written; an empty text: nothing at all). */
 #define CML_OPTIONS_OF_BITS(D)                                                                                       \
     D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f")                                 \
     D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f")                                              \
@@ -40,6 +42,7 @@ enum { CML_IDENTITY_SUM = 17 }; /* bytes of the checksum of a run's identity (ru
 enum cml_option_of_bits { CML_OPTIONS_OF_BITS(CML_ENUMERATOR) CML_NUM_OPTIONS_OF_BITS };
 #undef CML_ENUMERATOR
 
+/* A row of CML_OPTIONS_OF_BITS. */
 struct cml_option_info {
     const char *name;
     unsigned where;
@@ -47,19 +50,19 @@ struct cml_option_info {
 };
 extern const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS];
 
-/* Seeds and photons are at most 2^53, which a double holds. */
+/* The options' values in one run. Seeds and photons are at most 2^53, which a double holds. */
 struct cml_provenance {
-    char engine[32];            /* its name; "": not known, or several */
-    const char *aim, *error_of; /* of a run, as these options say it; NULL: not given, or not known */
-    double value[CML_NUM_OPTIONS_OF_BITS]; /* NAN: not known */
+    char engine[32];            /* name of the engine; "": not known, or several */
+    const char *aim, *error_of; /* texts of the options --aim and --error-of; NULL: not given, or not known */
+    double value[CML_NUM_OPTIONS_OF_BITS]; /* value of each option; NAN: not known */
 };
 
-/* The form of the value in the head of an .mco, where it is a word. */
+/* Returns the word for an option's value in the head of an .mco, if the option has words. */
 const char *cml_option_word(enum cml_option_of_bits option, double value);
 
-/* A line "NAME VALUE", or "no NAME", for the engine and each option, numbers with 17 digits, which tell any
- * two doubles apart. */
+/* Writes a line "NAME VALUE", or "no NAME", for the engine and each option. Numbers have 17 digits, which
+ * distinguish any two doubles. */
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance);
 
-/* The lines of the head of an .mco. */
+/* Writes the lines in the head of an .mco. */
 void cml_provenance_print(FILE *out, const struct cml_provenance *provenance);

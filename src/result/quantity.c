@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-/* The words of the table. */
+/* Words of the table that stand for axes and places. */
 #define NUMBER                                                                                               \
     {                                                                                                        \
         CML_AXIS_NONE                                                                                        \

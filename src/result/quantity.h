@@ -1,39 +1,43 @@
-/* What a run finds: one row for each quantity, and every reader and writer of results walks these rows. The
- * names, units and long names are those of .h5 files, and of sections of .mco files that are ours.
- * SPDX-License-Identifier: MIT */
+/* The table of quantities: one row for each result of a run. Every reader and writer of results uses these
+ * rows. Names, units and long names are those of .h5 files, and of sections of .mco files that MCML does not
+ * have. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "output/files/field.h"
 #include "tally/array_table.h"
 
-/* How a quantity comes of a run's sums (tally/result.h). Where values are divided by bins, scaling.h says by
- * what. */
+/* Estimators: the ways in which quantities are computed from the sums of a run (tally/result.h). scaling.h
+ * gives the measures of bins that values are divided by. */
 enum cml_estimator {
-    CML_FROM_TOTAL,   /* share of the launched weight, with an error: enum cml_total */
-    CML_FROM_BALANCE, /* share of the launched weight: enum cml_balance_term */
-    CML_FROM_COUNT,   /* sum over packets: enum cml_count */
-    CML_FROM_RESIDUE, /* by how much the weight does not balance */
-    CML_FROM_LOST,    /* packets */
-    CML_FROM_LAYERS,  /* share of the launched weight by layer, of sums by medium, with errors: an array */
-    CML_FROM_BODIES,  /* by body, of the same sums */
-    CML_FROM_ARRAY,   /* cells of an array, with errors where it is kept by batch or group, or with squares */
-    CML_FROM_MEANS,   /* of moments of detectors over what these have seen, with errors: an array; NaN of
-                         nothing */
-    CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
-    CML_FROM_MUA,      /* derivative by mua of each medium inside, of scores (P17), with errors; NaN where it
-                          is not known: enum cml_quantity, of what */
-    CML_FROM_MUS,      /* by mus */
-    CML_FROM_INPUT,    /* a number of the scene */
-    CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
-    CML_FROM_FACET,    /* a score of facets, piece by piece: enum cml_facet_score */
-    CML_FROM_FIELD,    /* cells of an array, computed piece by piece and never held whole */
+    CML_FROM_TOTAL,   /* share of the launched weight, with an error; sums: enum cml_total */
+    CML_FROM_BALANCE, /* share of the launched weight; sums: enum cml_balance_term */
+    CML_FROM_COUNT,   /* sum over packets; sums: enum cml_count */
+    CML_FROM_RESIDUE, /* imbalance of the weight */
+    CML_FROM_LOST,    /* number of lost packets */
+    /* Absorption by layer, as a share of the launched weight, with errors; sums: an array by medium. */
+    CML_FROM_LAYERS,
+    CML_FROM_BODIES, /* absorption by body, with errors; sums: an array by medium */
+    /* Cells of an array; with errors if the array is kept by batch or group, or with squares. */
+    CML_FROM_ARRAY,
+    /* Mean over the light that a detector has seen, from an array of moments, with errors; NaN if it has seen
+     * none. */
+    CML_FROM_MEANS,
+    CML_FROM_EXPECTED, /* expected value of flat layers below all shapes, with an error */
+    /* Derivative by mua of each medium inside, from scores (rule P17), with errors; NaN if not known. sums:
+     * the enum cml_quantity that is derived. */
+    CML_FROM_MUA,
+    CML_FROM_MUS,    /* derivative by mus of each medium inside, from scores, with errors */
+    CML_FROM_INPUT,  /* a number of the scene */
+    CML_FROM_FACETS, /* sums over facets, filled in by code that knows the surfaces */
+    CML_FROM_FACET,  /* a score of facets, computed piece by piece; sums: enum cml_facet_score */
+    CML_FROM_FIELD,  /* cells of an array, computed piece by piece and never held as a whole */
 };
 
-/* Where a quantity is written beside the .mco, which has MCML's arrays (mco.h): a data set of an .h5, a key
- * of JSON. */
+/* Places where a quantity is written: as a data set of an .h5, as a key of JSON. The .mco has MCML's arrays
+ * besides (mco.h). */
 enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
 
-/* name, what it is, units, whether bins are counted from the middle of a first one */
+/* Axes of quantities: name, long name, units. */
 #define CML_AXES(X)                                                                                          \
     X(layer, "layer, from 1", "1")                                                                           \
     X(boundary, "boundary, from 0 above the first layer", "1")                                               \
@@ -57,7 +61,7 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(side, "arrives outside, inside, leaves outside, inside", "1")
 
 /* clang-format off */
-/* Derivatives by mua or mus. */
+/* The derivatives of quantities by mua or mus. */
 #define CML_DERIVATIVES(Q, x, by) \
     Q(dRd_d##x, "cm", by, CML_QUANTITY_Rd, OVER1(inside), H5 | JSON, "derivative of Rd by " #x) \
     Q(dA_d##x, "cm", by, CML_QUANTITY_A, OVER1(inside), H5 | JSON, "derivative of A by " #x) \
@@ -73,8 +77,9 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(detector_d##x, "cm", by, CML_QUANTITY_detector, OVER2(detector, inside), H5, \
       "derivative of detected by " #x)
 
-/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is. OF_ARRAY: what
- * becomes of rows of arrays, which have these columns, too. */
+/* All quantities. Columns of Q: name, units, estimator, the sums that the estimator uses, axes (slowest
+ * first), where it is written, long name. OF_ARRAY gets the rows of array_table.h, which have these columns,
+ * too. */
 #define CML_QUANTITIES(Q, OF_ARRAY) \
     Q(Rsp, "1", TOTAL, CML_TOTAL_SPECULAR, NUMBER, H5 | JSON, "specular reflectance") \
     Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance") \
@@ -150,45 +155,47 @@ enum cml_axis_kind { CML_AXIS_NONE, CML_AXES(CML_ENUMERATOR) CML_NUM_AXES };
 enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_QUANTITIES };
 #undef CML_ENUMERATOR
 
-/* The totals of every run are the first quantities, in the order of enum cml_total; the terms of the balance,
- * and the numbers of a layer (in the order of a line of an .mci) are neighbours. */
+/* Numbers of quantities. The totals of every run come first, in the order of enum cml_total. The terms of the
+ * balance are neighbours, and so are the numbers of a layer, in the order of an .mci line. */
 enum { CML_TOTALS = 4, CML_BOOKS = 12, CML_LAYER_NUMBERS = 5, CML_QUANTITY_AXES = 3 };
 
+/* A row of the table of quantities. */
 struct cml_quantity_info {
     const char *name, *units, *long_name;
     enum cml_estimator estimator;
-    size_t sums;                                /* which, as the estimator says */
+    size_t sums;                                /* the sums that the estimator uses */
     enum cml_axis_kind axis[CML_QUANTITY_AXES]; /* slowest first, CML_AXIS_NONE behind the last */
-    unsigned where;                             /* CML_IN_H5 and the like */
+    unsigned where;                             /* CML_IN_H5, CML_IN_JSON, or both */
 };
 extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 
-/* An axis under its name: n bins, the first at `first`, `step` apart. */
+/* Makes a named axis of n bins, the first at `first`, `step` apart. */
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
 
+/* True for fluence, whose sums are weight times length. */
 static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 {
     return quantity >= CML_QUANTITY_phi_z && quantity <= CML_QUANTITY_phi_rzt_later;
 }
 
-/* Whether there is one of the quantity for each detector, under the name of that (cml_outcome_key). */
+/* True if each detector has a quantity of this kind under its own name (cml_outcome_key). */
 static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
-/* The quantity that is a total of enum cml_total; the last of them is what a backing keeps. */
+/* Returns the quantity of a total of enum cml_total. The last total is the light that a backing keeps. */
 enum cml_quantity cml_quantity_of_total(int total);
 
-/* How many totals a scene has. */
+/* Returns the number of totals of a scene. */
 static inline int cml_num_totals(bool backed)
 {
     return backed ? CML_TOTALS + 1 : CML_TOTALS;
 }
 
-/* Gives a field name, long name and units. */
+/* Sets the name, long name and units of a field. */
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity);
 
-/* Makes `errors` the field of the standard errors of `of`, NAME_se, along the same axes. `of` must stay where
- * it is. */
+/* Makes `errors` the field of the standard errors of `of`: NAME_se along the same axes. `of` must stay in
+ * place, because it refers to the name in `errors`. */
 void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of);

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* The times of all ranks together. */
+/* Returns the sums of the times of all ranks. */
 static struct cml_rank_report sum_of(const struct cml_timing *timing)
 {
     struct cml_rank_report sum = {0};
@@ -22,8 +22,7 @@ double cml_timing_processor(const struct cml_timing *timing)
     return sum_of(timing).processor;
 }
 
-/* Weighted by time, not the mean of the ranks' shares: a rank that was there for a short time counts for
- * little. */
+/* Returns the idle share weighted by time, so that a rank that was there for a short time counts little. */
 double cml_timing_idle(const struct cml_timing *timing)
 {
     const struct cml_rank_report sum = sum_of(timing);

@@ -1,64 +1,67 @@
-/* How a run spent its time, and what is left to be said of it when its tallies are gone.
- * SPDX-License-Identifier: MIT */
+/* The times of a run, and the numbers that are kept of it when its tallies are gone. SPDX-License-Identifier:
+ * MIT */
 #pragma once
 
 #include "tally/result.h"
 
-/* How one rank spent its time, seconds. */
+/* The times of one rank, in seconds. */
 struct cml_rank_report {
     uint64_t photons, ranges;
-    double flying;  /* in the engine */
-    double asking;  /* for ranges */
-    double waiting; /* for other ranks, at synchronisations */
-    double summing; /* sums and checkpoints, once all were there */
+    double flying;  /* time in the engine */
+    double asking;  /* time asking for ranges */
+    double waiting; /* time waiting for other ranks, at synchronisations */
+    double summing; /* time for sums and checkpoints, once all ranks were there */
     double elapsed;
-    double processor; /* of all threads, since the start or the resume */
+    double processor; /* processor time of all threads, since the start or the resume */
 };
 
+/* The times of a run. */
 struct cml_timing {
-    double seconds; /* wall time of the photons' flight, that before a resume included */
+    double seconds; /* wall time of the photons' flight, with that before a resume */
     int threads, ranks;
-    struct cml_rank_report *rank; /* [ranks] on rank 0 */
+    struct cml_rank_report *rank; /* [ranks] reports of all ranks, on rank 0 */
 };
 
-/* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
+/* Returns the processor seconds of the photons' flight on all ranks: its cost on a machine that others use,
+ * too. */
 double cml_timing_processor(const struct cml_timing *timing);
 
-/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
- */
+/* Return the shares of all ranks' time spent waiting for other ranks, and on requests and
+ * synchronisations. */
 double cml_timing_idle(const struct cml_timing *timing);
 double cml_timing_communication(const struct cml_timing *timing);
 
-/* Numbers of a run that the table of a sweep has, kind by kind. Where there are more layers and bodies, or
- * detectors, than CML_RECORD_MEDIA, there are none of them. */
+/* Kinds of numbers in the table of a sweep. If there are more layers and bodies, or detectors, than
+ * CML_RECORD_MEDIA, none of them are recorded. */
 enum cml_recorded {
-    CML_RECORDED_TOTALS, /* shares of the launched weight, as all of these but fluxes */
-    CML_RECORDED_LAYERS, /* what they absorb */
+    CML_RECORDED_TOTALS, /* totals; like all kinds except fluxes, shares of the launched weight */
+    CML_RECORDED_LAYERS, /* absorption of layers */
     CML_RECORDED_BODIES,
-    CML_RECORDED_EXPECTED,  /* 0, 1 or 1 + layers: Tt, then layers, those that are not expected as counted */
-    CML_RECORDED_DETECTORS, /* in the order of the scene's */
+    CML_RECORDED_EXPECTED,  /* 0, 1 or 1 + layers numbers: Tt, then layers, as counted if not expected */
+    CML_RECORDED_DETECTORS, /* detectors in the order of the scene */
     CML_RECORDED_FLUXES,    /* flux_body: CML_BODY_SIDES for each body, or 0 without facets */
     CML_NUM_RECORDED
 };
 #define CML_RECORD_MEDIA 32
-#define CML_BODY_SIDES 4 /* of flux_body */
+#define CML_BODY_SIDES 4 /* number of sides of flux_body */
 #define CML_RECORD_NUMBERS (CML_NUM_TOTALS + 1 + (3 + CML_BODY_SIDES) * CML_RECORD_MEDIA)
 
-/* What is left to be said of a finished run. Zeroed: nothing. */
+/* The record of a finished run. Zeroed, it is empty. */
 struct cml_record {
     uint64_t photons, lost;
     int64_t count[CML_NUM_RECORDED];
-    double value[CML_RECORD_NUMBERS], error[CML_RECORD_NUMBERS]; /* one kind behind the other */
-    char *json; /* its object, as --json prints it, with the line feed; owned */
+    /* Numbers and errors, one kind behind the other. */
+    double value[CML_RECORD_NUMBERS], error[CML_RECORD_NUMBERS];
+    char *json; /* the run's object as --json prints it, with the line feed; owned */
 };
 
-/* Adds a number and its error; kinds in their order. */
+/* Adds a number and its error. Kinds must come in their order. */
 void cml_record_add(struct cml_record *record, enum cml_recorded kind, double value, double error);
 
-/* Where number i of a kind stands among all; -1: the run has no such number. */
+/* Returns the place of number i of a kind among all numbers; -1 if the run has no such number. */
 int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int i);
 
-/* Whether there are as many of each kind as there may be. */
+/* True if the record has an allowed number of each kind. */
 bool cml_record_is_sound(const struct cml_record *record);
 
 void cml_record_clear(struct cml_record *record);

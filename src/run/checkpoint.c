@@ -326,7 +326,7 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     }
     free(row);
     if (!good) return fail_damaged(source, "its saved photons", err);
-    if (saved) cml_saved_find(saved, head->found - head->num_saved);
+    if (saved) cml_saved_add_found(saved, head->found - head->num_saved);
     return CML_OK;
 }
 

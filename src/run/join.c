@@ -162,7 +162,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
 {
     const struct cml_saved_sums sums = cml_saved_sort(from);
     cml_saved_add(to, sums.kept ? cml_saved_row(from, 0) : NULL, sums.kept);
-    cml_saved_find(to, sums.found - sums.kept);
+    cml_saved_add_found(to, sums.found - sums.kept);
 }
 
 static void add_result(struct cml_result *to, struct cml_result *from)

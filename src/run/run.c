@@ -193,9 +193,9 @@ static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     struct flight *flight = context;
     const double begin = cml_now();
-    cml_tally_bring(tally, batch);
+    cml_tally_sum_batch(tally, batch);
     pthread_mutex_lock(&flight->result_lock);
-    cml_result_add_brought(&flight->out->result, batch, tally);
+    cml_result_add_batch(&flight->out->result, batch, tally);
     pthread_mutex_unlock(&flight->result_lock);
     const double seconds = cml_now() - begin;
     pthread_mutex_lock(&flight->hand.lock);

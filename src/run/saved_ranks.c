@@ -31,7 +31,7 @@ static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
     for (int rank = 1; rank < cml_cluster_size(); rank++) {
         const struct block *block = (const struct block *)(blocks + (size_t)rank * size);
         cml_saved_add(saved, block + 1, block->count);
-        cml_saved_find(saved, block->unkept);
+        cml_saved_add_found(saved, block->unkept);
         left |= block->left;
     }
     return left;

@@ -17,9 +17,9 @@ struct shape {
     const struct cml_boundary *boundary;
     bool is_mesh, is_plane, is_tile;
     struct cml_radial_surface field; /* the radial surface; not set if is_mesh or is_tile */
-    struct cml_sheet sheet;          /* set for every mesh, even a flat one, which is checked against
-                                      * itself */
-    double top, bottom;              /* least and greatest z, cm */
+    /* Set for every mesh, even a flat one, which is checked against itself. */
+    struct cml_sheet sheet;
+    double top, bottom; /* least and greatest z, cm */
 };
 
 static double zero[1];
@@ -62,6 +62,7 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
     set_range(shape, tile->h, (size_t)tile->nx * (size_t)tile->ny, z);
 }
 
+/* Makes the shape of a boundary, in the simplest form that equals it. */
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
                              struct cml_error *err)
 {
@@ -156,6 +157,7 @@ static cml_status fail_self(const struct cml_scene *scene, const struct shape *s
                                                           : " (expected a surface that does not)");
 }
 
+/* Compares two mesh boundaries. */
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
@@ -172,6 +174,7 @@ static cml_status compare_sheets(const struct cml_scene *scene, const struct sha
                     other.text, apart);
 }
 
+/* Compares two boundaries of which at least one is a plane or a radial heightfield. */
 static cml_status compare_fields(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
@@ -244,6 +247,7 @@ static cml_status compare(const struct cml_scene *scene, const struct shape *upp
     return compare_fields(scene, upper, lower, err);
 }
 
+/* Refuses a mesh boundary that crosses or touches itself. */
 static cml_status check_self(const struct cml_scene *scene, const struct shape *shape, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;

@@ -22,6 +22,7 @@ static void keep_closest(struct cml_closest *closest, double x, double y, double
     closest->err_gap = 8.0 * DBL_EPSILON * size;
 }
 
+/* Compares two radial surfaces at the radius r. */
 static void compare_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                               double r, struct cml_closest *closest)
 {
@@ -45,6 +46,7 @@ struct comparison {
     struct cml_closest *closest;
 };
 
+/* Compares a point of the mesh, x, y, z in the mesh's frame, with the heightfield above or below it. */
 static void compare_at_point(const struct comparison *c, double x, double y, double z)
 {
     const double height = cml_radial_height(c->radial, hypot(x, y));
@@ -135,8 +137,8 @@ static void compare_edge(const struct comparison *c, const double *a, const doub
     }
 }
 
-/* The cut through a triangle by the vertical plane that contains the z axis and the triangle's steepest
- * direction. */
+/* The cut through a triangle by the vertical plane that contains the z axis and is parallel to the triangle's
+ * direction of steepest descent. */
 struct section {
     double direction[2];
     double s[2], z[2]; /* both ends of the cut: distance from the axis along `direction`, and depth */
@@ -158,8 +160,8 @@ static bool find_section(const double *const v[3], struct section *section)
     double normal[3];
     cml_vec3_area(v[0], v[1], v[2], normal);
     if (normal[2] == 0.0) return false;
-    const double length = hypot(normal[0], normal[1]); /* 0 for a level triangle, for which every direction
-                                                        * serves */
+    /* 0 for a level triangle, for which every direction serves */
+    const double length = hypot(normal[0], normal[1]);
     section->direction[0] = length > 0.0 ? normal[0] / length : 1.0;
     section->direction[1] = length > 0.0 ? normal[1] / length : 0.0;
     int ends = 0;

@@ -21,8 +21,8 @@ int cml_radial_sample_from(const struct cml_radial *radial, double r);
 
 /* The place where two surfaces come closest in the vertical, among all places compared until now. */
 struct cml_closest {
-    double gap;   /* z of the lower surface minus z of the upper one, cm; INFINITY before the first
-                   * comparison */
+    /* z of the lower surface minus z of the upper one, cm; INFINITY before the first comparison. */
+    double gap;
     double at[3]; /* the place on the upper surface, scene's frame, cm */
     /* Tolerance, cm: the surfaces touch if |gap| is no larger. It is 8 epsilon times the sum of the depths
      * and heights involved, well above the rounding of two interpolated depths. */

@@ -22,6 +22,7 @@ static void place_vertices(struct cml_sheet *sheet, double z)
     for (size_t i = 0; i < mesh->num_border; i++) sheet->on_border[mesh->border[i]] = true;
 }
 
+/* Fills in the vertices, the search tree and the outer plane of a sheet. */
 static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error *err)
 {
     const struct cml_mesh *mesh = sheet->mesh;
@@ -259,7 +260,8 @@ static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_s
     }
 }
 
-/* Compares the triangles of both sheets with each other, and those of each with the other's outer plane. */
+/* Compares the triangles of two sheets with each other, and the triangles of each sheet with the other's
+ * outer plane. */
 static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *b,
                              struct cml_sheet_overlap *overlap)
 {

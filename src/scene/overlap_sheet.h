@@ -1,5 +1,5 @@
 /* Part of the overlap check: do mesh boundaries cross themselves or each other?
- * A sheet is a mesh at its depth together with the horizontal outer plane that continues it beyond its
+ * A sheet is a mesh at its depth together with the horizontal outer plane that continues the mesh beyond its
  * border.
  *
  *     ____________/\_/\__/\_____________
@@ -37,17 +37,17 @@ CML_NODISCARD cml_status cml_sheet_create(const struct cml_mesh *mesh, double z,
 
 void cml_sheet_clear(struct cml_sheet *sheet);
 
-#define CML_SHEET_OUTER_PLANE                                                                                \
-    UINT32_MAX /* stands in for a triangle's number when the outer plane meets                               \
-                * something */
+/* Stands in for a triangle's number when the outer plane meets something. */
+#define CML_SHEET_OUTER_PLANE UINT32_MAX
 
+/* A place where sheets cross or touch. */
 struct cml_sheet_overlap {
     enum cml_contact contact;
-    double at[3];         /* place of the overlap in the scene's frame, cm */
-    double depth;         /* vertical distance by which the upper sheet reaches below the lower one here, cm;
-                           * 0: not known */
-    uint32_t triangle[2]; /* if the depth is not known: the triangles that meet, of the first and of the
-                           * second sheet */
+    double at[3]; /* place of the overlap in the scene's frame, cm */
+    /* Vertical distance by which the upper sheet reaches below the lower one here, cm; 0: not known. */
+    double depth;
+    /* If the depth is not known: the triangles that meet, of the first and of the second sheet. */
+    uint32_t triangle[2];
 };
 
 /* Finds triangles of a sheet that meet elsewhere than at their common corners, or that meet the outer plane

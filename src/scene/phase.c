@@ -95,6 +95,7 @@ static double gk_log(double g, double x)
     return log1p(2 * g * x / ((1 - g) * (1 - g)));
 }
 
+/* Returns the share of gk below the deflection x; its limits at g = 0 and at a = 0. */
 static double gk_below(double g, double a, double x)
 {
     if (g == 0) return x / 2;

@@ -9,32 +9,36 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* The kinds of phase functions. HG(g) is Henyey and Greenstein's p(c) = (1 - g^2) / 2 / (1 + g^2 - 2 g
- * c)^(3/2). hg2       w HG(g1) + (1 - w) HG(g2) mhg       w HG(g) + (1 - w) 3 c^2 / 2 [Bevilacqua &
- * Depeursinge, JOSA A 16, 2935 (1999)] gk        2 a g (1 - g^2)^(2 a) / (((1 + g)^(2 a) - (1 - g)^(2 a)) (1
- * + g^2 - 2 g c)^(a + 1)) [Reynolds & McCormick, JOSA 70, 1206 (1980)], and its limits at a = 0 and g = 0
+/* The kinds of phase functions. HG(g) is Henyey and Greenstein's
+ * p(c) = (1 - g^2) / 2 / (1 + g^2 - 2 g c)^(3/2).
+ *
+ *   hg2       w HG(g1) + (1 - w) HG(g2)
+ *   mhg       w HG(g) + (1 - w) 3 c^2 / 2 [Bevilacqua & Depeursinge, JOSA A 16, 2935 (1999)]
+ *   gk        2 a g (1 - g^2)^(2 a) / (((1 + g)^(2 a) - (1 - g)^(2 a)) (1 + g^2 - 2 g c)^(a + 1))
+ *             [Reynolds & McCormick, JOSA 70, 1206 (1980)], and its limits at a = 0 and g = 0
  *   rayleigh  3 (1 + c^2) / 8
  *   table     linear in c between rows */
 enum cml_phase_kind { CML_PHASE_HG2, CML_PHASE_MHG, CML_PHASE_GK, CML_PHASE_RAYLEIGH, CML_PHASE_TABLE };
 #define CML_PHASE_KINDS 5
 #define CML_PHASE_NUMBERS 3 /* the largest number of parameters of a kind */
-#define CML_MOST_PHASES                                                                                      \
-    1000 /* limit of different phase functions in a scene; media with equal functions                        \
-          * share one */
+/* Limit of different phase functions in a scene; media with equal functions share one. */
+#define CML_MOST_PHASES 1000
 
+/* A phase function of a scene. Scenes keep them in a list. */
 struct cml_phase {
     enum cml_phase_kind kind;
-    double number[CML_PHASE_NUMBERS]; /* parameters in the order of the .mci line: g1 g2 w, or g w, or g a;
-                                       * |g| <= 0.9999, 0 <= w <= 1, a > -1/2 */
+    /* Parameters in the order of the .mci line: g1 g2 w, or g w, or g a; |g| <= 0.9999, 0 <= w <= 1, a >
+     * -1/2. */
+    double number[CML_PHASE_NUMBERS];
     /* Members of CML_PHASE_TABLE. Rows begin at the forward direction. */
     int rows;
-    double *deflection;     /* [rows] deflection 1 - c, rising from 0 to 2 */
-    double *density;        /* [rows] p(c), scaled so that it integrates to 1 */
-    double *below;          /* [rows] share of the light that is deflected less than this row */
-    uint32_t checksum;      /* CRC-32 of deflection and density */
-    char *file;             /* the table's file as the line names it, relative to the .mci */
-    int *users;             /* reference count: phase functions of several scenes share arrays and file
-                             * (base/shared.h) */
+    double *deflection; /* [rows] deflection 1 - c, rising from 0 to 2 */
+    double *density;    /* [rows] p(c), scaled so that it integrates to 1 */
+    double *below;      /* [rows] share of the light that is deflected less than this row */
+    uint32_t checksum;  /* CRC-32 of deflection and density */
+    char *file;         /* the table's file as the line names it, relative to the .mci */
+    /* Reference count: phase functions of several scenes share arrays and file (base/shared.h). */
+    int *users;
     int line;               /* line number in the .mci of the first line that names the function */
     int index;              /* number of the function in its scene, from 0 */
     struct cml_phase *next; /* next phase function of the same scene */

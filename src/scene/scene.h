@@ -1,7 +1,7 @@
 /* The scene: the description of one run of an .mci file. The reader (input/mci.h) makes it; from then on a
  * scene is immutable, and all others hold a pointer to a const scene. Knows no files, engines or rays.
- * Lengths are in cm, coefficients in 1/cm, z points down. Bodies lie inside layers. Media and boundaries
- * count so:
+ * Lengths are in cm, coefficients in 1/cm; z points down. Bodies lie inside layers. Media and boundaries are
+ * numbered from above:
  *
  *     medium 0
  *     ------------- boundary 0, z_0 = 0
@@ -35,17 +35,18 @@ struct cml_rough_def {
     int line;     /* line number in the .mci */
 };
 
+/* A medium: a layer, one of the outer media, or a body. */
 struct cml_medium_def {
     double n;        /* refractive index [-], > 0 */
     double mua, mus; /* absorption and scattering coefficient [1/cm], >= 0; 0 in the media above and below */
     double g;        /* anisotropy [-], -1..1 */
     double d;        /* thickness [cm], >= 0; 0 in the media above and below */
-    const struct cml_phase *phase; /* phase function, owned by the scene; NULL: Henyey and Greenstein's with
-                                    * g */
-    struct cml_rough_def rough;    /* roughness of a body's surface; kept here because copies of a scene share
-                                    * the bodies themselves */
-    int line, phase_line;          /* line numbers in the .mci: of the medium's numbers, and of its phase
-                                    * function */
+    /* Phase function, owned by the scene; NULL: Henyey and Greenstein's with g. */
+    const struct cml_phase *phase;
+    /* Roughness of a body's surface; kept here because copies of a scene share the bodies themselves. */
+    struct cml_rough_def rough;
+    /* Line numbers in the .mci: of the medium's numbers, and of its phase function. */
+    int line, phase_line;
 };
 
 /* Returns the attenuation mua + mus, 1/cm, the inverse of the mean free path. 0: the medium is
@@ -71,24 +72,26 @@ struct cml_radial {
     double *r, *h; /* [n] radii and heights, cm */
 };
 
+/* Forms of a boundary. */
 enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH, CML_FORM_TILE };
 
+/* A boundary between two media. */
 struct cml_boundary {
-    enum cml_boundary_form form; /* form in the input; its representation for rays is chosen later
-                                  * (surface.h) */
-    double z;                    /* nominal depth, cm */
-    struct cml_radial radial;    /* CML_FORM_RADIAL */
-    struct cml_mesh mesh;        /* CML_FORM_MESH: the prepared mesh, in the boundary's frame */
+    /* Form in the input; its representation for rays is chosen later (surface.h). */
+    enum cml_boundary_form form;
+    double z;                 /* nominal depth, cm */
+    struct cml_radial radial; /* CML_FORM_RADIAL: samples of the heightfield */
+    struct cml_mesh mesh;     /* CML_FORM_MESH: the prepared mesh, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
-    struct cml_heightmap_notes map_notes; /* the heightmap that the mesh was made from; all zero if there was
-                                           * none */
-    struct cml_heightmap tile;            /* CML_FORM_TILE: one period; heights count up from z */
+    /* The heightmap that the mesh was made from; all zero if there was none. */
+    struct cml_heightmap_notes map_notes;
+    struct cml_heightmap tile; /* CML_FORM_TILE: one period; heights count up from z */
     enum cml_normals tile_normals;
     struct cml_tile_notes tile_notes;
-    double period[2]; /* period of a tile along x and y, cm, kept even if the tile has become a plane; 0: not
-                       * a tile */
-    double scale,
-        height; /* factors that the input applied: to all coordinates, and to the heights in addition */
+    /* Period of a tile along x and y, cm, kept even if the tile has become a plane; 0: not a tile. */
+    double period[2];
+    /* Factors that the input applied: to all coordinates, and to the heights in addition. */
+    double scale, height;
     struct cml_rough_def rough;
     char *file; /* the .obj, .gsf, .asc or height file; NULL if the numbers stand in the .mci */
     int line;   /* line number in the .mci; 0: the boundary is implicit */
@@ -109,15 +112,15 @@ struct cml_backing_def {
  * down. */
 struct cml_scene_body {
     enum cml_body_form form;
-    int layer;        /* layer that contains the body, 1..L, even if the body lies inside another body */
-    int host;         /* medium directly around the body: its layer, or the medium of another body
-                       * (cml_scene_place_bodies) */
+    int layer; /* layer that contains the body, 1..L, even if the body lies inside another body */
+    /* Medium directly around the body: its layer, or the medium of another body (cml_scene_place_bodies). */
+    int host;
     double centre[3]; /* centre of a sphere; middle of the first end of a cylinder */
     double end[3];    /* middle of the other end of a cylinder */
     double radius;
     struct cml_mesh mesh; /* CML_BODY_MESH: the mesh, prepared and closed */
     struct cml_mesh_notes mesh_notes;
-    char *file; /* the .obj file, or NULL */
+    char *file; /* the .obj file of a mesh, or NULL */
     int line;   /* line number in the .mci */
 };
 
@@ -130,14 +133,17 @@ enum cml_light_kind {
     CML_LIGHT_OF_TABLE
 };
 
+/* The angular distribution of a beam's light. */
 struct cml_light {
     enum cml_light_kind kind;
-    double na;             /* CML_LIGHT_OF_NA: n times the sine of the widest angle */
-    int rows;              /* CML_LIGHT_OF_TABLE: number of rows, 2 or more */
-    double *t, *intensity; /* [rows] angle in rad, rising from 0; intensity per solid angle, >= 0, not all 0;
-                            * linear between rows */
+    double na; /* CML_LIGHT_OF_NA: n times the sine of the widest angle */
+    int rows;  /* CML_LIGHT_OF_TABLE: number of rows, 2 or more */
+    /* [rows] angle in rad, rising from 0; intensity per solid angle, >= 0, not all 0; linear between
+     * rows */
+    double *t, *intensity;
 };
 
+/* A beam: a source of light with a shape, an axis and an angular distribution. */
 struct cml_beam {
     enum cml_beam_shape shape; /* shape of the beam's cross section, centred on its axis */
     /* Size of the shape, cm: the radius of a disk; the 1/e^2 radius of a gaussian; both radii of a ring; the
@@ -145,11 +151,10 @@ struct cml_beam {
     double size[2];
     double x, y, z; /* place where the axis meets z = 0, or with `inside` the middle of the shape; cm */
     bool inside;    /* packets start at and around the middle; else above all surfaces */
-    double angle,
-        /* Direction of the axis, rad. angle: between the axis and +z, 0 <= angle < pi/2; with `inside` up to
-         * pi. azimuth: from +x to +y. The beam's own x is (cos a cos p, cos a sin p, -sin a), its own y (-sin
-         * p, cos p, 0). */
-        azimuth;
+    /* Direction of the axis, rad. angle: between the axis and +z, 0 <= angle < pi/2; with `inside` up to
+     * pi. azimuth: from +x to +y. The beam's own x is (cos a cos p, cos a sin p, -sin a), its own y (-sin
+     * p, cos p, 0). */
+    double angle, azimuth;
     struct cml_light light;
     int columns, rows; /* size of an image in pixels */
     double *pixel;     /* [rows][columns] brightness >= 0, not all 0; the first row has the largest own y */
@@ -203,17 +208,17 @@ struct cml_saved_def {
 struct cml_detector_def {
     char *name;
     enum cml_detector_shape shape;
-    double size[2]; /* both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or
-                     * pixel; cm */
+    /* Both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm. */
+    double size[2];
     int nx, ny;     /* number of pixels of a map; 1 for other shapes */
     double x, y, z; /* centre of the area in scene coordinates, cm */
     /* below: the detector is on the bottom side. at_z: the input gives z; else z is the nominal plane of the
      * side. */
     bool below, at_z;
-    bool aimed;     /* the detector sees only a cone about its axis; else all angles */
-    double na;      /* numerical aperture, n sin(widest angle); n or more: the half space about the axis */
-    double angle;   /* angle between the axis, which points along the light, and the outward vertical, 0 to
-                     * pi/2 rad */
+    bool aimed; /* the detector sees only a cone about its axis; else all angles */
+    double na;  /* numerical aperture, n sin(widest angle); n or more: the half space about the axis */
+    /* Angle between the axis, which points along the light, and the outward vertical, 0 to pi/2 rad. */
+    double angle;
     double azimuth; /* azimuth of the axis, rad */
     bool diffuse;   /* light that never entered the material is ignored */
     int line;       /* line number in the .mci */
@@ -227,38 +232,39 @@ struct cml_detector_def {
 /* Size of a layer's name in bytes, with its final NUL. */
 enum { CML_LAYER_NAME = 25 };
 
+/* A scene: all that one run of an .mci file describes. */
 struct cml_scene {
     char *file;       /* path of the .mci, for messages and for names relative to it */
     int line;         /* line number where the run begins */
     char *output;     /* output name as the .mci gives it */
-    char format;      /* 'A' or 'B' */
+    char format;      /* format letter as the .mci gives it, 'A' or 'B' */
     uint64_t photons; /* number of photons, 1..2^48 */
     double dz, dr;    /* grid spacing, cm, > 0 */
     int nz, nr, na;   /* number of grid bins, >= 1 */
     int num_layers;   /* number of layers L, >= 1 */
     int num_bodies;
-    char (*layer_names)[CML_LAYER_NAME]; /* [L+1] names by layer, "" if a layer has none; NULL: no layer has a
-                                          * name */
-    struct cml_medium_def *media;    /* [L+2+num_bodies] medium above, layers, medium below, bodies: body k
-                                      * has medium L+2+k */
-    struct cml_phase *phases;        /* list of the different phase functions, the last one first; at most
-                                      * CML_MOST_PHASES */
-    struct cml_boundary *boundaries; /* [L+1] */
+    /* [L+1] names by layer, "" if a layer has none; NULL: no layer has a name */
+    char (*layer_names)[CML_LAYER_NAME];
+    /* [L+2+num_bodies] medium above, layers, medium below, bodies: body k has medium L+2+k */
+    struct cml_medium_def *media;
+    /* List of the different phase functions, the last one first; at most CML_MOST_PHASES. */
+    struct cml_phase *phases;
+    struct cml_boundary *boundaries; /* [L+1] boundaries 0..L */
     struct cml_scene_body *bodies;   /* [num_bodies] sorted by layer */
     int *body_users;                 /* reference count of scenes that share the bodies */
     struct cml_backing_def backing;
-    int num_beams;          /* >= 1 */
-    struct cml_beam *beams; /* [num_beams] */
+    int num_beams;          /* number of beams, >= 1 */
+    struct cml_beam *beams; /* [num_beams] beams */
     double *shares;         /* [num_beams] share of the light of each beam, > 0 */
     struct cml_map_def map;
     struct cml_time_def time;
     struct cml_directions_def directions;
     int num_detectors;
-    struct cml_detector_def *detectors; /* [num_detectors] */
+    struct cml_detector_def *detectors; /* [num_detectors] detectors */
     struct cml_fluence_def fluence;
     struct cml_saved_def saved;
-    int facets;     /* line number of the `facets` line, which asks for irradiance and exitance of all facets;
-                     * 0: none */
+    /* Line number of the `facets` line, which asks for irradiance and exitance of all facets; 0: none. */
+    int facets;
     char *text;     /* data lines of the run as written, joined with line feeds: the result's provenance */
     char *settings; /* settings from outside the file (--set), a line "NAME = VALUE" each; NULL: none */
 };
@@ -276,9 +282,10 @@ static inline const char *cml_rough_word(enum cml_rough_kind kind)
     return words[kind];
 }
 
+/* The scenes of all runs of an .mci file. */
 struct cml_scene_list {
     int count;
-    struct cml_scene *scenes; /* [count] */
+    struct cml_scene *scenes; /* [count] scenes */
 };
 
 /* Copies a scene, so that the copy may be changed. Both share shapes, bodies and tables. On failure *to is
@@ -370,10 +377,9 @@ double cml_radial_height(const struct cml_radial *radial, double r);
  * everywhere. Planes (also flat heightfields and meshes) may touch: layers of no thickness. Only neighbours
  * are compared, and the next boundaries beyond planes, because order among neighbours implies order among
  * all. Exact for the coordinates as given (overlap.c). A tile is compared with planes and with tiles of the
- * same cells; a tile whose depths overlap those of any other surface is refused.
- * CML_E_INPUT: "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1",
- * "FILE: boundaries 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm:
- * triangles i and j". */
+ * same cells; a tile whose depths overlap those of any other surface is refused. CML_E_INPUT: "FILE:LINE:
+ * boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE:LINE: boundaries 0
+ * and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
 /* The largest allowed slope of radial heightfields and heightmaps, and the largest ratio of height to width

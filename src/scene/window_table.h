@@ -9,25 +9,25 @@
 
 /* A table of target weights by ring and depth. It owns its array; zeroed, it is empty. */
 struct cml_window_table {
-    int layers;   /* number of layers, from the top, that the windows cover */
-    int detector; /* detector whose light is wanted, from 1; 0: light that comes out below the covered
-                   * layers */
+    int layers; /* number of layers, from the top, that the windows cover */
+    /* Detector whose light is wanted, from 1; 0: light that comes out below the covered layers. */
+    int detector;
     /* 1, or less if the scene is symmetric about the axis x, y. Then `worth` counts light in a whole ring
      * about the axis, and this is the share of the ring's area that the detector covers. */
     double share;
-    double worth;    /* share of the beam's light that reaches the target, in the flat scene */
-    double accepted; /* share of the light arriving at the detector that lies in its aperture; 1: no
-                      * aperture */
-    /* Estimated ratio of the times of plain flights and of flights with windows to the same error, right
-     * within a factor of 2 or 3; 0: windows save no time. */
+    double worth; /* share of the beam's light that reaches the target, in the flat scene */
+    /* Share of the light arriving at the detector that lies in its aperture; 1: no aperture. */
+    double accepted;
+    /* Estimated speed-up: the time in which plain packets reach an error, over the time in which packets with
+     * windows do. Right within a factor of 2 or 3; 0: windows save no time. */
     double gain;
     /* Number of depth cells, all of one thickness, and of rings about x, y. Ring i begins at the radius reach
      * (i / rings)^2. 1 ring: only depth counts. */
     int cells, rings;
     double depth;       /* depth where the last cell ends, cm; the first cell begins at 0 */
     double x, y, reach; /* axis of the rings and their outer radius, scene coordinates, cm */
-    uint32_t *target;   /* [rings][cells] target weight in units of 2^-31, from CML_LEAST_TARGET to a whole
-                         * packet */
+    /* [rings][cells] target weight in units of 2^-31, from CML_LEAST_TARGET to a whole packet */
+    uint32_t *target;
 };
 
 #define CML_WINDOW_CELLS 1024

@@ -8,9 +8,9 @@ const struct cml_array_info cml_arrays[CML_NUM_ARRAYS] = {
     {#name, {CML_CELLS_##first, CML_CELLS_##second}, CML_KEPT_##spread, CML_IF_##when, CML_BALANCE_##term},
     CML_ARRAYS(ROW)};
 
-/* ---- the order of cells ----
- * That of results is the format of checkpoints. OpenCL devices have the first nine arrays of a tally, and
- * A_rz (kernels/device_layout.h). Maps are the last of a tally, alike in a result. */
+/* ---- the order of arrays ----
+ * The order of a result's arrays is the format of checkpoints. OpenCL devices have the first nine arrays of a
+ * tally, and A_rz (kernels/device_layout.h). Maps come last in a tally, in the same order as in a result. */
 
 /* clang-format off */
 #define _(name) CML_ARRAY_##name
@@ -86,6 +86,7 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     return bins(0);
 }
 
+/* True if a holder has an array with this condition. */
 static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, enum cml_holder holder)
 {
     const bool rows = holder == CML_OF_ROW_BINS || holder == CML_OF_ROW_GRIDS,
@@ -108,7 +109,8 @@ static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, 
     return false;
 }
 
-/* Cells of one array. Scores have no grids but of absorption. */
+/* Returns the number of cells of one array in one part. Scores of derivatives have no grids except
+ * absorption. */
 static size_t size_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                       enum cml_holder holder)
 {
@@ -118,7 +120,7 @@ static size_t size_of(const struct cml_tally_grid *grid, const struct cml_array_
            cml_extent_cells(cml_extent_of(grid, info->axis[1], holder));
 }
 
-/* Whether each group of packets has an array of its own (groups.h). */
+/* True if each group of packets has an array of its own (groups.h). */
 static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_array_info *info)
 {
     switch (info->axis[0]) {
@@ -132,6 +134,7 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
+/* Returns the number of parts in which a holder keeps an array. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {
@@ -148,7 +151,7 @@ static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array
 
 /* clang-format on */
 
-/* How many arrays from this one on are kept together. */
+/* Returns the number of arrays, from this one on, that are stored interleaved by group. */
 static int num_together(const struct cml_array_order *order, int first)
 {
     const struct cml_array_info *info = &cml_arrays[order->array[first]];

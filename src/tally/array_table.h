@@ -1,68 +1,75 @@
-/* The ledger: one row for every array of sums. Sizes and places of arrays follow from it: in the tally of a
- * thread, in the result of a run, in the profiles that a thread brings, and among the rows of a sweep or the
- * scores of derivatives (row_cells.h). A new array is a row here, its place in the orders of array_table.c,
- * and a line that scores into it.
+/* The table of arrays: one row for every array of sums. Sizes and places follow from it in four kinds of
+ * holders:
+ *
+ *     tally of a thread  -->  profiles of a batch, added to  -->  result of a run
+ *     rows of a sweep, or scores of derivatives (row_cells.h)
+ *
+ * A new array needs a row here, its place in the orders of array_table.c, and a line that scores into it.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "tally/tally_grid.h"
 
-/* Axes of arrays. A tally has cells of its own beyond some of them, so that scoring needs no branch for what
- * lies there (P7): one radius and one depth behind the last, one depth above the first, one gate for all that
- * is later. A result has none: the outermost bins take it, and what is later has an array of its own. */
+/* Axes of arrays. A tally has extra cells beyond the ends of some axes, so that scoring needs no branch there
+ * (rule P7): one radius and one depth behind the last, one depth above the first, and one gate for all later
+ * times. A result has no extra cells: its outermost bins take their contents, and later times have an array
+ * of their own. */
 #define CML_CELL_AXES(X)                                                                                     \
     X(r)                                                                                                     \
     X(z)                                                                                                     \
     X(alpha)                                                                                                 \
-    X(place)  /* of r and z, without cells beyond, where fluence has gates */                                \
-    X(medium) /* the one above, layers, the one below, bodies */                                             \
+    X(place)  /* r and z with gates, without extra cells */                                                  \
+    X(medium) /* medium above, layers, medium below, bodies */                                               \
     X(gate)                                                                                                  \
     X(theta)                                                                                                 \
     X(phi)                                                                                                   \
     X(total) /* enum cml_total */                                                                            \
     X(term)  /* enum cml_balance_term */                                                                     \
     X(detector)                                                                                              \
-    X(moment)         /* enum cml_moment by medium, then the depth, each in several cells */                 \
-    X(expected)       /* expected values (P15) */                                                            \
-    X(pixel)          /* of the map, and one for what lies outside */                                        \
+    X(moment)         /* enum cml_moment by medium, then the depth; several cells each */                    \
+    X(expected)       /* expected values (rule P15) */                                                       \
+    X(pixel)          /* pixels of the map, and one for all outside */                                       \
     X(map_alpha)      /* angles of a pixel */                                                                \
-    X(voxel)          /* and one for what lies outside */                                                    \
-    X(inner_voxel)    /* without that one */                                                                 \
-    X(group)          /* of packets, CML_NUM_GROUPS */                                                       \
-    X(facet)          /* of all boundaries and bodies */                                                     \
+    X(voxel)          /* voxels, and one for all outside */                                                  \
+    X(inner_voxel)    /* voxels only */                                                                      \
+    X(group)          /* groups of packets, CML_NUM_GROUPS */                                                \
+    X(facet)          /* facets of all boundaries and bodies */                                              \
     X(facet_score)    /* enum cml_facet_score */                                                             \
-    X(detector_pixel) /* of all detectors that are maps */                                                   \
+    X(detector_pixel) /* pixels of all detectors that are maps */                                            \
     X(row)            /* cells of all rows together */
 
-/* How often an array is kept, so that its values have standard errors. */
+/* The number of copies of an array. Copies for parts of the packets give its values standard errors. */
 enum cml_spread {
-    CML_KEPT_WHOLE,     /* one for all packets */
-    CML_KEPT_BY_GROUP,  /* one of each of CML_NUM_GROUPS groups of packets, or one for all if it is large */
-    CML_KEPT_ONCE,      /* a packet adds to a cell at most once: by group, or if it is large sums and squares.
-                         * Neighbours with the same axes are kept together, group by group */
-    CML_KEPT_BY_BATCH,  /* one of each of CML_NUM_BATCHES batches in a result; a thread brings its batch */
-    CML_KEPT_AS_BATCHES /* one of each batch in a tally, too */
+    CML_KEPT_WHOLE, /* one copy for all packets */
+    /* One copy per group of packets (CML_NUM_GROUPS), or a single one for a large array. */
+    CML_KEPT_BY_GROUP,
+    /* For arrays to whose cells a packet adds at most once: one copy per group, or sums and squares for a
+     * large array. Neighbours with the same axes are stored together, group by group. */
+    CML_KEPT_ONCE,
+    /* One copy per batch (CML_NUM_BATCHES) in a result; a thread adds the sums of one batch. */
+    CML_KEPT_BY_BATCH,
+    CML_KEPT_AS_BATCHES /* one copy per batch, in a tally as well */
 };
 
-/* When an array exists, besides that all its axes have bins. */
+/* The condition under which an array exists, apart from all its axes having bins. */
 enum cml_array_when {
     CML_IF_ANY,
     CML_IF_GATES,
-    CML_IF_ABSORPTION,   /* absorption by radius and depth; of rows of a sweep where they have depths */
-    CML_IF_DEPTHS,       /* the same by depth alone: a tally has it instead where threads share A_rz */
+    CML_IF_ABSORPTION,   /* absorption by radius and depth; for rows of a sweep only if they have depths */
+    CML_IF_DEPTHS,       /* absorption by depth alone; a tally has it if threads share A_rz */
     CML_IF_TIMES,        /* absorption by time */
-    CML_IF_MEDIUM_TIMES, /* the same by medium: of few enough cells, and not of rows */
-    CML_IF_RADII,        /* what leaves by radius and time; all threads share one */
-    CML_IF_MEANS,        /* all detectors have moments, of rows of a sweep only if asked for */
+    CML_IF_MEDIUM_TIMES, /* absorption by medium and time, if these are few enough cells; not for rows */
+    CML_IF_RADII,        /* light that leaves, by radius and time; all threads share one array */
+    CML_IF_MEANS,        /* moments of detectors; for rows of a sweep only on request */
     CML_IF_FLUENCE,
-    CML_IF_OWNER /* all threads share one, which the tally of the first owns */
+    CML_IF_OWNER /* all threads share one array, which the first thread's tally owns */
 };
 
 /* clang-format off */
-/* name, axes of cells (slowest first), how often it is kept, when it exists, the term of the balance that all
- * its cells add up to. The row behind an array over gates has what is later.
- * Then, as a quantity of results (result/quantity.h): estimator, units, axes, where it is written, what it is.
- * Checkpoints, files and JSON have the names; .h5 and JSON keep the order of these rows. */
+/* Columns: name, axes of cells (slowest first), number of copies, condition of existence, and the term of the
+ * balance that all its cells add up to. The row behind an array over gates holds the later times. Further
+ * columns, for the quantity in results (result/quantity.h): estimator, units, axes, where it is written, long
+ * name. Checkpoints, files and JSON use the names; .h5 and JSON keep the order of these rows. */
 #define CML_QUANTITY_ARRAYS(A) \
     A(A_l, medium, none, BY_BATCH, ANY, ABSORBED, LAYERS, "1", OVER1(layer), H5 | JSON, "absorption by layer") \
     A(A_z, z, none, BY_BATCH, DEPTHS, none, ARRAY, "1/cm", OVER1(z), H5, \
@@ -134,7 +141,7 @@ enum cml_array_when {
     A(A_xyz, voxel, none, BY_GROUP, OWNER, ABSORBED, FIELD, "1/cm3", OVER3(z_volume, y, x), 0, "absorption") \
     A(phi_xyz, inner_voxel, group, WHOLE, OWNER, none, FIELD, "1/cm2", OVER3(z_volume, y, x), 0, "fluence")
 
-/* The others are parts of quantities. */
+/* All arrays: those above, and others that are only parts of quantities. */
 #define CML_ARRAYS(A) \
     CML_QUANTITY_ARRAYS(A) \
     A(totals, total, none, BY_BATCH, ANY, none, "of the launched weight") \
@@ -161,25 +168,26 @@ enum cml_array {
 
 enum { CML_ARRAY_AXES = 2, CML_NO_TERM = -1 };
 
+/* A row of the table of arrays. */
 struct cml_array_info {
     const char *name;
     enum cml_cell_axis axis[CML_ARRAY_AXES]; /* slowest first */
     enum cml_spread spread;
     enum cml_array_when when;
-    int term; /* enum cml_balance_term, CML_NO_TERM: none */
+    int term; /* enum cml_balance_term; CML_NO_TERM: none */
 };
 extern const struct cml_array_info cml_arrays[CML_NUM_ARRAYS];
 
-/* Who has arrays. */
+/* The holders of arrays. */
 enum cml_holder {
     CML_OF_TALLY,
     CML_OF_RESULT,
-    CML_OF_PROFILES, /* what a thread brings of a batch */
-    CML_OF_ROW_BINS, /* of a batch, and of a row of a sweep or a score; in bins */
-    CML_OF_ROW_GRIDS /* behind those of all batches */
+    CML_OF_PROFILES, /* sums of one batch that a thread adds to the result */
+    CML_OF_ROW_BINS, /* bins of a row of a sweep, or of a score, for one batch */
+    CML_OF_ROW_GRIDS /* grids of a row of a sweep, behind the bins of all batches */
 };
 
-/* Whether an array is a grid of radius and another axis: each group of packets has one, or all share one. */
+/* True for grids of radius (or place) and another axis that are kept by group, or once for all packets. */
 static inline bool cml_is_radial_grid(enum cml_array array)
 {
     const struct cml_array_info *info = &cml_arrays[array];
@@ -187,7 +195,7 @@ static inline bool cml_is_radial_grid(enum cml_array array)
            info->axis[1] != CML_CELLS_none && info->spread == CML_KEPT_BY_GROUP;
 }
 
-/* Where arrays begin in the block of cells of a holder, and how many cells there are. */
+/* The place of each array in a holder's block of cells. */
 struct cml_layout {
     union {
         size_t at[CML_NUM_ARRAYS];
@@ -197,14 +205,15 @@ struct cml_layout {
 #undef CML_PLACE
         };
     };
-    size_t size[CML_NUM_ARRAYS];          /* cells of one array, of a group or a batch; 0: there is none */
-    size_t parts[CML_NUM_ARRAYS];         /* groups, batches, or sums and squares */
-    struct cml_once once[CML_NUM_ARRAYS]; /* how far these are apart */
-    size_t cells;                         /* of all arrays */
+    size_t size[CML_NUM_ARRAYS];          /* cells of one array in one part; 0: the array does not exist */
+    size_t parts[CML_NUM_ARRAYS];         /* number of parts: groups, batches, or 2 for sums and squares */
+    struct cml_once once[CML_NUM_ARRAYS]; /* distances in cells between parts */
+    size_t cells;                         /* number of cells of all arrays */
 };
+/* Returns the places of all arrays of a holder. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder);
 
-/* Cells of an array in all its parts: groups, batches, or sums and squares. */
+/* Returns the number of cells of an array in all its parts: groups, batches, or sums and squares. */
 static inline size_t cml_layout_cells(const struct cml_layout *layout, enum cml_array array)
 {
     return layout->size[array] * layout->parts[array];
@@ -215,16 +224,18 @@ struct cml_array_order {
     int count;
     const enum cml_array *array;
 };
+/* Returns the arrays of a holder in the order of their cells. */
 struct cml_array_order cml_order_of(enum cml_holder holder);
 
-/* Bins along an axis, and cells before the first and behind the last. */
+/* The number of bins along an axis, and of extra cells before the first and behind the last bin. */
 struct cml_extent {
     size_t bins, before, behind;
 };
+/* Returns the number of bins and extra cells along an axis, for a holder. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder);
 
-/* How many cells there are along an axis. */
+/* Returns the number of cells along an axis. */
 static inline size_t cml_extent_cells(struct cml_extent extent)
 {
     return extent.before + extent.bins + extent.behind;

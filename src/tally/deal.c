@@ -5,12 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The fraction of a photon that rounding down took from a beam. */
 struct remainder {
     long double part;
     int beam;
 };
 
-/* The largest first, and of equal ones that of the first beam. */
+/* Orders remainders by falling size, and equal ones by beam. */
 static int compare_remainders(const void *a, const void *b)
 {
     const struct remainder *x = a, *y = b;
@@ -56,6 +57,7 @@ void cml_deal_clear(struct cml_deal *deal)
     *deal = (struct cml_deal){0};
 }
 
+/* Sets sums[k] to the number of photons of all beams before beam k, of `photons` in all. */
 static cml_status sum_numbers(const struct cml_deal *deal, uint64_t photons, uint64_t *sums,
                               struct cml_error *err)
 {
@@ -64,13 +66,13 @@ static cml_status sum_numbers(const struct cml_deal *deal, uint64_t photons, uin
     return CML_OK;
 }
 
-/* How many of photons 0 to photons - 1 are of a batch. */
+/* Returns how many of the photons 0 to photons - 1 belong to a batch. */
 static uint64_t in_batch(uint64_t photons, uint64_t batch)
 {
     return photons / CML_NUM_BATCHES + (batch < photons % CML_NUM_BATCHES);
 }
 
-/* How many photons of a batch are of beam k, by sums of those of all beams. */
+/* Returns how many photons of a batch belong to beam k. sums: running sums of photons over the beams. */
 static uint64_t of_beam(const uint64_t *sums, int k, uint64_t batch)
 {
     return in_batch(sums[k + 1], batch) - in_batch(sums[k], batch);
@@ -107,7 +109,8 @@ struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
     if (deal->count == 1) return all;
     const uint64_t batch = (uint64_t)all.batch, sheet = (uint64_t)1 << 32;
     uint64_t point =
-        all.first / CML_NUM_BATCHES - in_batch(deal->begin, batch); /* of the batch's in the round */
+        /* Number of the point among those of the batch in this round. */
+        all.first / CML_NUM_BATCHES - in_batch(deal->begin, batch);
     for (int k = 0;; k++) {
         const uint64_t before = of_beam(deal->before, k, batch),
                        more = of_beam(deal->after, k, batch) - before;

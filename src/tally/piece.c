@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "tally/piece.h"
 
-/* How many of photons 0 to photons - 1 are in batches below this one. */
+/* Returns how many of the photons 0 to photons - 1 are in batches below this one. */
 static uint64_t in_batches_below(uint64_t photons, uint64_t batch)
 {
     const uint64_t rest = photons % CML_NUM_BATCHES;
     return batch * (photons / CML_NUM_BATCHES) + (batch < rest ? batch : rest);
 }
 
-/* First turn of a batch; that of batch 64 is `end`. */
+/* Returns the first turn of a batch; for batch 64 this is `end`. */
 static uint64_t turn_of(uint64_t begin, uint64_t end, uint64_t batch)
 {
     return begin + in_batches_below(end, batch) - in_batches_below(begin, batch);
@@ -19,7 +19,7 @@ struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t turn)
     uint64_t batch = 0;
     while (turn_of(begin, end, batch + 1) <= turn) batch++;
     const uint64_t first =
-        begin + (batch - begin) % CML_NUM_BATCHES; /* the batch's first photon of the round */
+        begin + (batch - begin) % CML_NUM_BATCHES; /* first photon of the batch in the round */
     struct cml_piece piece = {
         .first = first + CML_NUM_BATCHES * (turn - turn_of(begin, end, batch)),
         .count = turn_of(begin, end, batch + 1) - turn,

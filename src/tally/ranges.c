@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* Neighbours are not joined: ranks give back few ranges, and taking them from the end needs no order. */
+/* Neighbouring ranges are not joined: ranks return few ranges, and taking turns needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;
@@ -47,7 +47,7 @@ cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, str
     return status;
 }
 
-/* From the last range, which then shrinks or goes: nothing has to be moved. */
+/* Takes turns from the last range, so that no other range has to move. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
 {
     if (ranges->count == 0) return (struct cml_range){0};

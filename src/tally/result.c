@@ -11,7 +11,7 @@ double cml_result_bytes(const struct cml_tally_grid *grid)
            cml_saved_bytes(&grid->saved);
 }
 
-/* All arrays lie in one block, so that a checkpoint or a sum over ranks is one loop over cells. */
+/* Allocates all arrays in one block, so that a checkpoint or a sum over ranks is one loop over cells. */
 cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
@@ -33,14 +33,14 @@ void cml_result_free(struct cml_result *result)
     *result = (struct cml_result){0};
 }
 
-/* Cell number i, in units of weight. */
+/* Returns cell number i in units of weight. */
 static cml_u128 cell_of(const struct cml_cell_source *from, size_t i)
 {
     return from->narrow ? from->narrow[i] : from->unit * from->wide[i * from->stride];
 }
 
-/* Adds n cells, of which the first has the number `first`, to as many bins. Most are 0: a batch has few
- * packets, and most groups get nothing in one range. Returns their sum. */
+/* Adds n cells, beginning at number `first`, to n bins. Returns their sum. Most cells are 0, because a batch
+ * has few packets, and most groups get no packets in one range. */
 static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_t n, cml_u128 *to)
 {
     const uint64_t *narrow = from->narrow ? from->narrow + first : NULL;
@@ -62,9 +62,9 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
     return sum;
 }
 
-/* Rows have no cell before the first bin, and rows and columns one behind the last at most. The only axis of
- * an array is that of columns. Arrays over radius alone are margins of grids, whose cells beyond the bins
- * count in the books. */
+/* Adds the cells of an array row by row. Rows have no extra cell before the first bin, and rows and columns
+ * have at most one behind the last. The only axis of a 1D array is that of columns. Arrays over radius alone
+ * are margins of grids, whose cells beyond the bins count in the balance already. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
@@ -94,7 +94,7 @@ void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_
     }
 }
 
-/* A moment from the parts of which tallies keep it (CML_MOMENT_CELLS). */
+/* Joins the parts in which tallies keep a moment (CML_MOMENT_CELLS). */
 static cml_u128 moment_of(const uint64_t *parts)
 {
     cml_u128 sum = 0;
@@ -102,28 +102,28 @@ static cml_u128 moment_of(const uint64_t *parts)
     return sum;
 }
 
-/* Adds the moments of detector k; brought: their parts, as tallies keep them. */
-static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
+/* Adds the moments of detector k. sums: the moments' parts as tallies keep them. */
+static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *sums)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
     for (size_t i = 0; i < CML_MEDIUM_MOMENTS * media; i++)
         result->array[CML_ARRAY_detector_path + i / media][at * media + i % media] +=
-            moment_of(brought + i * CML_MOMENT_CELLS);
-    result->detector_deepest[at] += moment_of(brought + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS);
+            moment_of(sums + i * CML_MOMENT_CELLS);
+    result->detector_deepest[at] += moment_of(sums + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS);
 }
 
-/* Adds scores, which a tally has in units of 2^6 2^-exponent, to those of a batch. */
-static void add_expected(struct cml_result *result, size_t batch, const uint64_t *brought)
+/* Adds expected values, which a tally has in units of 2^6 2^-exponent, to those of a batch. */
+static void add_expected(struct cml_result *result, size_t batch, const uint64_t *sums)
 {
     const size_t n = (size_t)result->grid.scores;
     for (size_t i = 0; i < n; i++)
-        result->expected[batch * n + i] += (cml_u128)brought[i]
+        result->expected[batch * n + i] += (cml_u128)sums[i]
                                            << (CML_EXPECTED_SHIFT - result->grid.exponent[i]);
 }
 
-/* Totals and profiles of a tally, to those of a batch. */
+/* Adds totals and profiles of a tally to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally,
-                         const uint64_t *brought)
+                         const uint64_t *sums)
 {
     const struct cml_array_order order = cml_order_of(CML_OF_PROFILES);
     const struct cml_layout *at = &tally->profile;
@@ -131,23 +131,23 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     for (int i = 0; i < order.count; i++) {
         const enum cml_array array = order.array[i];
         if (array == CML_ARRAY_moments || array == CML_ARRAY_expected) continue;
-        cml_result_add_cells(result, array, b, &(struct cml_cell_source){.narrow = brought + at->at[array]});
+        cml_result_add_cells(result, array, b, &(struct cml_cell_source){.narrow = sums + at->at[array]});
     }
     for (size_t k = 0; k < (size_t)result->grid.detectors; k++)
-        add_moments(result, b, k, brought + at->moments + k * moments);
-    add_expected(result, b, brought + at->expected);
+        add_moments(result, b, k, sums + at->moments + k * moments);
+    add_expected(result, b, sums + at->expected);
 }
 
-void cml_result_add_brought(struct cml_result *result, int batch, const struct cml_tally *tally)
+void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
-    add_to_batch(result, batch, tally, tally->brought);
+    add_to_batch(result, batch, tally, tally->batch_sums);
     for (int row = 0; row < late->count; row++)
         add_to_batch(result, late->batch[row], tally, late->rows + (size_t)row * tally->profile.cells);
 }
 
-/* Fluence without its cells beyond the grid, but that those beyond its radius count for phi_z. Few batches
- * are flown in one range. */
+/* Adds fluence without its cells beyond the grid. Only cells beyond the last radius count, for phi_z. Most
+ * cells are 0, because few batches are flown in one range. */
 static void add_fluence(struct cml_result *result, const uint64_t *phi)
 {
     const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
@@ -162,8 +162,8 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
     }
 }
 
-/* Adds cells of a large map, or of rows. Few of them are hit in one range: reading zeros is cheaper than
- * adding them to 128 bits. Rows that are scores may be negative. */
+/* Adds cells of a large map, or of rows. In one range few of them are hit, and testing for 0 is cheaper than
+ * adding to 128 bits. Rows that are scores may be negative. */
 static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++) {
@@ -178,7 +178,7 @@ static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
         if (from[i]) to[i] += from[i];
 }
 
-/* Grids over radius, of all groups. */
+/* Adds a grid over radius, for all groups. */
 static void add_grid(struct cml_result *result, enum cml_array array, const struct cml_tally *tally)
 {
     const size_t size = tally->layout.size[array];
@@ -213,6 +213,7 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
+/* Returns the number of photons in one of `groups` groups, of `photons` dealt out in turn. */
 static uint64_t group_size(uint64_t photons, int groups, int group)
 {
     return photons / (uint64_t)groups + ((uint64_t)group < photons % (uint64_t)groups);
@@ -232,13 +233,14 @@ static cml_u128 sum_of(const cml_u128 *cells, size_t n)
     return sum;
 }
 
-/* Unsigned sums: the smaller must be taken from the larger. */
+/* Returns a - b. The sums are unsigned, so the smaller must be subtracted from the larger. */
 static double difference(cml_u128 a, cml_u128 b)
 {
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* The imbalance of all facets, both sides together: what arrives minus what leaves, or a backing keeps. */
+/* Returns the imbalance of all facets, both sides together: light that arrives minus light that leaves or
+ * that a backing keeps. */
 static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;
@@ -250,8 +252,8 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
-/* The cells of an array, of all groups or batches, minus the term of the balance that they come of; 0 where
- * there is none. Squares are no weights, and rows have samples of A_rz (row_depths). */
+/* Returns the sum of an array's cells, over all groups or batches, minus its term of the balance; 0 if it has
+ * no term. Squares are not weights, and rows have only samples of A_rz (row_depths). */
 static double array_imbalance(const struct cml_result *result, enum cml_array array)
 {
     const struct cml_layout *layout = &result->layout;
@@ -269,7 +271,7 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
     return difference(sum, result->summary.balance[info->term]);
 }
 
-/* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
+/* Compares exactly, in integers, so that any difference is a fault. The first one is reported. */
 double cml_result_imbalance(const struct cml_result *result)
 {
     const cml_u128 *balance = result->summary.balance;
@@ -283,7 +285,7 @@ double cml_result_imbalance(const struct cml_result *result)
 
 /* ---- means and their errors ---- */
 
-/* Sums are far below 2^127, but those of scores may be negative (P17). */
+/* Converts a sum to a number. Sums are far below 2^127, but sums of scores may be negative (rule P17). */
 static double as_number(cml_u128 sum)
 {
     return (double)(cml_i128)sum;
@@ -295,8 +297,8 @@ double cml_result_share(const struct cml_result *result, enum cml_balance_term t
            as_number(result->summary.balance[CML_BALANCE_LAUNCHED]);
 }
 
-/* Standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the unit of x.
- */
+/* Returns the standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the
+ * unit of x. */
 static double error_of_mean(long double n, long double sum, long double squares)
 {
     if (n < 2) return NAN;
@@ -340,7 +342,7 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
     return times * times;
 }
 
-/* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
+/* Converts the sum to the unit of the squares, which is coarser so that squares fit into 64 bits. */
 double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
@@ -355,15 +357,16 @@ double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
     return as_number(sum);
 }
 
-/* The means x_b of groups over n_b packets scatter about the mean x of all N with the variance of one packet
- * over n_b, so sum_b n_b (x_b - x)^2 / (B - 1) estimates the former, and over N it is the variance of x. The
- * B groups differ by at most one packet; their sums lie n cells apart. */
+/* Returns the standard error from groups whose sums lie n cells apart. The means x_b of groups of n_b packets
+ * scatter about the mean x of all N with the variance of one packet over n_b. So sum_b n_b (x_b - x)^2 / (B -
+ * 1) estimates the variance of one packet, and divided by N that of x. The B groups differ by at most one
+ * packet. */
 static double error_by_groups(const struct cml_result *result, int groups, const cml_u128 *sums, size_t n)
 {
     double of[CML_NUM_BATCHES], sum = 0, squares = 0, found = 0;
     const double photons = (double)result->photons;
     for (int b = 0; b < groups; b++) sum += of[b] = sums[(size_t)b * n] ? as_number(sums[(size_t)b * n]) : 0;
-    if (sum == 0) return photons > 1 ? 0 : NAN; /* most cells of a grid are dark */
+    if (sum == 0) return photons > 1 ? 0 : NAN; /* most cells of a grid get no light */
     const double mean = sum / photons;
     for (int b = 0; b < groups; b++) {
         const double size = (double)group_size(result->photons, groups, b);

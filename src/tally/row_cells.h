@@ -1,54 +1,59 @@
-/* The cells of rows of a sweep that come of one flight (P16), in a tally and in a result:
- * for each of the 64 batches bins of sums (CML_OF_ROW_BINS), each of them for all rows side by side, since
- * all rows are summed together; behind them grids of all batches (CML_OF_ROW_GRIDS), likewise. Scores for
- * derivatives (P17) have the same cells but for grids, two for each medium inside, layers first: by mua and
- * by mus. Of the terms of the balance specular and absorbed are 0: the first is that of the flight, the
- * second the sum of A_l; launched has one cell for all rows. Units of weight are 2^-30 of a packet, of weight
- * times score 2^-20, in two's complement. SPDX-License-Identifier: MIT */
+/* The cells of all rows of a sweep that come from one flight (rule P16), in a tally and in a result. Cells of
+ * all rows lie side by side, because the rows are summed together:
+ *
+ *     batch 0: bin 0 [row 0, row 1 ...] bin 1 [row 0, row 1 ...] ...     CML_OF_ROW_BINS
+ *       ...
+ *     batch 63: ...
+ *     grids over all batches, in the same way                            CML_OF_ROW_GRIDS
+ *
+ * Scores for derivatives (rule P17) have the same cells without grids, two for each medium inside (layers
+ * first): by mua and by mus. Among the terms of the balance, specular is 0, because it is the flight's;
+ * absorbed is 0, because it is the sum of A_l; launched has one cell for all rows. Units of weight are 2^-30
+ * of a packet, units of weight times score 2^-20, in two's complement. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "tally/tally.h"
 
 #include <math.h>
 
-/* Rows that are summed together, in vectors, are rounded up to whole ones. */
+/* Number of rows that a vector sums together; rows are rounded up to a multiple. */
 #define CML_ROW_GROUP 16
 
-/* One of so many interactions of a packet is a sample of A_z and A_rz, and stands for all. */
+/* One in this many interactions of a packet is a sample of A_z and A_rz, and stands for all. */
 #define CML_ROW_SAMPLING 8
 
-/* Places of a bin: those of the other rows follow. */
+/* Returns the number of places of a bin: one per row, rounded up. */
 static inline size_t cml_row_stride(const struct cml_tally_grid *grid)
 {
     return ((size_t)grid->rows + CML_ROW_GROUP - 1) / CML_ROW_GROUP * CML_ROW_GROUP;
 }
 
-/* The medium of a pair of scores, layers from 0, then bodies. */
+/* Returns the medium of pair k of scores: layers from 0, then bodies. */
 static inline int cml_medium_inside(int num_layers, int k)
 {
     return k < num_layers ? k + 1 : k + 2;
 }
 
-/* By which a length is multiplied to be a score, 1/cm: a power of two near the medium's mut, so that scores
- * are as many as interactions. */
+/* Returns the factor that turns a length into a score, 1/cm. It is a power of two near the medium's mut, so
+ * that scores are of the size of numbers of interactions. */
 static inline double cml_score_unit(double mut)
 {
     return mut > 0 ? exp2(floor(log2(mut))) : 1;
 }
 
-/* Moments, of which a row's means of detectors are made, are weight times whole numbers of interactions, or
- * of 2^16 units of length or depth: up to 62 bits, in CML_ROW_MOMENT_CELLS parts of 31, the lower first, so
- * that 2^30 of them fit into a tally. */
+/* Parts of a row's moments, from which the means of detectors are made. A moment is a weight times a whole
+ * number of interactions, or of 2^16 units of length or depth, up to 62 bits. It is kept in
+ * CML_ROW_MOMENT_CELLS parts of 31 bits, the lower first, so that 2^30 moments fit into a tally. */
 #define CML_ROW_MOMENT_SHIFT 16
 #define CML_ROW_MOMENT_BITS 31
 
-/* Where the bins of a batch begin, 0..63, and behind the last of them the grids: cells. */
+/* Returns the first cell of the bins of a batch, 0..63; for batch 64 the first cell of the grids. */
 static inline size_t cml_row_batch(const struct cml_tally_grid *grid, int batch)
 {
     return (size_t)batch * cml_layout_of(grid, CML_OF_ROW_BINS).cells * cml_row_stride(grid);
 }
 
-/* All cells; 0 where there are no rows. */
+/* Returns the number of cells of all rows; 0 if there are none. */
 static inline size_t cml_row_cells(const struct cml_tally_grid *grid)
 {
     return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) +

@@ -5,15 +5,16 @@
 
 #include <math.h>
 
-/* One row of those that come of a flight. */
+/* One row of a flight, on its way into a result of its own. */
 struct row {
     const struct cml_result *flight;
     struct cml_layout at, grids;
     size_t stride, row;
-    cml_u128 unit; /* of its cells, in units of weight */
+    cml_u128 unit; /* unit of the row's cells in units of weight */
     struct cml_result *to;
 };
 
+/* Prepares to take a row of a flight. */
 static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
 {
     const struct cml_tally_grid *grid = &flight->grid;
@@ -26,13 +27,13 @@ static struct row row_of(const struct cml_result *flight, int number, struct cml
                         .to = to};
 }
 
-/* Cell of a bin, counted from the first of batch 0, in units of weight. */
+/* Returns a cell in units of weight. Bins count from the first of batch 0. */
 static cml_u128 cell(const struct row *row, size_t bin)
 {
     return row->unit * row->flight->rows[bin * row->stride + row->row];
 }
 
-/* An array whose first bin is given, into a part of the row's. */
+/* Adds an array of the row, whose first bin is given, to a part of the result's array. */
 static void take(const struct row *row, enum cml_array array, size_t part, size_t first)
 {
     cml_result_add_cells(row->to, array, part,
@@ -41,7 +42,7 @@ static void take(const struct row *row, enum cml_array array, size_t part, size_
                                                    .unit = row->unit});
 }
 
-/* Number m of detector k, in units of those of flights (P13). */
+/* Returns moment m of detector k, in the units of flights (rule P13). */
 static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
 {
     const size_t media = cml_tally_media(&row->to->grid),
@@ -50,9 +51,10 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
     const cml_u128 whole = (cell(row, bin + 1) << CML_ROW_MOMENT_BITS) + cell(row, bin);
     return m / media == CML_MOMENT_INTERACTIONS
                ? whole
-               : whole << CML_ROW_MOMENT_SHIFT; /* interactions are numbers as they are */
+               : whole << CML_ROW_MOMENT_SHIFT; /* interactions are counted without a unit */
 }
 
+/* Takes the moments of detectors of one batch. */
 static void take_means(const struct row *row, size_t batch)
 {
     struct cml_result *to = row->to;
@@ -65,6 +67,7 @@ static void take_means(const struct row *row, size_t batch)
     }
 }
 
+/* Takes the totals of one batch, and the terms of the balance. */
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_tally_media(&row->to->grid);
@@ -87,8 +90,8 @@ static void take_batch(const struct row *row, size_t batch)
     take_totals(row, batch);
 }
 
-/* Rows' weights are coarser than packets'. By how much those of all launches differ from what was launched, a
- * packet's by no more than 2^-24, counts as roulette does. */
+/* Balances the launched weight. Weights of rows are coarser than those of packets, by at most 2^-24 of a
+ * packet. The difference between the rows' weights and the launched weight counts as roulette. */
 static void take_launch(const struct row *row)
 {
     cml_u128 *balance = row->to->summary.balance, inside = 0;
@@ -102,7 +105,7 @@ static void take_launch(const struct row *row)
         balance[CML_BALANCE_GAINED] += inside - exact;
 }
 
-/* Rd_dir and Tt_dir, whose first bin is given, by group or with squares behind them; Rsp_dir is that of the
+/* Takes Rd_dir and Tt_dir, whose first bin is given, by group or followed by squares. Rsp_dir is that of the
  * flight. */
 static void take_directions(const struct row *row, size_t first)
 {
@@ -112,14 +115,14 @@ static void take_directions(const struct row *row, size_t first)
     for (size_t part = 0; part < row->grids.parts[CML_ARRAY_Rd_dir]; part++) {
         const bool squares = part > 0 && !once.step;
         const size_t from = first + part * both, at = part * all;
-        for (size_t i = 0; i < both; i++) /* Tt_dir is behind Rd_dir */
+        for (size_t i = 0; i < both; i++) /* Tt_dir lies behind Rd_dir */
             to->Rd_dir[at + i] =
                 squares ? row->flight->rows[(from + i) * row->stride + row->row] : cell(row, from + i);
         for (size_t i = both; i < all; i++) to->Rd_dir[at + i] = row->flight->Rd_dir[at + i];
     }
 }
 
-/* What of a row is summed by batch. Detectors have no pixels. */
+/* Makes the result and fills in all sums by batch. Detectors of rows have no pixels. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_tally_grid *flown = &row->flight->grid;
@@ -170,6 +173,7 @@ cml_status cml_score_result(const struct cml_result *flight, int score, struct c
     return take_batches(&row, err);
 }
 
+/* Returns the number of packets of equal weight with this relative error. */
 static double effective_packets(const struct cml_result *result, double relative_error)
 {
     return 1 / (relative_error * relative_error + 1 / (double)result->photons);

@@ -4,22 +4,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where a row lies before rows are moved. Rows of the smallest orders stay. */
+/* The position of a row before rows are moved. Rows of the smallest orders are kept. */
 struct key {
     uint64_t order, at;
 };
 
+/* Saved packets in rows, and keys to sort them. */
 struct cml_saved {
     size_t media, words, limit, capacity, count;
     uint64_t beams, found;
-    uint64_t last;   /* rows behind it in order are not wanted */
-    uint64_t *row;   /* [capacity + 1][words], the last one is spare */
-    struct key *key; /* [capacity] */
+    uint64_t last;   /* largest order of a row that is still wanted */
+    uint64_t *row;   /* [capacity + 1][words] rows; the last one is spare */
+    struct key *key; /* [capacity] keys for sorting */
 };
 
-#define PART_WORDS ((size_t)1 << 13) /* of a thread's buffer, but one row at least */
+#define PART_WORDS ((size_t)1 << 13) /* words of a thread's buffer, but at least one row */
 
-/* A row begins on a word, and its length is one of whole words. */
+/* Returns the length of a row in words. Rows begin on a word and are whole words long. */
 static size_t words_of(size_t media)
 {
     const size_t word = sizeof(uint64_t), of_medium = 2 * sizeof(float) + sizeof(uint32_t);
@@ -31,7 +32,8 @@ size_t cml_saved_row_bytes(size_t media)
     return words_of(media) * sizeof(uint64_t);
 }
 
-/* More than the limit, so that rows are sorted out a quarter at a time. */
+/* Returns the number of rows to make room for. There is room for more rows than the limit, so that surplus
+ * rows are sorted out a quarter of the limit at a time. */
 static size_t capacity_of(const struct cml_saved_kind *kind)
 {
     return kind->limit + kind->limit / 4 + 1024;
@@ -79,14 +81,14 @@ void cml_saved_free(struct cml_saved *saved)
 
 /* ---- order ---- */
 
-/* The index of a packet, which is the first word of its row. */
+/* Returns the packet index of row i, the first word of the row. */
 static uint64_t index_at(const struct cml_saved *saved, size_t i)
 {
     return saved->row[i * saved->words];
 }
 
-/* Spread evenly over all 2^64 numbers, no two alike: the finaliser of splitmix64 (G. L. Steele, D. Lea, C. H.
- * Flood, OOPSLA 2014; variant 13 of D. Stafford). */
+/* Returns a hash spread evenly over all 2^64 numbers, different for different indices: the finaliser of
+ * splitmix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014; variant 13 of D. Stafford). */
 static uint64_t mixed(uint64_t index)
 {
     index = (index ^ index >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -94,8 +96,8 @@ static uint64_t mixed(uint64_t index)
     return index ^ index >> 31;
 }
 
-/* Of one beam the index. Which indices those of several have depends on how many photons are flown, so no
- * order of them is fair to all. */
+/* Returns the order in which packets are kept: by index for one beam, by hash for several. Indices of several
+ * beams depend on the number of photons, so no order of the indices would be fair to all beams. */
 static uint64_t order_of(const struct cml_saved *saved, uint64_t index)
 {
     return saved->beams > 1 ? mixed(index) : index;
@@ -108,8 +110,8 @@ static void swap_keys(struct key *one, struct key *other)
     *other = key;
 }
 
-/* Keys begin to end - 1: those not above the pivot to the front. Returns where the others begin, behind the
- * first key and not behind the last (Hoare). */
+/* Partitions the keys begin to end - 1 (Hoare): keys not above the pivot come to the front. Returns the start
+ * of the others, which is behind the first key and not behind the last. */
 static size_t part_keys(struct key *key, size_t begin, size_t end)
 {
     const uint64_t pivot = key[begin + (end - begin - 1) / 2].order;
@@ -121,8 +123,8 @@ static size_t part_keys(struct key *key, size_t begin, size_t end)
     }
 }
 
-/* Quicksort, but only as far as the first `most`. The shorter part is left to a call of its own, so calls are
- * few. */
+/* Quicksort that sorts only the first `most` keys. The shorter part goes to a recursive call, so the
+ * recursion is shallow. */
 static void sort_keys(struct key *key, size_t begin, size_t end, size_t most)
 {
     while (end - begin > 1 && begin < most) {
@@ -136,7 +138,7 @@ static void sort_keys(struct key *key, size_t begin, size_t end, size_t most)
     }
 }
 
-/* Row key[i].at to place i, for all i, round after round of places that take each other's. */
+/* Moves row key[i].at to place i for all i, one cycle of places after another. */
 static void move_rows(struct cml_saved *saved)
 {
     const size_t size = saved->words * sizeof *saved->row;
@@ -154,7 +156,7 @@ static void move_rows(struct cml_saved *saved)
     }
 }
 
-/* Makes the keys of all rows. Returns whether they are in order as they are. */
+/* Makes the keys of all rows. Returns true if the rows are in order already. */
 static bool make_keys(struct cml_saved *saved, bool by_index)
 {
     bool sorted = true;
@@ -166,7 +168,7 @@ static bool make_keys(struct cml_saved *saved, bool by_index)
     return sorted;
 }
 
-/* As many as may stay. */
+/* Sorts the rows, as many as may be kept. */
 static void arrange(struct cml_saved *saved, bool by_index)
 {
     if (make_keys(saved, by_index)) return;
@@ -235,7 +237,7 @@ void cml_saved_clear(struct cml_saved *saved)
     saved->last = UINT64_MAX;
 }
 
-void cml_saved_find(struct cml_saved *saved, uint64_t more)
+void cml_saved_add_found(struct cml_saved *saved, uint64_t more)
 {
     saved->found += more;
 }

@@ -16,7 +16,7 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
+/* A thread has all of A_rz or none of it. With a part every deposit would have to look for its place. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
@@ -34,7 +34,7 @@ bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
     return small.depths || small.marks != grid->marks;
 }
 
-/* Media of all packets that a thread has in flight. */
+/* Returns the number of media of all packets that a thread has in flight. */
 static size_t trail_cells(const struct cml_tally_grid *grid)
 {
     const bool timed = grid->rows && grid->gates;
@@ -53,26 +53,28 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
 
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
-    const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */
+    /* Sums now, sums before, and one row of late packets per batch. */
+    const double profiles = 2.0 + CML_NUM_BATCHES;
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
     return ((double)cml_tally_cells(grid) + profiles * (double)(at.expected - at.detector)) *
                sizeof(uint64_t) +
            (double)trail_cells(grid) * sizeof(struct cml_stay);
 }
 
-/* Bins of the profiles that are sums of cells: Rd_r to A_z, which are neighbours. */
+/* Returns the number of bins of profiles that are sums of cells: Rd_r to A_z, which are neighbours. */
 static size_t bins_of_cells(const struct cml_tally *tally)
 {
     return tally->profile.A_l - tally->profile.Rd_r;
 }
 
+/* Returns the number of bins of all groups' profiles. */
 static size_t grouped_bins(const struct cml_tally *tally)
 {
     return (size_t)cml_cell_groups(&tally->grid) * bins_of_cells(tally);
 }
 
-/* Where bins of all rows are scattered over more than a processor keeps addresses of, looking those up would
- * take as long as adding. A wish that a system may ignore. */
+/* Asks for large pages. Bins of all rows are scattered over more memory than a processor keeps addresses of,
+ * and looking up addresses would take as long as adding. The system may ignore this request. */
 static void prefer_large_pages(void *block, size_t bytes)
 {
     const uintptr_t page = (uintptr_t)1 << 21, first = ((uintptr_t)block + page - 1) / page * page,
@@ -84,7 +86,7 @@ static void prefer_large_pages(void *block, size_t bytes)
 #endif
 }
 
-/* All arrays of a tally lie in one block, so that merging and clearing are one loop. */
+/* Allocates all arrays of a tally in one block, so that merging and clearing are one loop. */
 cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid,
@@ -94,8 +96,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     tally->cells = cml_arrays_add(&tally->arrays, cells, sizeof *tally->cells);
     if (tally->cells && grid->rows) prefer_large_pages(tally->cells, cells * sizeof *tally->cells);
     tally->grouped = cml_arrays_add(&tally->arrays, grouped_bins(tally), sizeof *tally->grouped);
-    tally->summed = cml_arrays_add(&tally->arrays, bins, sizeof *tally->summed);
-    tally->brought = cml_arrays_add(&tally->arrays, bins, sizeof *tally->brought);
+    tally->last_sums = cml_arrays_add(&tally->arrays, bins, sizeof *tally->last_sums);
+    tally->batch_sums = cml_arrays_add(&tally->arrays, bins, sizeof *tally->batch_sums);
     tally->late.rows = cml_arrays_add(&tally->arrays, CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
     if (trail_cells(grid))
         tally->stay = cml_arrays_add(&tally->arrays, trail_cells(grid), sizeof *tally->stay);
@@ -110,14 +112,15 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     return status;
 }
 
-/* Only what a thread has none of itself; NULL stays NULL where the owner has none either. */
+/* Borrows only arrays that the thread does not have itself. A pointer stays NULL if the owner lacks the
+ * array, too. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     for (int i = 0; i < CML_NUM_ARRAYS; i++)
         if (!tally->layout.size[i]) tally->array[i] = owner->array[i];
 }
 
-/* Not what is borrowed: others score there meanwhile. */
+/* Leaves borrowed arrays as they are, because other threads score into them meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->cells, 0, tally->layout.cells * sizeof *tally->cells);
@@ -125,7 +128,7 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
     memset(tally->grouped, 0, grouped_bins(tally) * sizeof *tally->grouped);
-    memset(tally->summed, 0, tally->profile.cells * sizeof *tally->summed);
+    memset(tally->last_sums, 0, tally->profile.cells * sizeof *tally->last_sums);
     cml_tally_drop_late(tally);
 }
 
@@ -136,8 +139,8 @@ void cml_tally_free(struct cml_tally *tally)
     *tally = (struct cml_tally){0};
 }
 
-/* Insertion into a short sorted list. Which packets are kept must not depend on the order in which threads
- * and ranks report them, so it is the smallest. */
+/* Inserts an index into a short sorted list. The list keeps the smallest indices, so that it does not depend
+ * on the order in which threads and ranks report. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index)
 {
     int k = list->count;
@@ -161,7 +164,8 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
     const struct cml_layout *own = &from->layout;
-    add_cells(to->cells, from->cells, own->A_rz); /* what is before it, all have alike */
+    /* Arrays before A_rz have the same places in both tallies. */
+    add_cells(to->cells, from->cells, own->A_rz);
     for (int i = 0; i < CML_NUM_ARRAYS; i++)
         if (own->size[i] && own->at[i] >= own->A_rz && own->at[i] < own->Rd_xya && i != CML_ARRAY_A_z)
             add_cells(to->array[i], from->array[i], cml_layout_cells(own, (enum cml_array)i));
@@ -183,7 +187,8 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
     return late->rows + (size_t)late->row_of[batch] * tally->profile.cells;
 }
 
-/* Rows are taken from the first one on, so that memory of those that are never needed is never touched. */
+/* Clears the rows in use only. Rows are taken from the first one on, so memory of rows that are never needed
+ * is never touched. */
 void cml_tally_drop_late(struct cml_tally *tally)
 {
     const size_t cells = (size_t)tally->late.count * tally->profile.cells;
@@ -204,7 +209,7 @@ static void add_rows(const uint64_t *cells, size_t rows, size_t columns, uint64_
         for (size_t j = 0; j < columns; j++) sums[i] += cells[i * columns + j];
 }
 
-/* Rd_ra or Tt_ra to its profiles. One column is added up as one row, in vectors. */
+/* Adds Rd_ra or Tt_ra to its profiles. A single column is added as one row, in vectors. */
 static void add_exits(const uint64_t *cells, size_t rows, size_t na, uint64_t *by_r, uint64_t *by_a)
 {
     if (na > 1) {
@@ -216,7 +221,7 @@ static void add_exits(const uint64_t *cells, size_t rows, size_t na, uint64_t *b
     }
 }
 
-/* Profiles of the cells of a group, where each has its own, into their places behind those of totals. */
+/* Computes the profiles of one group's cells, at their places behind the totals. */
 static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bins)
 {
     const struct cml_layout *at = &tally->profile;
@@ -230,8 +235,8 @@ static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bin
                     bins + at->A_z - at->Rd_r);
 }
 
-/* Late packets add what they bring to those of their groups, whose cells are many; those of the group of this
- * batch, or of all where it is -1, are summed anew. */
+/* Updates the profiles of the groups. Late packets add their rows to the profiles of their groups, whose
+ * cells are too many to sum anew. The current batch's group is summed anew, or all groups if batch is -1. */
 static void sum_groups(const struct cml_tally *tally, int batch)
 {
     const int groups = cml_cell_groups(&tally->grid);
@@ -246,7 +251,7 @@ static void sum_groups(const struct cml_tally *tally, int batch)
         if (batch < 0 || g == batch % groups) sum_group(tally, (size_t)g, tally->grouped + (size_t)g * cells);
 }
 
-/* The totals and profiles of all that a tally has scored itself. */
+/* Computes the totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
     const struct cml_layout *at = &tally->profile;
@@ -255,22 +260,22 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
     add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(tally), sums + at->Rd_r);
     if (tally->grid.depths) memcpy(sums + at->A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
-    /* gates, detectors and expected values lie behind it in both */
+    /* gates, detectors and expected values follow A_l in both */
     memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 
-/* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
- * than its grids: the difference to the last sums is what came since. */
-void cml_tally_bring(struct cml_tally *tally, int batch)
+/* A tally continues from batch to batch, and is summed anew each time, because its profiles are much shorter
+ * than its grids. The difference to the last sums is the batch's share. */
+void cml_tally_sum_batch(struct cml_tally *tally, int batch)
 {
     const size_t bins = tally->profile.cells;
     sum_groups(tally, batch);
-    sum_profiles(tally, tally->brought);
+    sum_profiles(tally, tally->batch_sums);
     for (size_t i = 0; i < bins; i++) {
-        const uint64_t sum = tally->brought[i];
-        tally->brought[i] = sum - tally->summed[i];
-        tally->summed[i] = sum;
+        const uint64_t sum = tally->batch_sums[i];
+        tally->batch_sums[i] = sum - tally->last_sums[i];
+        tally->last_sums[i] = sum;
     }
     for (int row = 0; row < tally->late.count; row++)
-        for (size_t i = 0; i < bins; i++) tally->brought[i] -= tally->late.rows[(size_t)row * bins + i];
+        for (size_t i = 0; i < bins; i++) tally->batch_sums[i] -= tally->late.rows[(size_t)row * bins + i];
 }

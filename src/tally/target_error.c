@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-/* A total just below the least share ends the run all the same, when its own error is small enough. */
+/* True if a total meets the target, or lies below the least share by three standard errors. */
 static bool settled(const struct cml_result *result, enum cml_total total, double target)
 {
     const double share = cml_result_total(result, total), error = cml_result_error(result, total);
     return error <= target * share || share + 3 * error < CML_TARGET_LEAST_SHARE;
 }
 
-/* However small they are: somebody aims at them. */
+/* True if all expected values meet the target. Small values count, too, because the user aims at them. */
 static bool expected_settled(const struct cml_result *result, double target)
 {
     bool all = true;

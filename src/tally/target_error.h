@@ -1,21 +1,23 @@
-/* When a run with --target-error may end. SPDX-License-Identifier: MIT */
+/* Decides when a run with --target-error may end. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "tally/result.h"
 
-/* Shares of the launched weight below this are not looked at: a total that hardly scores would keep
- * --target-error flying for ever. */
+/* Smallest share of the launched weight that is judged. Otherwise a total with hardly any light would keep a
+ * run with --target-error flying for ever. */
 #define CML_TARGET_LEAST_SHARE 1e-3
 
-/* Nothing is judged before so many photons: a total of the least share then has ten packets, and is seen. */
+/* Smallest number of photons that is judged. A total of the least share then has ten packets, so it is not
+ * overlooked. */
 #define CML_TARGET_LEAST_PHOTONS 10000
 
-/* Whether each of Rd, A and Tt of a complete round has a relative standard error of at most `target`, or is
- * by three standard errors below the least share. Where there are expected values, each of them in place of
- * Tt has such an error, however small it is. of: not 0: that alone has, as of cml_target_error_of. */
+/* True if each of Rd, A and Tt has a relative standard error of at most `target`, or lies three standard
+ * errors below the least share. The result must be a complete round. If there are expected values, each of
+ * these takes the place of Tt, however small it is. of: if not 0, only this number is judged, named as in
+ * cml_target_error_of. */
 bool cml_target_met(const struct cml_result *result, double target, int of);
 
-/* The relative standard error of what --error-of names: above 0 what layer `of` absorbs, as expected where
- * that is known (P15), below 0 what detector -of sees, from 1. INFINITY where nothing
- * was. */
+/* Returns the relative standard error of the number that --error-of names. of > 0: absorption of layer `of`,
+ * its expected value if known (rule P15); of < 0: detector -of, from 1. INFINITY if no light arrived
+ * there. */
 double cml_target_error_of(const struct cml_result *result, int of);

@@ -77,10 +77,10 @@ static void check_tally(struct cml_tally *tally)
     struct cml_result result;
     struct cml_error err = {CML_OK, ""};
     FUZZ_CHECK(cml_result_create(&tally->grid, PHOTONS, &result, &err) == CML_OK);
-    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
+    memset(tally->last_sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->last_sums);
     tally->late.count = 0;
-    cml_tally_bring(tally, 0);
-    cml_result_add_brought(&result, 0, tally);
+    cml_tally_sum_batch(tally, 0);
+    cml_result_add_batch(&result, 0, tally);
     cml_result_add(&result, tally);
     FUZZ_CHECK(result.summary.count[CML_COUNT_PHOTONS] == PHOTONS);
     FUZZ_CHECK(cml_result_imbalance(&result) == 0);

@@ -67,8 +67,8 @@ static inline void assert_weight_balances(struct cml_tally *tally, uint64_t phot
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
-    cml_tally_bring(tally, 0);
-    cml_result_add_brought(&result, 0, tally);
+    cml_tally_sum_batch(tally, 0);
+    cml_result_add_batch(&result, 0, tally);
     cml_result_add(&result, tally);
     assert_true(cml_result_imbalance(&result) == 0);
     assert_true(result.summary.count[CML_COUNT_PHOTONS] == photons);

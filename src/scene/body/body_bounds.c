@@ -1,4 +1,4 @@
-/* Bodies against the boundaries of their layer. SPDX-License-Identifier: MIT */
+/* Compares bodies with the boundaries of their layer. SPDX-License-Identifier: MIT */
 #include "geometry/vec3.h"
 #include "scene/body/body_place.h"
 #include "scene/body/body_shape.h"
@@ -8,19 +8,19 @@
 #include <float.h>
 #include <math.h>
 
-#define SIDES 512 /* of the prism around a cylinder */
+#define SIDES 512 /* sides of the prism around a cylinder */
 
-/* One body beside one boundary. */
+/* The comparison of one body with one boundary. */
 struct encounter {
     const struct cml_scene *scene;
     const struct cml_boundary *boundary;
-    struct cml_sheet sheet; /* of a mesh */
-    double top, bottom;     /* least and greatest z of the boundary */
-    int number;             /* of the boundary */
-    bool below;             /* the body must lie below it */
+    struct cml_sheet sheet; /* the boundary's sheet, if it is a mesh */
+    double top, bottom;     /* least and greatest z of the boundary, cm */
+    int number;             /* number of the boundary */
+    bool below;             /* true if the body must lie below the boundary */
     const struct cml_scene_body *body;
-    double lower[3], upper[3]; /* its box */
-    double at[3];              /* where it does not */
+    double lower[3], upper[3]; /* the body's bounding box */
+    double at[3];              /* place of a failure, scene coordinates, cm */
 };
 
 static cml_status fail_encounter(const struct encounter *e, const char *what, struct cml_error *err)
@@ -31,11 +31,11 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
                     e->at[0], e->at[1], e->at[2]);
 }
 
-/* What rounding may take of a gap, as a share of the size of the coordinates, as between bodies (convex.c).
- */
+/* Largest rounding error of a gap, as a share of the size of the coordinates; convex.c uses the same share
+ * for gaps between bodies. */
 static const double err_share = 64 * DBL_EPSILON;
 
-/* The place is the body's closest to the plane, or farthest beyond. */
+/* Compares the body's box with a plane. The reported place is the middle of the box, moved to the plane. */
 static cml_status compare_with_plane(struct encounter *e, double z, struct cml_error *err)
 {
     const double *lower = e->lower, *upper = e->upper;
@@ -50,7 +50,8 @@ static cml_status compare_with_plane(struct encounter *e, double z, struct cml_e
                           err);
 }
 
-/* From a point (r, z) of a half-plane through the axis to one of the segments of the outline. */
+/* Returns the distance from a point (r, z), in a half-plane through the axis, to the segment from (r0, z0) to
+ * (r1, z1). */
 static double distance_to_segment(double r, double z, double r0, double z0, double r1, double z1)
 {
     const double dr = r1 - r0, dz = z1 - z0;
@@ -58,8 +59,8 @@ static double distance_to_segment(double r, double z, double r0, double z0, doub
     return hypot(r - r0 - s * dr, z - z0 - s * dz);
 }
 
-/* The closest place of a surface of revolution lies in the half-plane of the sphere's centre. Samples that
- * are further away than the sphere reaches need not be looked at. */
+/* Compares a sphere with a radial heightfield. The closest place of a surface of revolution lies in the
+ * half-plane through the axis and the sphere's centre. Samples beyond the sphere's reach are skipped. */
 static cml_status compare_sphere_with_field(struct encounter *e, struct cml_error *err)
 {
     const struct cml_radial *field = &e->boundary->radial;
@@ -84,7 +85,7 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
     return fail_encounter(e, apart ? "lies beyond" : "meets", err);
 }
 
-/* Compares a body's mesh with a radial field: gap and side at once (overlap_radial.h). */
+/* Compares a body's mesh with a radial heightfield: the gap and the side at once (overlap_radial.h). */
 static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -96,7 +97,7 @@ static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_
     return fail_encounter(e, "meets", err);
 }
 
-/* Triangles whose boxes touch a sphere's. */
+/* Arguments of a search among the triangles whose boxes touch a sphere's box. */
 struct facets {
     struct encounter *e;
     struct cml_convex convex;
@@ -114,8 +115,8 @@ static void compare_with_facet(void *context, uint32_t t)
     facets->meets = cml_convex_compare(&triangle, &facets->convex, facets->e->at) != CML_CONVEX_APART;
 }
 
-/* A sphere that crosses the outer plane's depth must do so inside the border, whose edges it does not meet.
- */
+/* Compares a sphere with a mesh boundary. A sphere that reaches the depth of the outer plane must do so
+ * inside the border, and must not meet the border's edges. */
 static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_error *err)
 {
     struct facets facets = {.e = e, .convex = cml_body_convex(e->body)};
@@ -138,7 +139,8 @@ static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_erro
     return CML_OK;
 }
 
-/* Every part lies wholly on one side of a sheet that it does not meet. */
+/* True if a part of the body's mesh lies on the wrong side of the boundary, which the body does not meet.
+ * Each part then lies wholly on one side. */
 static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
 {
     for (size_t k = 0; k < body->mesh->num_parts; k++) {
@@ -150,6 +152,7 @@ static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
     return false;
 }
 
+/* Compares a body's mesh with a mesh boundary. */
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -164,7 +167,7 @@ static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_
     return beyond ? fail_encounter(e, "lies beyond", err) : CML_OK;
 }
 
-/* Meshes, and cylinders as prisms, against what is no plane. */
+/* Compares meshes, and cylinders as prisms, with a boundary that is not a plane. */
 static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
 {
     struct cml_mesh mesh;
@@ -175,7 +178,7 @@ static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
     return status;
 }
 
-/* A tile has no triangles to compare a body with. */
+/* Reports a body that overlaps a tile's depths. A tile has no triangles to compare the body with. */
 static cml_status fail_at_tile(const struct encounter *e, struct cml_error *err)
 {
     return cml_fail(
@@ -186,7 +189,8 @@ static cml_status fail_at_tile(const struct encounter *e, struct cml_error *err)
         e->number, e->top, e->bottom, e->below ? "below" : "above");
 }
 
-/* Where the body's box ends before the boundary begins nothing else is looked at. */
+/* Compares a body with a boundary. Only bodies whose box reaches the boundary's depths need more than the
+ * box. */
 static cml_status compare(struct encounter *e, struct cml_error *err)
 {
     const enum cml_boundary_form form = e->boundary->form;
@@ -208,6 +212,7 @@ static void take_heights(struct encounter *e, const double *h, size_t n)
     }
 }
 
+/* Sets the boundary's depths and, for a mesh, its sheet. */
 static cml_status prepare(struct encounter *e, struct cml_error *err)
 {
     const struct cml_boundary *boundary = e->boundary;
@@ -222,7 +227,7 @@ static cml_status prepare(struct encounter *e, struct cml_error *err)
     return CML_OK;
 }
 
-/* All bodies that lie right in a layer, against one of its boundaries. */
+/* Compares all bodies that lie directly in a layer with one of its boundaries. */
 static cml_status check_boundary(const struct cml_scene *scene, int layer, int number, struct cml_error *err)
 {
     const struct cml_body_range bodies = cml_layer_bodies(scene, layer);

@@ -10,20 +10,20 @@
 /* A body as the comparison sees it. */
 struct solid {
     const struct cml_scene_body *body;
-    struct cml_sheet *sheet; /* of a mesh, else NULL */
-    double volume;           /* of its box, cm^3 */
-    int number;              /* of the body, from 0 */
-    int host;                /* medium */
+    struct cml_sheet *sheet; /* sheet of a mesh; NULL for other forms */
+    double volume;           /* volume of the body's bounding box, cm^3 */
+    int number;              /* number of the body, from 0 */
+    int host;                /* medium directly around the body */
 };
 
-/* All bodies, sorted by layer and volume, or later by host; and what has been found. */
+/* All bodies, sorted first by layer and volume, later by host, and the state of the search. */
 struct placing {
     const struct cml_scene *scene;
     size_t count;
-    struct solid *solid; /* [count] */
-    double (*box)[2][3]; /* [count] */
-    size_t first;        /* of the solids whose tree is searched */
-    cml_status status;   /* of the comparisons; it ends them */
+    struct solid *solid; /* [count] bodies in the current order */
+    double (*box)[2][3]; /* [count] their bounding boxes */
+    size_t first;        /* first solid of the range whose tree is searched */
+    cml_status status;   /* status of the comparisons; a failure ends them */
     struct cml_error *err;
 };
 
@@ -52,15 +52,16 @@ static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a
                             : " (expected bodies apart, or one inside the other)");
 }
 
-/* What a sphere or cylinder meets of a mesh. */
+/* Arguments and findings of a search among the triangles of a mesh near a sphere or cylinder. */
 struct facets {
     const struct cml_sheet *sheet;
     const struct cml_convex *convex;
-    size_t inside; /* triangles */
+    size_t inside; /* number of triangles inside the sphere or cylinder */
     bool meets;
     double *at;
 };
 
+/* Compares a sphere or cylinder with one facet of a mesh: a cml_boxtree_visit. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
@@ -73,8 +74,8 @@ static void compare_with_facet(void *context, uint32_t t)
     facets->inside += order == CML_CONVEX_FIRST_INSIDE;
 }
 
-/* How a sphere or cylinder lies to a mesh: no triangle may meet its surface; then all of them lie inside it,
- * or none, and it lies wholly on one side of the mesh. */
+/* Tells how a sphere or cylinder lies to a mesh. If no triangle meets its surface, either all triangles lie
+ * inside it, or none does and it lies wholly on one side of the mesh. */
 static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body,
                                                const struct cml_sheet *sheet, double at[3])
 {
@@ -90,7 +91,8 @@ static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body
     return cml_sheet_is_below(sheet, convex.centre) ? CML_CONVEX_FIRST_INSIDE : CML_CONVEX_APART;
 }
 
-/* How many parts of a lie inside of b, which they do not meet; at: of one of them. */
+/* Returns the number of parts of a that lie inside b; a and b must not meet. at: a corner of one such
+ * part. */
 static size_t count_inside(const struct cml_sheet *a, const struct cml_sheet *b, double at[3])
 {
     size_t inside = 0;
@@ -103,8 +105,9 @@ static size_t count_inside(const struct cml_sheet *a, const struct cml_sheet *b,
     return inside;
 }
 
-/* Surfaces apart, a lies inside of b when all of its surface does and none of b's lies inside of a: a part of
- * a could else be around a part, or a cavity, of b. What lies in a cavity of the other is apart from it. */
+/* Tells how two mesh bodies lie to each other. If their surfaces are apart, a lies inside b only if all parts
+ * of a do and no part of b lies inside a: a part of a might enclose a part, or a cavity, of b. A body in a
+ * cavity of another one is apart from it. */
 static enum cml_convex_order compare_meshes(const struct solid *a, const struct solid *b, double at[3])
 {
     struct cml_sheet_overlap overlap;
@@ -119,6 +122,7 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
     return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
+/* Tells how two bodies of any form lie to each other. */
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
     if (a->sheet && b->sheet) return compare_meshes(a, b, at);
@@ -133,6 +137,7 @@ static enum cml_convex_order compare_solids(const struct solid *a, const struct 
                                                : order;
 }
 
+/* Refuses a mesh that crosses or touches itself. */
 static cml_status check_self(const struct cml_scene *scene, const struct solid *solid, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;
@@ -147,7 +152,8 @@ static cml_status check_self(const struct cml_scene *scene, const struct solid *
         (unsigned)overlap.triangle[0], (unsigned)overlap.triangle[1]);
 }
 
-/* Layer after layer, small before large: no body lies in one before it, whose box is smaller. */
+/* Orders bodies by layer, then by the volume of their boxes. No body lies inside one that comes before it,
+ * whose box is smaller. */
 static int compare_volumes(const void *left, const void *right)
 {
     const struct solid *a = left, *b = right;
@@ -168,7 +174,7 @@ static void sort(struct placing *p, int (*compare)(const void *, const void *))
     for (size_t i = 0; i < p->count; i++) cml_body_box(p->solid[i].body, p->box[i][0], p->box[i][1]);
 }
 
-/* Whether body i lies in body j: a cml_boxtree_accept. */
+/* True if body i lies in body j, or if the comparison failed: a cml_boxtree_accept. */
 static bool lies_in(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -181,7 +187,7 @@ static bool lies_in(void *context, uint32_t i, uint32_t j)
     return order == CML_CONVEX_FIRST_INSIDE || fails;
 }
 
-/* Whether two bodies that lie beside each other fail: a cml_boxtree_pair. */
+/* True if two bodies with the same host are not apart, which is an error: a cml_boxtree_pair. */
 static bool fails_beside(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -194,7 +200,7 @@ static bool fails_beside(void *context, uint32_t i, uint32_t j)
     return true;
 }
 
-/* The smallest body around each of a layer. */
+/* Finds for each body of a layer the smallest body around it. */
 static void find_hosts(struct placing *p, const struct cml_boxtree *tree, size_t count)
 {
     for (uint32_t i = 0; i < count && p->status == CML_OK; i++) {
@@ -203,7 +209,7 @@ static void find_hosts(struct placing *p, const struct cml_boxtree *tree, size_t
     }
 }
 
-/* Solids that share a layer, or a host. */
+/* Compares the solids of one layer, to find their hosts, or those of one host, to find contacts. */
 static cml_status compare_range(struct placing *p, size_t count, bool hosts)
 {
     struct cml_boxtree *tree;
@@ -217,8 +223,8 @@ static cml_status compare_range(struct placing *p, size_t count, bool hosts)
     return p->status;
 }
 
-/* A body lies in its host and in what that lies in, and beside all that lies beside one of those: so it is
- * compared with its host, and with what shares that. */
+/* Compares each body with its host and with the bodies that share its host. This suffices: a body lies inside
+ * its host, so inside all that encloses the host and beside all that lies beside the host. */
 static cml_status compare_all(struct placing *p)
 {
     size_t end;
@@ -236,6 +242,7 @@ static cml_status compare_all(struct placing *p)
     return CML_OK;
 }
 
+/* Finds the hosts of all bodies. sheets: room for the sheets of all meshes. */
 static cml_status place(struct placing *p, struct cml_sheet *sheets)
 {
     for (size_t i = 0, meshes = 0; i < p->count; i++) {

@@ -26,8 +26,8 @@ struct cml_convex cml_body_convex(const struct cml_scene_body *body)
     return convex;
 }
 
-/* A disk across the axis reaches r sqrt(1 - axis_k^2) along each coordinate, which is r times the length of
- * the axis' other two coordinates: that does not cancel where the axis lies along one. */
+/* A disk across the axis reaches r sqrt(1 - axis_k^2) along coordinate k. This equals r times the length of
+ * the axis' other two coordinates, which does not cancel for an axis along coordinate k. */
 void cml_body_box(const struct cml_scene_body *body, double lower[3], double upper[3])
 {
     if (body->form == CML_BODY_MESH) {
@@ -68,7 +68,7 @@ double cml_body_volume(const struct cml_scene_body *body)
     return volume;
 }
 
-/* The corners of an icosahedron on the unit sphere, and its faces. */
+/* Fills in the corners of an icosahedron on the unit sphere, and its faces. */
 static void icosahedron(double corner[12][3], uint32_t face[20][3])
 {
     const double g = (1 + sqrt(5)) / 2, size = sqrt(1 + g * g);
@@ -82,7 +82,8 @@ static void icosahedron(double corner[12][3], uint32_t face[20][3])
     for (uint32_t a = 0; a < 12; a++)
         for (uint32_t b = a + 1; b < 12; b++)
             for (uint32_t c = b + 1; c < 12; c++) {
-                const double least = 0.4; /* neighbours have the cosine 1 / sqrt(5), others -1 / sqrt(5) */
+                /* Neighbouring corners have the cosine 1 / sqrt(5), others -1 / sqrt(5). */
+                const double least = 0.4;
                 if (cml_vec3_dot(corner[a], corner[b]) < least ||
                     cml_vec3_dot(corner[b], corner[c]) < least || cml_vec3_dot(corner[a], corner[c]) < least)
                     continue;
@@ -90,9 +91,9 @@ static void icosahedron(double corner[12][3], uint32_t face[20][3])
             }
 }
 
-/* A vertex of a face, i parts from its first corner, j of them towards the third. Sums in the order of the
- * corners' numbers, which every face lists rising, so that faces that share an edge get the same bits there.
- */
+/* Places a vertex of a face: i parts away from the face's first corner, j of them towards the third. Sums run
+ * in the order of the corners' numbers, which every face lists rising. So faces that share an edge compute
+ * the same bits there. */
 static void place_on_face(const double corner[12][3], const uint32_t face[3], int n, int i, int j,
                           const struct cml_scene_body *body, double out[3])
 {
@@ -105,7 +106,8 @@ static void place_on_face(const double corner[12][3], const uint32_t face[3], in
     cml_vec3_add_scaled(body->centre, body->radius, direction, out);
 }
 
-/* Vertices on edges are made by each face anew, with the same bits: preparing joins them. */
+/* Makes the mesh of a sphere. Each face makes the vertices on its edges anew, with the same bits, so that
+ * cml_mesh_prepare joins them. */
 static cml_status make_sphere(const struct cml_scene_body *body, int n, struct cml_mesh *mesh,
                               struct cml_error *err)
 {
@@ -125,7 +127,7 @@ static cml_status make_sphere(const struct cml_scene_body *body, int n, struct c
     return CML_OK;
 }
 
-/* Two unit vectors across the axis. */
+/* Finds two unit vectors e1, e2 perpendicular to the axis and to each other. */
 static void find_frame(const double axis[3], double e1[3], double e2[3])
 {
     const int thin = fabs(axis[0]) < 0.6 ? 0 : 1;
@@ -135,7 +137,8 @@ static void find_frame(const double axis[3], double e1[3], double e2[3])
     cml_vec3_cross(axis, e1, e2);
 }
 
-/* Vertices of both rims, then the middles of both ends; the triangles of the side, then of the ends. */
+/* Makes the prism of a cylinder. Vertices: both rims, then the middles of both ends. Triangles: the side,
+ * then the ends. */
 static cml_status make_cylinder(const struct cml_scene_body *body, int n, double radius,
                                 struct cml_mesh *mesh, struct cml_error *err)
 {
@@ -166,7 +169,7 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     return CML_OK;
 }
 
-/* Moves all vertices from the centre, by the third root of what the volume lacks. */
+/* Scales the mesh about the body's centre to the body's volume. */
 static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *mesh)
 {
     const struct cml_scene_body made = {.form = CML_BODY_MESH, .mesh = *mesh};
@@ -178,9 +181,9 @@ static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *
     }
 }
 
-/* How many segments keep a tolerance. Of a sphere the middle of a face lies deepest, by 0.35 / n^2 of the
- * radius below its corners at most (the largest faces), of a cylinder the middle of a side, by pi^2 / (2
- * n^2); volume is preserved in between. */
+/* Returns the number of segments that keeps a tolerance. On a sphere the middle of a face lies deepest, by at
+ * most 0.35 / n^2 of the radius below its corners (the largest faces). On a cylinder the middle of a side
+ * does, by pi^2 / (2 n^2). Scaling to the body's volume reduces both. */
 int cml_body_segments(enum cml_body_form form, double tolerance)
 {
     const double least = 3, most = 1000;

@@ -7,12 +7,13 @@
 #include <float.h>
 #include <math.h>
 
-/* What rounding may take of a gap, as a share of the size of the coordinates: gaps up to this are none. A
- * distance goes through some 20 operations, each of which rounds by half an epsilon of that size: 10 of 64.
- */
+/* Largest rounding error of a gap, as a share of the size of the coordinates: smaller gaps count as contact.
+ * A distance passes through some 20 operations, each of which rounds by half an epsilon of that size: 10
+ * epsilon, taken as 64. */
 static const double err_share = 64 * DBL_EPSILON;
 
-/* Coordinates along and across the axis of a cylinder. */
+/* Splits p - centre into its coordinate along a cylinder's axis, which is returned, and the vector across the
+ * axis. */
 static double along_axis(const struct cml_convex *c, const double p[3], double across[3])
 {
     double d[3];
@@ -42,8 +43,8 @@ static void project_on_cylinder(const struct cml_convex *c, const double p[3], d
     cml_vec3_add_scaled(closest, part, across, closest);
 }
 
-/* [C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5]: by the region of the plane around the
- * triangle that the point is over. */
+/* Finds the closest point of a triangle from the region around the triangle that contains p [C. Ericson,
+ * Real-Time Collision Detection, 2005, section 5.1.5]. */
 static void project_on_triangle(const struct cml_convex *c, const double p[3], double closest[3])
 {
     const double *a = c->corner[0];
@@ -99,7 +100,7 @@ double cml_convex_distance(const struct cml_convex *convex, const double p[3])
     return side > 0 && ends > 0 ? hypot(side, ends) : fmax(side, ends);
 }
 
-/* The greatest product of a point of the set with the direction n. */
+/* Returns the support function: the largest scalar product of a point of the set with the direction n. */
 static double support(const struct cml_convex *c, const double n[3])
 {
     if (c->form == CML_CONVEX_TRIANGLE)
@@ -111,16 +112,16 @@ static double support(const struct cml_convex *c, const double n[3])
     return middle + fmax(0, rise * c->length) + c->radius * sqrt(fmax(0, size * size - rise * rise));
 }
 
-/* The size of coordinates whose rounding counts. */
+/* Returns the size of a set's coordinates, with which the rounding error grows. */
 static double size_of(const struct cml_convex *c)
 {
     const double *p = c->form == CML_CONVEX_TRIANGLE ? c->corner[0] : c->centre;
     return fabs(p[0]) + fabs(p[1]) + fabs(p[2]) + c->radius + c->length;
 }
 
-/* Alternating projections [J. von Neumann, Functional Operators II, 1950; W. Cheney and A. A. Goldstein,
- * Proc. AMS 10 (1959) 448]: they come to the closest points of two convex sets. Ends with a plane between the
- * sets, or with a distance within rounding. */
+/* True if two sets are apart. Alternating projections converge to the closest points of two convex sets [J.
+ * von Neumann, Functional Operators II, 1950; W. Cheney and A. A. Goldstein, Proc. AMS 10 (1959) 448]. The
+ * loop ends with a plane between the sets, or with a distance within rounding. */
 static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, double err_distance,
                       double at[3])
 {
@@ -144,9 +145,10 @@ static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, do
     return false;
 }
 
-/* How far the rim of a cylinder around `middle` gets from the axis of another one, at most: the greatest of
- * many places |v + r (q1 cos t + q2 sin t)| with what can lie between two of them, and never more than |v| +
- * r, which it is where the axes are parallel, and which is taken where it will do. */
+/* Returns an upper bound of the distance between the axis of a cylinder and the rim, around `middle`, of
+ * another cylinder. This is the largest |v + r (q1 cos t + q2 sin t)| at 720 places, plus the most that can
+ * lie between two of them. It never exceeds |v| + r, the distance for parallel axes, which is returned at
+ * once if it already fits inside. */
 static double farthest_across(const struct cml_convex *outer, const struct cml_convex *inner,
                               const double middle[3])
 {
@@ -169,12 +171,13 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
         cml_vec3_add_scaled(w, inner->radius * sin(t), q2, w);
         best = fmax(best, cml_vec3_length(w));
     }
-    /* between two places the square bends by at most 4 r (r + |v|) per radian^2 */
+    /* between two places the square curves by at most 4 r (r + |v|) per radian^2 */
     const double half = CML_PI / places, r = inner->radius;
     return fmin(sqrt(best * best + 2 * r * most * half * half), most);
 }
 
-/* Closed form for a sphere, else as above. */
+/* True if a sphere is apart from another set; closed form. at: the point of the other set closest to the
+ * sphere's centre. */
 static bool sphere_is_apart(const struct cml_convex *sphere, const struct cml_convex *other,
                             double err_distance, double at[3])
 {
@@ -184,8 +187,8 @@ static bool sphere_is_apart(const struct cml_convex *sphere, const struct cml_co
     return cml_vec3_length(d) - sphere->radius > err_distance;
 }
 
-/* How far beyond the surface of a sphere or cylinder the farthest point of the other set is: below 0 all of
- * it lies inside. Above 0 it may be less than that. */
+/* Returns how far the farthest point of the inner set lies beyond the surface of a sphere or cylinder.
+ * Negative: the whole inner set lies inside. A positive value is only a lower bound. */
 static double reach_beyond(const struct cml_convex *outer, const struct cml_convex *inner)
 {
     if (inner->form == CML_CONVEX_SPHERE) return cml_convex_distance(outer, inner->centre) + inner->radius;
@@ -198,7 +201,7 @@ static double reach_beyond(const struct cml_convex *outer, const struct cml_conv
         double middle[3], d[3], across[3];
         cml_vec3_add_scaled(inner->centre, end * inner->length, inner->axis, middle);
         most = fmax(most, cml_convex_distance(outer, middle));
-        if (most > 0) return most; /* of most pairs, long before the search */
+        if (most > 0) return most; /* most pairs of sets end here, before the costly search */
         cml_vec3_subtract(middle, outer->centre, d);
         if (outer->form == CML_CONVEX_SPHERE) {
             const double rise = cml_vec3_dot(d, inner->axis);

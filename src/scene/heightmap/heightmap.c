@@ -1,11 +1,11 @@
-/* Heightmaps as they are measured: memory, missing heights, place, moments. SPDX-License-Identifier: MIT */
+/* Measured heightmaps: memory, missing heights, placement, statistics. SPDX-License-Identifier: MIT */
 #include "scene/heightmap/heightmap.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* In double: the product of two ints from a file may not fit an int. */
+/* Takes sizes as doubles, because the product of two ints from a file may not fit an int. */
 cml_status cml_heightmap_allocate(const char *path, double nx, double ny, struct cml_heightmap *map,
                                   struct cml_error *err)
 {
@@ -41,7 +41,8 @@ cml_status cml_heightmap_check(const char *path, const struct cml_heightmap *map
         path, missing, count, first / nx + 1, first % nx + 1);
 }
 
-/* Rows in the opposite order: from the top row first to the lowest y first, and a turn about the x axis. */
+/* Reverses the order of the rows. This turns a file's order into the order by rising y, and is also part of a
+ * turn about the x axis. */
 static void swap_rows(struct cml_heightmap *map)
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
@@ -61,8 +62,8 @@ void cml_heightmap_centre(struct cml_heightmap *map)
     map->y0 = -0.5 * (map->ny - 1) * map->dy;
 }
 
-/* A turn about the x axis changes the signs of y and of the heights; y is symmetric about the map's middle,
- * so that only the order of the rows changes. */
+/* A turn about the x axis changes the signs of y and of the heights. Because y is symmetric about the map's
+ * middle, only the order of the rows changes. */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;
@@ -75,8 +76,9 @@ void cml_heightmap_place(struct cml_heightmap *map, double scale, const double s
     map->y0 = map->y0 * scale + shift[1];
 }
 
-/* In a cell cut along either diagonal two edges along x and two along y belong to one triangle each: the mean
- * square of the slope is that of the edges. */
+/* Returns the sum of squared slopes over one row of cells. In a cell, cut along either diagonal, two edges
+ * along x and two along y belong to one triangle each. So the mean square of the slope is that of the
+ * edges. */
 static double slope_squares(const struct cml_heightmap *map, const double *h, int j)
 {
     const double *low = h + (size_t)j * (size_t)map->nx, *high = low + map->nx;
@@ -90,7 +92,8 @@ static double slope_squares(const struct cml_heightmap *map, const double *h, in
     return sum / 2;
 }
 
-/* Squares about the mean in a second pass: in one, a shallow relief far up would lose its digits. */
+/* Sums squares about the mean in a second pass. A single pass would lose the digits of a shallow relief at a
+ * large height. */
 void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, struct cml_relief *relief)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;

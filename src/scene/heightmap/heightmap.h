@@ -1,14 +1,22 @@
-/* Heights on a regular grid, as scanners measure them, and how they become a boundary mesh.
- * Samples are the mesh's vertices; between them the surface is the grid's finest triangulation, whose
- * diagonals alternate from cell to cell. Triangles are merged in pairs as long as no sample is further from
- * the merged one than the tolerance: right-angled triangles whose halves share the middle of the longest
- * side, so that neither needles nor T-junctions arise. Because the merged triangles are unions of the finest
- * ones, the largest distance is found at a sample: the bound holds for the whole surface.
+/* Heights on a regular grid, as scanners measure them, and the boundary mesh made from them.
  *
- * A boundary's border lies on one plane, a scan's rim does not: a skirt outside the scan, one cell wide or as
- * wide as it is high, so that no part is steeper than 45 degrees, leads from the rim to the rim's mean
- * height. Sides of triangles on the rim are at most CML_RIM_CELLS cells long, so that the skirt has no
- * needles either. SPDX-License-Identifier: MIT */
+ *     height map (samples)  --merge triangles within the tolerance-->  triangles  --add a skirt-->  mesh
+ *
+ *                    scan
+ *                _/\__/\/\_
+ *     __________/          \___________  outer plane, at the mean height of the rim
+ *               skirt      skirt
+ *
+ * Samples are the mesh's vertices. Between samples the surface is the grid's finest triangulation, whose
+ * diagonals alternate from cell to cell. Triangles are merged in pairs while all samples stay within the
+ * tolerance of the merged triangle. All triangles are right-angled, and both halves of one share the middle
+ * of its longest side, so there are neither needles nor T-junctions. Merged triangles are unions of the
+ * finest ones, so the largest distance is found at a sample: the tolerance holds for the whole surface.
+ *
+ * A boundary's border lies in one plane, but the rim of a scan does not. So a skirt outside the scan leads
+ * from the rim to the rim's mean height. It is one cell wide, or as wide as it is high, so that no part of it
+ * is steeper than 45 degrees. Sides of triangles on the rim are at most CML_RIM_CELLS cells long, so that the
+ * skirt has no needles either. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "geometry/mesh.h"
@@ -16,61 +24,65 @@
 
 #define CML_RIM_CELLS 4
 
-#define CML_HIGHEST_SAMPLE 1e30 /* cm, as for all lengths of .mci files */
+#define CML_HIGHEST_SAMPLE 1e30 /* largest height, cm; the limit of all lengths in .mci files */
 
+/* A heightmap: samples of a height on a regular grid; owns its heights. */
 struct cml_heightmap {
-    int nx, ny;    /* samples, each 2 or more */
-    double x0, y0; /* of the first sample, cm */
-    double dx, dy; /* spacing, cm */
-    double *h;     /* [ny][nx] heights up, cm; the first row has the smallest y */
+    int nx, ny;    /* number of samples along x and y, each 2 or more */
+    double x0, y0; /* position of the first sample, cm */
+    double dx, dy; /* spacing of samples along x and y, cm */
+    double *h;     /* [ny][nx] heights, upwards, cm; the first row has the smallest y */
 };
 
-/* Moments of heights and of the finest triangulation's slopes. */
+/* Statistics of heights, and of the slopes of their finest triangulation. */
 struct cml_relief {
-    double mean, rms; /* cm; rms about the mean */
+    double mean, rms; /* mean height and rms deviation from it, cm */
     double lowest, highest;
-    double slope_rms; /* [-]; the same for either diagonal of a cell */
+    double slope_rms; /* rms slope [-]; both diagonals of a cell give the same value */
 };
 
-/* What became of a heightmap; printed by `check`. */
+/* The properties of a heightmap and of the mesh made from it; `check` prints them. */
 struct cml_heightmap_notes {
     int nx, ny;
-    double dx, dy;            /* cm */
-    struct cml_relief relief; /* of the samples */
-    double tolerance;         /* cm, asked for */
-    double height_error; /* cm: largest distance along z between samples and mesh, at most the tolerance */
-    double slope_error;  /* [-] rms of the difference of the slopes */
-    size_t cells;        /* (nx - 1) (ny - 1) */
-    size_t triangles;    /* that stand for them, without the skirt; 2 per cell when nothing was merged */
-    double rim_mean;     /* cm: the height on which the boundary goes on outside */
-    double rim_step;     /* cm: largest height that the skirt has to overcome */
-    double skirt[2];     /* cm: its width along x and y */
+    double dx, dy;            /* spacing of samples, cm */
+    struct cml_relief relief; /* statistics of the samples */
+    double tolerance;         /* requested tolerance, cm */
+    double height_error; /* largest vertical distance between samples and mesh, cm, at most the tolerance */
+    double slope_error;  /* rms difference of the slopes of samples and mesh [-] */
+    size_t cells;        /* number of cells, (nx - 1) (ny - 1) */
+    size_t triangles;    /* number of triangles without the skirt; 2 per cell when none were merged */
+    double rim_mean;     /* mean height of the rim, cm: the boundary's height outside the scan */
+    double rim_step;     /* largest height that the skirt bridges, cm */
+    double skirt[2];     /* width of the skirt along x and y, cm */
 };
 
-/* Zeroed heights; nx, ny >= 2. CML_E_INPUT beyond 2^26 samples. */
+/* Makes a heightmap of nx x ny samples (2 or more each), whose heights are 0. Free it with
+ * cml_heightmap_clear. CML_E_INPUT beyond 2^26 samples; `path` is for messages. */
 CML_NODISCARD cml_status cml_heightmap_allocate(const char *path, double nx, double ny,
                                                 struct cml_heightmap *map, struct cml_error *err);
 
 void cml_heightmap_clear(struct cml_heightmap *map);
 
 /* Refuses heights that are not finite: "PATH: 3 of 100 heights are missing, the first in row 2, column 7
- * ..."; rows count from the top, which is where `h` begins in a file. */
+ * ...". Rows are counted from the top row of the file, where `h` begins at this point. */
 CML_NODISCARD cml_status cml_heightmap_check(const char *path, const struct cml_heightmap *map,
                                              struct cml_error *err);
 
-/* From a file's order, top row first, to ours, and the map's middle to x = y = 0. */
+/* Turns a heightmap from a file's order, top row first, into the order of struct cml_heightmap, and moves its
+ * middle to x = y = 0. */
 void cml_heightmap_centre(struct cml_heightmap *map);
 
-/* scale > 0 multiplies all lengths; then `turn` puts the map upside down, about the x axis; then the shift
- * (x, y, height; cm) is added. */
+/* Places a heightmap: multiplies all lengths by scale > 0; then, if `turn`, turns the map upside down about
+ * the x axis; then adds the shift (x, y, height; cm). */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn);
 
-/* Measures the relief of ny rows of nx values h with the map's spacings. */
+/* Measures the relief of ny rows of nx heights h, with the map's size and spacings. */
 void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, struct cml_relief *relief);
 
-/* The prepared mesh in the boundary's frame, z = -height. tolerance: largest height error as a share of the
- * distance from the lowest to the highest sample, 0: merge only what lies in one plane. CML_E_INPUT for
- * memory, and when more triangles are left than the budget (NULL: CML_MESH_MOST) has. */
+/* Makes the prepared mesh of a heightmap in the boundary's frame, z = -height. tolerance: largest height
+ * error as a share of the distance from the lowest to the highest sample; 0: only triangles in one plane are
+ * merged. CML_E_INPUT if memory runs out, or if more triangles are left than the budget allows (NULL:
+ * CML_MESH_MOST). */
 CML_NODISCARD cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance,
                                             enum cml_normals normals, const struct cml_mesh_budget *budget,
                                             struct cml_mesh *mesh, struct cml_heightmap_notes *notes,

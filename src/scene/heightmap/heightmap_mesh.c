@@ -1,4 +1,4 @@
-/* From a heightmap to a prepared mesh: the merged triangles and the skirt around them.
+/* Makes the prepared mesh of a heightmap: the merged triangles and the skirt around them.
  * SPDX-License-Identifier: MIT */
 #include "scene/heightmap/heightmap.h"
 #include "scene/heightmap/heightmap_split.h"
@@ -7,22 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The state of making a mesh from a heightmap. */
 struct builder {
     const struct cml_heightmap *map;
-    size_t (*corner)[3]; /* [count] samples of the triangles, up to `most` */
+    size_t (*corner)[3]; /* [count] samples at the corners of the triangles, stored up to `most` triangles */
     size_t count, capacity, most;
-    uint32_t *vertex; /* [ny][nx] number of the mesh's vertex at a sample, from 1; 0: none */
-    size_t *rim;      /* [num_rim] samples of the rim that are vertices, counter-clockwise from 0, 0 */
+    uint32_t *vertex; /* [ny][nx] number of the mesh vertex at each sample, from 1; 0: none */
+    size_t *rim;      /* [num_rim] samples of the rim that are vertices, counter-clockwise from sample 0, 0 */
     size_t num_rim;
     bool out_of_memory;
 };
 
-/* What cml_split_walk calls: triangles and the vertices that they use. */
+/* Adds a triangle and marks the samples that it uses: a cml_split_visit. */
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
     for (int k = 0; k < 3; k++) b->vertex[corner[k]] = 1;
-    if (b->count >= b->most) { /* only counted */
+    if (b->count >= b->most) { /* triangles beyond the budget are counted, but not stored */
         b->count++;
         return;
     }
@@ -39,12 +40,14 @@ static void add_triangle(void *context, const size_t corner[3])
 
 /* ---- the rim ---- */
 
+/* Returns the number of samples on the rim. */
 static size_t rim_length(const struct cml_heightmap *map)
 {
     return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
 }
 
-/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x */
+/* Returns sample k of the rim, 0 <= k < rim_length, counter-clockwise. *side: 0 low y, 1 high x, 2 high y, 3
+ * low x. */
 static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
 {
     const size_t nx = (size_t)map->nx, x = nx - 1, y = (size_t)map->ny - 1;
@@ -55,7 +58,8 @@ static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
     return (2 * x + 2 * y - k) * nx;
 }
 
-/* Mean height along the rim, by the trapezoidal rule, as spacings along x and y may differ. */
+/* Returns the mean height along the rim, by the trapezoidal rule, because spacings along x and y may
+ * differ. */
 static double rim_mean(const struct cml_heightmap *map)
 {
     const size_t length = rim_length(map);
@@ -70,7 +74,8 @@ static double rim_mean(const struct cml_heightmap *map)
     return sum / weight;
 }
 
-/* Which samples of the rim the merged triangles still use; the skirt begins at these, or slits would open. */
+/* Lists the samples of the rim that merged triangles still use. The skirt begins exactly at these; otherwise
+ * slits would open. */
 static void list_rim(struct builder *b)
 {
     const size_t length = rim_length(b->map);
@@ -100,7 +105,8 @@ static size_t add_vertex(struct cml_mesh *mesh, double x, double y, double z)
     return mesh->num_vertices++;
 }
 
-/* The skirt's outer vertex beyond rim vertex `from`, in the direction given by signs. */
+/* Adds the outer vertex of the skirt beyond the rim vertex `from`, in the direction of the signs sx and
+ * sy. */
 static size_t add_outside(const struct cml_heightmap_notes *notes, struct cml_mesh *mesh, size_t from, int sx,
                           int sy)
 {
@@ -108,13 +114,14 @@ static size_t add_outside(const struct cml_heightmap_notes *notes, struct cml_me
     return add_vertex(mesh, v[0] + sx * notes->skirt[0], v[1] + sy * notes->skirt[1], -notes->rim_mean);
 }
 
-/* Walks around the rim. At a corner of the map the skirt turns: outer vertices straight out of both sides and
- * one in the corner between them. */
+/* Adds the skirt along the whole rim. At a corner of the map the skirt turns: it gets an outer vertex
+ * straight out of either side, and one in the corner between them. */
 static void add_skirt(const struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh)
 {
     static const int sx[4] = {0, 1, 0, -1}, sy[4] = {-1, 0, 1, 0};
     const size_t nx = (size_t)b->map->nx, last = nx * (size_t)b->map->ny - 1;
-    const size_t corners[4] = {0, nx - 1, last, last - (nx - 1)}; /* side s runs from corner s to s + 1 */
+    /* Side s of the rim runs from corner s to corner s + 1. */
+    const size_t corners[4] = {0, nx - 1, last, last - (nx - 1)};
     size_t first_outer = 0, outer = 0;
     int side = 3;
     for (size_t i = 0; i <= b->num_rim; i++) {
@@ -138,8 +145,8 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
     cml_mesh_add_triangle(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
 }
 
-/* Vertices are numbered in the order of the samples, so that a map where nothing was merged stays a regular
- * grid, row by row. */
+/* Builds the mesh. Vertices are numbered in the order of the samples, so that a map where no triangles were
+ * merged stays a regular grid, row by row. */
 static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
                         struct cml_error *err)
 {
@@ -162,7 +169,7 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
 
 /* ---- the notes ---- */
 
-/* A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
+/* Sets the skirt's width. A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
 static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
 {
     const size_t length = rim_length(map);
@@ -176,8 +183,8 @@ static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes
     notes->skirt[1] = fmax(map->dy, notes->rim_step);
 }
 
-/* The tolerance is relative to the relief, so that it does not depend on units or on where heights count
- * from. */
+/* Fills the notes of a heightmap. The tolerance is relative to the range of heights, so that it depends
+ * neither on units nor on the height's origin. */
 static void note_map(const struct cml_heightmap *map, double tolerance, struct cml_heightmap_notes *notes)
 {
     *notes = (struct cml_heightmap_notes){.nx = map->nx, .ny = map->ny, .dx = map->dx, .dy = map->dy};
@@ -187,8 +194,8 @@ static void note_map(const struct cml_heightmap *map, double tolerance, struct c
     note_rim(map, notes);
 }
 
-/* The difference of two surfaces over the same finest triangles is largest, and its slope is known, at the
- * samples. */
+/* Measures height and slope errors at the samples. Both surfaces are linear over the same finest triangles,
+ * so their difference is largest at a sample. */
 static void note_errors(const struct cml_heightmap *map, double *surface, struct cml_heightmap_notes *notes)
 {
     struct cml_relief difference;
@@ -198,6 +205,7 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
+/* Merges triangles within the tolerance, and checks their number against the budget. */
 static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
                         double *surface, struct cml_error *err)
 {
@@ -220,8 +228,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
-/* Heights are merged first, at the samples; only what is left becomes vertices and triangles, so that a large
- * map never has all its triangles in memory. */
+/* Merges samples first; only what is left becomes vertices and triangles. So a large map never has all its
+ * triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                               struct cml_heightmap_notes *notes, struct cml_error *err)

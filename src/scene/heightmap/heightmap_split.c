@@ -1,4 +1,5 @@
-/* Errors from the finest triangles up, then triangles from the squares down. SPDX-License-Identifier: MIT */
+/* Computes errors from the finest triangles upwards, then walks triangles from the squares downwards.
+ * SPDX-License-Identifier: MIT */
 #include "scene/heightmap/heightmap_split.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ struct point {
     int x, y;
 };
 
-/* a and b end the longest side, c is the right angle; counter-clockwise. */
+/* A right-angled triangle, counter-clockwise: a and b end its longest side, c is the right angle. */
 struct triangle {
     struct point a, b, c;
 };
@@ -32,8 +33,8 @@ static size_t index_of(const struct cml_heightmap *map, struct point p)
     return (size_t)p.y * (size_t)map->nx + (size_t)p.x;
 }
 
-/* Squares begin at sample 0, 0 and may reach beyond the last row and column: triangles there are bisected
- * until they are inside or outside. */
+/* Tells whether a triangle lies on the map. Squares begin at sample 0, 0 and may reach beyond the last row
+ * and column. Triangles there are halved until they lie inside or outside. */
 static enum place place_of(const struct cml_heightmap *map, const struct triangle *t)
 {
     if (on_map(map, t->a) && on_map(map, t->b) && on_map(map, t->c)) return INSIDE;
@@ -43,7 +44,8 @@ static enum place place_of(const struct cml_heightmap *map, const struct triangl
     return right || above ? OUTSIDE : ACROSS;
 }
 
-/* Longest-edge bisection: both halves are right-angled again, with the new middle as the right angle. */
+/* Halves a triangle at the middle of its longest side. Both halves are right-angled again, at the new
+ * middle. */
 static void bisect(const struct triangle *t, struct triangle half[2])
 {
     const struct point m = middle(t->a, t->b);
@@ -53,8 +55,8 @@ static void bisect(const struct triangle *t, struct triangle half[2])
 
 /* ---- errors ---- */
 
-/* Largest distance between samples and the plane of a triangle, whose heights at a, b, c are given: the
- * plane's height at a middle is the mean of the side's ends. */
+/* Returns the largest distance between samples and the plane of a triangle whose heights at a, b, c are
+ * given. The plane's height at a middle is the mean of the heights at the side's ends. */
 static double largest_error(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
                             double zb, double zc)
 {
@@ -67,7 +69,8 @@ static double largest_error(const struct cml_heightmap *map, const struct triang
     return fmax(here, fmax(first, second));
 }
 
-/* A long side on the rim would be the base of a needle in the skirt. */
+/* True if a side lies on the rim and is longer than CML_RIM_CELLS. Such a side would be the base of a needle
+ * in the skirt. */
 static bool spans_rim(const struct cml_heightmap *map, struct point a, struct point b)
 {
     const bool upright = a.x == b.x && (a.x == 0 || a.x == map->nx - 1);
@@ -75,7 +78,7 @@ static bool spans_rim(const struct cml_heightmap *map, struct point a, struct po
     return (upright || level) && abs(a.x - b.x) + abs(a.y - b.y) > CML_RIM_CELLS;
 }
 
-/* The error of a triangle as it is, without those it may be bisected into; infinite: it must be bisected. */
+/* Returns the error of a triangle if it is not halved. Infinite: the triangle must be halved. */
 static double own_error(const struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
@@ -84,9 +87,9 @@ static double own_error(const struct cml_split *split, const struct triangle *t,
                          map->h[index_of(map, t->b)], map->h[index_of(map, t->c)]);
 }
 
-/* Errors are saturated: that of a middle is no less than those of the middles below it. So one comparison
- * decides whether to stop, and both triangles at a side decide alike [P. Lindstrom and V. Pascucci,
- * Visualization of large terrains made easy, IEEE Visualization 2001]. */
+/* Updates the error at a triangle's middle. Errors are saturated: the error of a middle is at least that of
+ * every middle below it. So one comparison decides whether to stop, and both triangles at a side decide alike
+ * [P. Lindstrom and V. Pascucci, Visualization of large terrains made easy, IEEE Visualization 2001]. */
 static void gather_error(struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
@@ -98,8 +101,8 @@ static void gather_error(struct cml_split *split, const struct triangle *t, int 
         if (on_map(map, below[i])) *error = fmax(*error, split->error[index_of(map, below[i])]);
 }
 
-/* Goes down to all triangles of one depth: the errors below a middle must be complete before it is looked at.
- * Going down anew for every depth costs no memory; depths are at most 16. */
+/* Gathers the errors of all triangles of one depth, because errors below a middle must be complete before the
+ * middle's own. Descending anew for every depth costs no memory; there are at most 16 depths. */
 static void gather_errors(struct cml_split *split, const struct triangle *t, int depth, int wanted)
 {
     if (place_of(split->map, t) == OUTSIDE) return;
@@ -114,7 +117,7 @@ static void gather_errors(struct cml_split *split, const struct triangle *t, int
 
 /* ---- squares ---- */
 
-/* Two triangles, cut along the rising diagonal. */
+/* Cuts a square into two triangles along its rising diagonal. */
 static void square_at(int x, int y, int size, struct triangle half[2])
 {
     const struct point low = {x, y}, high = {x + size, y + size};
@@ -148,6 +151,7 @@ void cml_split_free(struct cml_split *split)
 
 /* ---- what is left ---- */
 
+/* The arguments of cml_split_walk. */
 struct walk {
     const struct cml_split *split;
     double tolerance;
@@ -156,7 +160,7 @@ struct walk {
     void *context;
 };
 
-/* The heights of a merged triangle at the samples that it covers: what it stands for. */
+/* Fills `surface` with the heights of a merged triangle at the samples that it covers. */
 static void fill_surface(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
                          double zc)
 {
@@ -170,6 +174,7 @@ static void fill_surface(const struct walk *walk, const struct triangle *t, int 
     fill_surface(walk, &half[1], depths - 1, zb, zc, zm);
 }
 
+/* Keeps a triangle as it is: fills in its heights and visits it. */
 static void keep_triangle(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = walk->split->map;
@@ -180,7 +185,8 @@ static void keep_triangle(const struct walk *walk, const struct triangle *t, int
     walk->visit(walk->context, corner);
 }
 
-/* From the squares down; stops where the middle's error, and so every one below, is within tolerance. */
+/* Walks down from a triangle. Stops where the error of the middle, and so of every middle below, is within
+ * the tolerance. */
 static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;
@@ -197,7 +203,8 @@ static void refine(const struct walk *walk, const struct triangle *t, int depth)
     for (int i = 0; i < 2; i++) refine(walk, &half[i], depth + 1);
 }
 
-/* A square of 256 x 256 cells is 2 triangles instead of 131072 at best: larger ones would save no more. */
+/* Starts from squares of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and
+ * larger squares would save hardly more. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context)
 {

@@ -9,7 +9,8 @@ static const double tau = 6.283185307179586; /* 2 pi */
 
 /* ---- noise ---- */
 
-/* Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014 (SplitMix64). */
+/* Returns the next random word of SplitMix64 [Steele, Lea, Flood, Fast splittable pseudorandom number
+ * generators, OOPSLA 2014]. */
 static uint64_t next_word(uint64_t *state)
 {
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
@@ -18,13 +19,13 @@ static uint64_t next_word(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-/* Strictly between 0 and 1. */
+/* Returns a random number strictly between 0 and 1. */
 static double uniform(uint64_t *state)
 {
     return ((double)(next_word(state) >> 12) + 0.5) * 0x1p-52;
 }
 
-/* Box and Muller: two independent normal deviates, as one complex number. */
+/* Returns two independent normal deviates as one complex number (Box and Muller). */
 static double complex normal_pair(uint64_t *state)
 {
     const double radius = sqrt(-2 * log(uniform(state))), angle = tau * uniform(state);
@@ -33,7 +34,7 @@ static double complex normal_pair(uint64_t *state)
 
 /* ---- Fourier transform ---- */
 
-/* Moves element i to the place whose number is i with its bits in the opposite order. */
+/* Moves every element i to the index that has i's bits in reverse order. */
 static void reverse_bits(double complex *x, int n)
 {
     for (int i = 1, j = 0; i < n; i++) {
@@ -47,8 +48,8 @@ static void reverse_bits(double complex *x, int n)
     }
 }
 
-/* Sum over i of x[i] root^(i k) in place, n a power of two; root[m]: exp(2 pi i m / n), m < n / 2.
- * Cooley, Tukey, Math. Comput. 19, 297 (1965). */
+/* Replaces x[k] by the sum over i of x[i] exp(2 pi i k / n sqrt(-1)), for n a power of two. root[m] is exp(2
+ * pi m / n sqrt(-1)) for m < n / 2. [Cooley, Tukey, Math. Comput. 19, 297 (1965)] */
 static void transform(double complex *x, const double complex *root, int n)
 {
     reverse_bits(x, n);
@@ -73,7 +74,7 @@ static void transpose(double complex *x, size_t n)
         }
 }
 
-/* Both axes of x[n][n]; the result has rows and columns swapped. */
+/* Transforms x[n][n] along both axes. The result has rows and columns swapped. */
 static void transform_plane(double complex *x, const double complex *root, int n)
 {
     for (int axis = 0; axis < 2; axis++) {
@@ -84,17 +85,18 @@ static void transform_plane(double complex *x, const double complex *root, int n
 
 /* ---- spectrum ---- */
 
-/* Square root of the power at wave numbers i, j of the period; beyond n / 2 they are negative. */
+/* Returns the square root of the power at the wave numbers i, j of the period. Numbers beyond n / 2 stand for
+ * negative ones. */
 static double amplitude(const struct cml_random_relief *relief, int i, int j)
 {
     const int n = relief->points, m = i > n / 2 ? i - n : i, k = j > n / 2 ? j - n : j;
-    const double step = tau * CML_RELIEF_STEPS / n, /* of k L */
+    const double step = tau * CML_RELIEF_STEPS / n, /* step of k L from one wave number to the next */
         square = step * step * ((double)m * m + (double)k * k);
     return relief->hurst > 0 ? pow(1 + square, -(1 + relief->hurst) / 2) : exp(-square / 8);
 }
 
-/* The noise's real and imaginary parts give one relief each; the real one is taken. The spectrum is the same
- * along both axes, so that swapped rows and columns do not matter. */
+/* Filters the noise in x[n][n]. Its real and imaginary parts become independent reliefs, of which the caller
+ * takes the real one. The spectrum is the same along both axes, so swapped rows and columns do not matter. */
 static void filter_noise(const struct cml_random_relief *relief, double complex *x,
                          const double complex *root)
 {
@@ -109,8 +111,8 @@ static void filter_noise(const struct cml_random_relief *relief, double complex 
 
 /* ---- heights ---- */
 
-/* Of each cell's two facets one has its lower edge along x, one its upper, and so along y: the mean square of
- * their gradients is that of all edges. */
+/* Returns the rms gradient of the facets. One facet of each cell contains the cell's lower edge along x, the
+ * other the upper edge, and likewise along y. So the mean square of the gradients is that of all edges. */
 static double rms_gradient(const struct cml_heightmap *tile)
 {
     double sum = 0;
@@ -124,7 +126,8 @@ static double rms_gradient(const struct cml_heightmap *tile)
     return sqrt(sum / ((double)tile->nx * (double)tile->ny));
 }
 
-/* The facets' mean is moved to 0 once more after the scaling: then it is 0 but for rounding. */
+/* Scales the heights to the requested slope, then moves the mean of the facets to 0, which holds but for
+ * rounding. */
 static void scale_heights(const struct cml_random_relief *relief, struct cml_heightmap *map)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;
@@ -159,7 +162,8 @@ cml_status cml_random_relief_make(const struct cml_random_relief *relief, struct
 
 /* ---- what was drawn ---- */
 
-/* Mean of h(x, y) h(x + lag, y) and h(x, y) h(x, y + lag), about the mean height. */
+/* Returns the mean of the products h(x, y) h(x + lag, y) and h(x, y) h(x, y + lag), with heights counted from
+ * the mean. */
 static double correlation(const struct cml_heightmap *tile, double mean, int64_t lag)
 {
     double sum = 0;

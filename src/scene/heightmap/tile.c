@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST_MARGIN = 4, LEAST_WIDTH = 64 }; /* cells, of a patch */
+/* cells: least margin around a period and least width of a patch */
+enum { LEAST_MARGIN = 4, LEAST_WIDTH = 64 };
 
-/* In cells: vertices of two tiles that are no further apart stand in one place. */
+/* Tolerance in cells: vertices of two tiles that differ by no more stand in one place. */
 static const double err_place = 1e-9;
 
 /* ---- one period ---- */
@@ -17,6 +18,7 @@ static void measure_step(const double *from, const double *to, double *most)
     *most = fmax(*most, fabs(*to - *from));
 }
 
+/* Measures the largest steps between neighbouring samples, inside the map and across its seam. */
 static void measure_steps(const struct cml_heightmap *map, struct cml_tile_notes *notes)
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
@@ -33,7 +35,7 @@ static void measure_steps(const struct cml_heightmap *map, struct cml_tile_notes
     }
 }
 
-/* 0 1 2 3 2 1 of a map of 4 samples. */
+/* Replaces a map by the map followed by its mirror image: samples 0 1 2 3 become 0 1 2 3 2 1. */
 static cml_status mirror(const char *path, struct cml_heightmap *map, struct cml_error *err)
 {
     struct cml_heightmap whole;
@@ -79,14 +81,15 @@ double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];
 }
 
-/* As in the finest triangulation of heightmap_split.c, where diagonals alternate; across the seam of an odd
- * number of cells they do not. */
+/* Diagonals alternate as in the finest triangulation of heightmap_split.c. Across a seam with an odd number
+ * of cells they do not. */
 bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;
 }
 
-/* Both triangles of a cell have the ends of its diagonal, each has one of the other corners. */
+/* Adds up the triangles' heights by cell. Both triangles of a cell contain the ends of its diagonal, and each
+ * contains one of the other corners. */
 double cml_tile_mean(const struct cml_heightmap *tile)
 {
     double sum = 0;
@@ -120,7 +123,8 @@ static void place_vertices(const struct cml_heightmap *tile, const struct cml_ti
         }
 }
 
-/* Corners: a low x and y, b high x, c high x and y, d high y. */
+/* Adds two triangles per cell. The cell's corners are a: low x and y, b: high x, c: high x and y, d: high
+ * y. */
 static void place_triangles(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                             struct cml_mesh *mesh)
 {
@@ -146,7 +150,8 @@ cml_status cml_tile_sheet(const struct cml_heightmap *tile, const struct cml_til
     return CML_OK;
 }
 
-/* What would be welded or dropped here would move the numbers of all triangles behind it. */
+/* Refuses a patch in which vertices would be joined or triangles dropped, because the numbers of all later
+ * triangles would change. */
 cml_status cml_tile_patch(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                           enum cml_normals normals, struct cml_mesh *mesh, struct cml_error *err)
 {
@@ -177,7 +182,8 @@ struct cml_tile_cells cml_tile_patch_cells(const struct cml_heightmap *tile)
 
 /* ---- two tiles ---- */
 
-/* By how many cells the second grid is moved along an axis; false when the grids are not the same. */
+/* Sets *cells to the number of cells by which the second grid is shifted along an axis. Returns false if the
+ * grids have different cells. */
 static bool cells_between(const double origin[2], const double spacing[2], const int n[2], int64_t *cells)
 {
     const double between = (origin[1] - origin[0]) / spacing[0], whole = rint(between);
@@ -186,6 +192,7 @@ static bool cells_between(const double origin[2], const double spacing[2], const
            fabs(between - whole) <= err_place * fmax(1, fabs(between));
 }
 
+/* Returns the depth in the middle of cell i, j, which is the middle of the cell's diagonal. */
 static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_t i, int64_t j)
 {
     const int64_t one = cml_tile_rises(tile, i, j) ? 0 : 1;
@@ -201,8 +208,8 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Both tiles are linear over the same half cells or, where their diagonals differ, over the same quarters:
- * the gap is least at a corner or in the middle of a cell. */
+/* Compares corners and middles of cells only. Both tiles are linear over the same half cells or, where their
+ * diagonals differ, over the same quarters. So the gap is least at a corner or in the middle of a cell. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

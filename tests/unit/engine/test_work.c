@@ -85,10 +85,10 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;
-    cml_tally_bring(tally, batch);
+    cml_tally_sum_batch(tally, batch);
     pthread_mutex_lock(&ledger->lock);
     ledger->wrong_notes += pending[batch] == 0;
-    cml_result_add_brought(&ledger->result, batch, tally);
+    cml_result_add_batch(&ledger->result, batch, tally);
     if (ledger->hold == IN_NOTE) hold(ledger);
     ledger->noted += pending[batch];
     pending[batch] = 0;
@@ -128,8 +128,8 @@ static bool next_single(void *context, uint64_t most, int takers, struct cml_pie
 static void note_single(void *context, int batch, struct cml_tally *tally)
 {
     const struct single *single = context;
-    cml_tally_bring(tally, batch);
-    cml_result_add_brought(single->result, batch, tally);
+    cml_tally_sum_batch(tally, batch);
+    cml_result_add_batch(single->result, batch, tally);
 }
 
 static void add_single(void *context, struct cml_tally *tally)

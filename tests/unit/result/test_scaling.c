@@ -43,9 +43,9 @@ static void densities_integrate_to_totals(void **state)
     assert_int_equal(cml_outcome_allocate(&mco, &err), CML_OK);
     score(&tally, 1, 1, 2, true);
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
-        memset(tally.summed, 0, cml_tally_profile_bins(&tally.grid) * sizeof *tally.summed);
-        cml_tally_bring(&tally, b);
-        cml_result_add_brought(&result, b, &tally);
+        memset(tally.last_sums, 0, cml_tally_profile_bins(&tally.grid) * sizeof *tally.last_sums);
+        cml_tally_sum_batch(&tally, b);
+        cml_result_add_batch(&result, b, &tally);
         cml_result_add(&result, &tally);
     }
     assert_int_equal(cml_outcome_take(&mco, &result, &err), CML_OK);

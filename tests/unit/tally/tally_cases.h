@@ -62,8 +62,8 @@ static inline void score_at_random(struct dice *dice, struct cml_tally *tally, i
 /* All of the tally, whatever was noted of it before. */
 static inline void add_to_batch(struct cml_result *result, int batch, struct cml_tally *tally)
 {
-    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
-    cml_tally_bring(tally, batch);
-    cml_result_add_brought(result, batch, tally);
+    memset(tally->last_sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->last_sums);
+    cml_tally_sum_batch(tally, batch);
+    cml_result_add_batch(result, batch, tally);
     cml_result_add(result, tally);
 }

@@ -168,8 +168,8 @@ static void a_tally_may_serve_many_batches(void **state)
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
         cml_tally_move(&all, &piece);
-        cml_tally_bring(&all, batch);
-        cml_result_add_brought(&result, batch, &all);
+        cml_tally_sum_batch(&all, batch);
+        cml_result_add_batch(&result, batch, &all);
         if (n % 50 == 49) {
             cml_result_add(&result, &all);
             cml_tally_zero(&all);

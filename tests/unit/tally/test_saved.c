@@ -134,7 +134,7 @@ static void what_is_added_again_is_the_same(void **state)
     cml_saved_clear(other);
     cml_saved_add(other, cml_saved_row(saved, 200), 300);
     cml_saved_add(other, cml_saved_row(saved, 0), 200);
-    cml_saved_find(other, FOUND - 500);
+    cml_saved_add_found(other, FOUND - 500);
     require_first(other, 500);
     cml_saved_free(saved);
     cml_saved_free(other);

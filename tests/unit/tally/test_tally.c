@@ -187,8 +187,8 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
         thread[t].A_rz[7 * (large.nz + 2) + 3] += 5; /* r bin 7, z bin 2 */
         thread[t].A_z[3] += 5;
         thread[t].Rd_ra[4] += 3;
-        cml_tally_bring(&thread[t], 10 + t);
-        cml_result_add_brought(&result, 10 + t, &thread[t]);
+        cml_tally_sum_batch(&thread[t], 10 + t);
+        cml_result_add_batch(&result, 10 + t, &thread[t]);
     }
     for (int t = 0; t < 2; t++) cml_result_add(&result, &thread[t]);
     cml_result_add(&result, &owner);
@@ -223,8 +223,8 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
             row[at.A_z + 2] += (uint64_t)(20 - 5 * i);
         }
         assert_int_equal(tally.late.count, 3);
-        cml_tally_bring(&tally, batch);
-        cml_result_add_brought(&result, batch, &tally);
+        cml_tally_sum_batch(&tally, batch);
+        cml_result_add_batch(&result, batch, &tally);
         cml_tally_drop_late(&tally);
         assert_int_equal(tally.late.count, 0);
     }
@@ -257,8 +257,8 @@ static void groups_have_cells_each(void **state)
         late[at.A_z + 2] += late[at.Tt_r + 1] += late[at.Tt_a + 1] += batch == 5 ? 30 : 7;
     }
     for (int n = 0; n < 2; n++) { /* the second time nothing has come */
-        cml_tally_bring(&tally, 21);
-        cml_result_add_brought(&result, 21, &tally);
+        cml_tally_sum_batch(&tally, 21);
+        cml_result_add_batch(&result, 21, &tally);
         cml_tally_drop_late(&tally);
     }
     cml_result_add(&result, &tally);
@@ -272,8 +272,8 @@ static void groups_have_cells_each(void **state)
     assert_true(cml_result_cell_sum(result.A_rz + 1, CML_NUM_GROUPS, 12) == 107);
     assert_true(cml_result_cell_sum(result.Tt_ra + 3, CML_NUM_GROUPS, 6) == 107);
     cml_tally_zero(&tally);
-    cml_tally_bring(&tally, 5);
-    assert_int_equal(tally.brought[at.A_z + 2], 0);
+    cml_tally_sum_batch(&tally, 5);
+    assert_int_equal(tally.batch_sums[at.A_z + 2], 0);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }

@@ -16,7 +16,7 @@ set(debian ${CMAKE_CURRENT_BINARY_DIR}/debian)
 file(WRITE ${debian}/changelog "clustermcml (${PROJECT_VERSION}) unstable; urgency=medium
 
   * Source: ${PROJECT_VERSION} ${CLUSTERMCML_GIT}
-  * samples/changes.md lists the changes.
+  * samples/manual/release-notes.md lists the changes.
 
  -- ${maintainer}  ${CLUSTERMCML_TIME}
 ")

@@ -14,5 +14,6 @@ same "$notes" "the latest version" "${latest%% *}" "$1"
 same CITATION.cff version "$(sed -n 's/^version: *//p' CITATION.cff)" "$1"
 same CITATION.cff date-released "($(sed -n 's/^date-released: *//p' CITATION.cff))" "${latest#* }"
 same src/cli/install/meta.yaml version "$(sed -n 's/.*set version = "\(.*\)".*/\1/p' src/cli/install/meta.yaml)" "$1"
+test -d "tests/files/compat/$1" || { echo "tests/files/compat/$1: is missing (make.sh there says how to make it)"; status=1; }
 grep -q 'project\\(clustermcml VERSION' pyproject.toml || { echo "pyproject.toml: takes no version from CMakeLists.txt"; status=1; }
 exit $status

@@ -17,7 +17,7 @@ METHODS = {"auto": ("black", "o", False), **MESHES, "mesh-auto": (BLUE, "v", Fal
            "plane": ("black", "x", True)}
 SIZES = {"auto": 9, "mesh-auto": 6.5}
 CURVES = {"plane": ("black", "-", "plane"), "cpu-cone": (PINK, "-", "cones"), "mesh": (BLUE, "-", "mesh, default tolerance"),
-          "mesh-analytic-area-1e-1": (BLUE, "--", "mesh, tolerance 0.1"), "mesh-vertex-area-1e-1": (GREEN, "-", "the same, vertex normals"),
+          "mesh-analytic-area-1e-1": (BLUE, "--", "mesh, tolerance 0.1"), "mesh-vertex-area-1e-1": (GREEN, "-", "same, vertex normals"),
           "sampled-face-50": (RED, "-", "mesh of 50 facets")}
 TICS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000), (1, 3, 10, 30, 100, 300, 1000, 3000, 10000)
 
@@ -69,16 +69,16 @@ def key(plt, found):
         colour, marker, filled = METHODS[name]
         return plt.Line2D([], [], color=colour, linestyle="none", marker=marker, markersize=SIZES.get(name, 4), markerfacecolor=colour if filled else "none", label=text)
     texts = {name: "mesh, %s normals" % name.split("-")[1] + (", area-kept" if name.endswith("area") else ", inscribed") * radial for name in MESHES}
-    texts.update({"plane": "plane (shape left out)", "cone": "cones" if radial else "mesh of 40000 facets", "opencl": "cones, opencl",
-                  "mesh-auto": "mesh, default tolerance", "auto": "auto: what the program takes"})
+    texts.update({"plane": "plane (shape ignored)", "cone": "cones" if radial else "mesh of 40000 facets", "opencl": "cones, opencl",
+                  "mesh-auto": "mesh, default tolerance", "auto": "auto (chosen by the program)"})
     lines = [mark(name, text) for name, text in texts.items() if found[name]]
-    lines += [plt.Line2D([], [], color=chart.GREY, linestyle="none", marker="+", markersize=4, label="bias of Rd(r) and Tt(r) (L2)"),
-              line("#aaaaaa", "-", "least bias for the time"), line("black", "--", "default tolerance", 0.8)]
+    lines += [plt.Line2D([], [], color=chart.GREY, linestyle="none", marker="+", markersize=4, label="L2 bias of Rd(r) and Tt(r)"),
+              line("#aaaaaa", "-", "Pareto front"), line("black", "--", "default tolerance", 0.8)]
     if any(point[5] > 0 for point in found["mesh-analytic-area"]):
-        lines.append(line(BLUE, ":", "optical depths on paper", 1))
+        lines.append(line(BLUE, ":", "analytic estimate", 1))
     lines += [line(colour, style, "total error: " + text) for name, (colour, style, text) in CURVES.items() if found["curve." + name]]
     if found["knees"]:
-        lines.append(plt.Line2D([], [], color="black", linestyle="none", marker="o", markersize=5, label="knee: noise equals bias"))
+        lines.append(plt.Line2D([], [], color="black", linestyle="none", marker="o", markersize=5, label="knee (noise equals bias)"))
     return lines
 
 
@@ -87,10 +87,10 @@ def draw(scene, found, times, path):
     plt = picture.begin()
     plt.rcParams.update({"xtick.labelsize": 10, "ytick.labelsize": 10})
     figure = plt.figure(figsize=(WIDTH / 96, HEIGHT / 96))
-    figure.text(10 / WIDTH, 1 - 26 / HEIGHT, scene + ": how accurate each way to fly it is for its time", fontsize=12)
-    biases = panel(figure, 68, 66, "relative bias (bars: 2 standard errors)", "ns per step", "worst bias of Rd, A, Tt")
-    failures = panel(figure, 68, 376, "failures (with tail: none seen, 95 % limit)", "ns per step", "lost per billion crossings")
-    errors = panel(figure, 402, 66, "total error: noise and bias", "processor seconds", "relative error")
+    figure.text(10 / WIDTH, 1 - 26 / HEIGHT, scene + ": accuracy against speed, by method", fontsize=12)
+    biases = panel(figure, 68, 66, "bias (bars: 2 standard errors)", "ns per step", "largest relative bias of Rd, A, Tt")
+    failures = panel(figure, 68, 376, "lost packets (tail: upper limit, 95 %)", "ns per step", "lost per 1e9 crossings")
+    errors = panel(figure, 402, 66, "total error (noise and bias)", "core seconds", "relative error")
     for axes, draw_panel, first, last in ((biases, draw_biases, -8, 0), (failures, draw_failures, 0, 6), (errors, draw_errors, -5, 1)):
         draw_panel(axes, found)
         axes.set_ylim(10.0 ** first, 10.0 ** last)

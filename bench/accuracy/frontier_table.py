@@ -110,8 +110,8 @@ def bias_reading(rows):
     far = max(others, key=shown)
     scans = [row for row in planes if row["scene"].endswith("-rough")]
     radial = [row for row in planes if row not in scans]
-    yield ("A plane for a radial shape is %s off in the worst total, for a scan, at the one point that the pencil meets, %s; no other "
-           "method more than %.1e, what noise leaves open included (%s of %s)." % (
+    yield ("A plane for a radial shape is %s off in the worst total. For a scan, at the one point that the pencil meets, it is %s off. No other "
+           "method is off by more than %.1e, what noise leaves open included (%s of %s)." % (
                span([shown(row) for row in radial]), span([shown(row) for row in scans]), shown(far), far["method"], far["scene"]))
     both = flat + pick(rows, variant="before", truth="adding-doubling")
     z = [abs(number(row, "bias")) / number(row, "bias_se") for row in both]

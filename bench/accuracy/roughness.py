@@ -238,7 +238,7 @@ def draw_lengths(axes, result, slab, angle):
             bias, error = result.bias(slab, angle, alpha, method, "Rd")
             picture.bars(axes, [x * shift], [100 * bias], [100 * error], colour, mark, 5)
     axes.axvline(0.5, color="#888888", linewidth=0.8, linestyle=":")
-    axes.set(xscale="log", xlim=(0.01, 20), title="%s, %d degrees" % (SHOWN[slab], angle), xlabel="length / mean free path")
+    axes.set(xscale="log", xlim=(0.01, 20), title="%s, %d degrees" % (SHOWN[slab], angle), xlabel="corr. length / mean free path")
     axes.set_xticks([0.1, 1], ["0.1", "1"])
     axes.set_xticks([], minor=True)
 
@@ -253,7 +253,7 @@ def draw_times(axes, result, slab, angle):
             axes.plot([float(result.row(slab, angle, method, alpha, length)["core_s_per_1e6"])], [max(size, error)], mark,
                       color=picture.COLOURS[k], markersize=3 + 4 * length ** 0.5 / 0.2 ** 0.5 if method == "relief" else 6,
                       markerfacecolor="none" if size < error else picture.COLOURS[k])
-    axes.set(xscale="log", yscale="log", xlim=(0.3, 60), ylim=(0.05, 40), xlabel="core seconds of 1e6 packets")
+    axes.set(xscale="log", yscale="log", xlim=(0.3, 60), ylim=(0.05, 40), xlabel="core seconds per 1e6 packets")
     axes.set_xticks([1, 10], ["1", "10"])
     axes.set_yticks([0.1, 1, 10], ["0.1", "1", "10"])
     axes.set_xticks([], minor=True)
@@ -282,15 +282,15 @@ def draw(csv, directory):
     for column, (slab, angle) in enumerate(views):
         draw_lengths(axes[0][column], result, slab, angle)
         draw_times(axes[1][column], result, slab, angle)
-        name, words = (("Rsp", "gloss, Rsp_dir"), ("Rd", "from inside, Rd_dir"))[column % 2]
+        name, words = (("Rsp", "surface, Rsp_dir"), ("Rd", "diffuse, Rd_dir"))[column % 2]
         draw_lobes(axes[2][column], lobes, ANGLES[column // 2], name, words)
     axes[0][0].set_ylabel("relative bias of Rd [%]")
-    axes[1][0].set_ylabel("size of the bias [%]")
-    axes[2][0].set_ylabel("weight per sr")
+    axes[1][0].set_ylabel("|relative bias| of Rd [%]")
+    axes[2][0].set_ylabel("reflected share [1/sr]")
     handles = [plt.Line2D([], [], color=picture.COLOURS[k], linewidth=4, label="alpha %g" % alpha) for k, alpha in enumerate(ALPHAS)]
     handles += [plt.Line2D([], [], color="#444444", marker=mark, linestyle="none", label=words) for mark, words in (
         ("s", "statistics (rough beckmann)"), ("o", "relief (m gaussian)"), ("^", "smooth"))]
-    handles.append(plt.Line2D([], [], color="#444444", linewidth=1.2, label="lobes: line statistics, dots relief"))
+    handles.append(plt.Line2D([], [], color="#444444", linewidth=1.2, label="bottom: statistics (lines), relief (dots)"))
     figure.legend(handles=handles, loc="upper center", ncol=7, fontsize=9)
     figure.tight_layout(rect=(0, 0, 1, 0.96), w_pad=1.5, h_pad=1.5)
     os.makedirs(directory, exist_ok=True)

@@ -38,9 +38,9 @@ CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "r
 PROFILE_PACKETS = 1e7  # of the independent program
 FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results/speed-amd-epyc-2core.csv"
 MMC = "peers/results/mmc-amd-epyc-2core.md"
-TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
+TITLES = {"lohill": "Radial hill, 0.1 cm high", "lonoise": "Random rings, +-0.05 cm", "scan": "Rough scan, pencil beam at one point"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
-SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words for who sees it first
+SHOWN = {"plane": "shape ignored", "cone": "exact cones", "original MCML": "original MCML, flat"}
 LEAST = 1e-9  # of a bias on the chart
 
 
@@ -216,7 +216,7 @@ def panel(axes, rows, scene):
     if scene != "scan":
         old = printed_in_2019(scene)
         axes.axhline(old, color=chart.RED, linestyle="--", linewidth=1)
-        axes.text(29, 1.4 * old, "the program of 2019, as published", ha="right")
+        axes.text(29, 1.4 * old, "program of 2019 (published curve)", ha="right")
     places = merged([row for row in rows if row["method"] in CHARTED])
     for place, (side, up) in zip(places, label_places(places)):
         theirs = place["names"][0] in (SHOWN["original MCML"], "MMC")
@@ -230,18 +230,18 @@ def draw(csv, target):
     """Three panels, one below the other, to be read at half the width of a page: hence few marks and large letters."""
     rows, plt = tables.read_csv(csv)[1], picture.begin()
     figure = plt.figure(figsize=(5.83, 8.5))
-    figure.text(0.02, 0.97, "How wrong the reflectance stays, and how long it takes", fontsize=13)
-    figure.text(0.02, 0.925, "up: wrong share of Rd, however many photons fly; arrow: at most so much\n"
-                "right: seconds of a core to 0.1 % noise; grey: no other program sees it")
+    figure.text(0.02, 0.97, "Diffuse reflectance Rd: accuracy against speed", fontsize=13)
+    figure.text(0.02, 0.925, "blue: this program; red: others; arrows are upper limits of the bias\n"
+                "grey: below what other programs can resolve")
     panels = figure.subplots(len(TITLES), sharex=True, sharey=True, gridspec_kw={"left": 0.14, "right": 0.97, "top": 0.885, "bottom": 0.065, "hspace": 0.16})
     for axes, (scene, title) in zip(panels, TITLES.items()):
-        axes.set(xscale="log", yscale="log", ylabel="wrong share of Rd")
+        axes.set(xscale="log", yscale="log", ylabel="relative bias of Rd")
         axes.set_title(title, loc="left")
         panel(axes, [row for row in rows if row["scene"] == scene], scene)
     chart.powers(panels[0].yaxis, -9, 0, 3)
     chart.powers(panels[0].xaxis, -1, 1, 1)
     panels[0].set(xlim=(0.03, 30), ylim=(1e-10, 2), xticks=(0.1, 1, 10), xticklabels=("0.1", "1", "10"))
-    panels[-1].set_xlabel("seconds of one core until the noise of Rd is 0.1 %")
+    panels[-1].set_xlabel("core seconds to a standard error of 0.1 % in Rd")
     picture.save(figure, target)
 
 

@@ -11,10 +11,18 @@ import platform
 import shlex
 import subprocess
 import sys
+import textwrap
 import time
 
 BENCH = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 END = "<!-- until here -->"
+
+
+def wrapped(line):
+    """The lines of a long one, which no table has."""
+    if line.startswith("|") or len(line) <= 140:
+        return [line]
+    return textwrap.wrap(line, 140, subsequent_indent="  " * line.startswith("- "), break_long_words=False, break_on_hyphens=False)
 
 
 def replace(readme, name, fresh):
@@ -27,7 +35,7 @@ def replace(readme, name, fresh):
     first = lines.index(begin)
     last = lines.index(END, first)
     with open(readme, "w", encoding="utf-8") as stream:
-        stream.write("\n".join(lines[:first + 1] + list(fresh) + lines[last:]))
+        stream.write("\n".join(lines[:first + 1] + [part for line in fresh for part in wrapped(line)] + lines[last:]))
 
 
 def table(titles, rows):

@@ -9,7 +9,7 @@ import chart
 import picture
 from chart import BLUE, RED
 
-SHOWN = {"rings-mesh": ("^", "rings as mesh"), "rough-mesh": ("s", "rough mesh"), "rings-cone": ("o", "rings as cones")}
+SHOWN = {"rings-mesh": ("^", "rings, as mesh"), "rough-mesh": ("s", "rough mesh"), "rings-cone": ("o", "rings, as exact cones")}
 MEDIA = {"S2": (RED, False, "--"), "S6a": (BLUE, True, "-.")}
 
 
@@ -25,7 +25,7 @@ def draw_times(axes, series):
             with_range(axes, points, colour)
             chart.marks(axes, [point[0] for point in points], [point[1] for point in points], colour, marker, 5, filled, "-").set_label("%s, %s" % (medium, text))
         axes.axhline(statistics.fmean(point[1] for point in series[medium + "-flat-plane"]), color=colour, linestyle=dash, linewidth=1.5, label=medium + ", flat")
-    axes.set(xscale="log", yscale="log", title="Time per step on one thread", xlabel="rings (cones) or triangles (mesh) of the top", ylabel="ns / step")
+    axes.set(xscale="log", yscale="log", title="Time per step, one thread", xlabel="number of rings (cones) or triangles (mesh) of the top boundary", ylabel="ns per step")
     chart.powers(axes.xaxis, 0, 6, 1)
     chart.powers(axes.yaxis, 1, 1, 1)
     tics = (3, 5, 10, 20, 50, 100, 200, 500)
@@ -40,7 +40,7 @@ def draw_ratios(axes, rows):
     axes.bar(places, [row[1] for row in rows], 0.6, color=BLUE, alpha=0.6)
     with_range(axes, [(place, *row[1:]) for place, row in zip(places, rows)], "black")
     axes.set_xticks(places, [row[0] for row in rows])
-    axes.set(title="Flat scenes on one thread: time of original MCML over ours", xlabel="scene", ylabel="ratio of seconds per photon")
+    axes.set(title="Speed-up over original MCML, flat scenes, one thread", xlabel="scene", ylabel="ratio of times per photon")
     axes.grid(False, axis="x")
 
 

@@ -82,9 +82,9 @@ for path in sys.argv[2:]:
     root = tree.parse(path).getroot()
     texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
     sizes = [float(size) for size in re.findall(r"font(?:-size)?: ([\d.]+)px", open(path).read())]
-    begins = os.path.basename(path)[:-4] + ":", "relative bias (", "total error: noise", "failures ("
+    begins = os.path.basename(path)[:-4] + ":", "bias (bars", "total error (noise", "lost packets ("
     assert [sum(text.startswith(words) for text in texts) for words in begins] == [1, 1, 1, 1], (path, texts)
-    assert "knee: noise equals bias" in texts or not path.endswith("hihill.svg"), texts  # the last line of the key
+    assert "knee (noise equals bias)" in texts or not path.endswith("hihill.svg"), texts  # the last line of the key
     assert float(root.get("width").removesuffix("pt")) <= 511 and os.path.getsize(path) < 64000, (path, root.get("width"))
     assert sizes and min(sizes) >= 7 and min(size for size in sizes if size != 7) >= 10, (path, sizes)
 END
@@ -96,7 +96,7 @@ END
 import sys
 import xml.etree.ElementTree as tree
 text = "".join(tree.parse(sys.argv[1]).getroot().itertext())
-counts = [text.count(words) for words in ("processor seconds", "original MCML", "S5 (skin7), flat", "hihill", "S2, rough scan on top")]
+counts = [text.count(words) for words in ("core seconds", "original MCML", "S5 (skin7), flat", "hihill", "S2, rough scan on top")]
 assert counts == [8, 1, 1, 1, 1], counts
 END
 fi

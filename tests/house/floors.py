@@ -53,7 +53,7 @@ ROOMS = {
 CODE = "/* Code, included "
 MAP = "src/README.md"
 ROW = re.compile(r"^\| `([a-z/]+)` \|", re.M)
-PARAGRAPH = re.compile(r"^\*\*([a-z/, ]+)\.\*\* ", re.M)
+PARAGRAPH = re.compile(r"^\*\*([a-z/, ]+)\.\*\*(?: |$)", re.M)
 
 # Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.
 FOREIGN = {

@@ -212,6 +212,15 @@ def _numbers(file: _File, axes: dict[str, Any]) -> dict[str, Field]:
     return variables
 
 
+def _note_older(path: str, file: _File) -> None:
+    """Warns of sections that version 0.1 wrote into an .mco, and that only an .h5 holds since."""
+    version = re.search(r"^# clustermcml (0\.1\.[0-9]+)", file.text, re.MULTILINE)
+    known = {"", "A1", "InParm", "RAT", "se_RAT", "lattice", "time", "books", *QUANTITIES, *("se_" + name for name in WHOLE)}
+    older = [name for name in file.sections if name not in known and not name.startswith(("se_", "heightfield"))]
+    if version and older:
+        warnings.warn(f"{path}: {', '.join(older)} of version {version[1]} were not read: the .h5 of that run has them, if it wrote one", stacklevel=5)
+
+
 def _with_fields(path: str, text: str, own: Fields) -> Fields:
     """The result with what only the .h5 file beside it has, if that is of the same run; else the attribute `lacks` names that file."""
     if BESIDE not in text:
@@ -229,8 +238,8 @@ def _with_fields(path: str, text: str, own: Fields) -> Fields:
 def read_mco(path: str) -> Fields:
     """What stands in an `.mco` file, with the names, axes and units of an `.h5` file."""
     try:
-        with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
-            text = file.read().replace("\r\n", "\n")  # a lone CR ends no line
+        with open(path, encoding="utf-8-sig", errors="replace", newline="") as stream:
+            text = stream.read().replace("\r\n", "\n")  # a lone CR ends no line
         if not text.startswith("A1"):
             raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
         if "\0" in text:
@@ -240,11 +249,13 @@ def read_mco(path: str) -> Fields:
             raise errors.InputError(f"{path}: last line is missing (expected # end; the file is cut off)")
         if END in text[:1000] and behind.strip(" \t\n"):
             raise errors.InputError(f"{path}: text behind # end (expected one result)")
-        own = _dataset(text, _File(path, text))
+        file = _File(path, text)
+        own = _dataset(text, file)
     except errors.InputError:
         raise
     except Exception as error:  # whatever Python and its libraries say of words that are not what they should be
         raise errors.unreadable(path, "a whole .mco file", error) from error
+    _note_older(path, file)
     return _with_fields(path, text, own)
 
 

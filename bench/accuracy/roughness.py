@@ -182,8 +182,8 @@ def sentences(result):
         rms, noise = (100 * math.sqrt(statistics.fmean(one[k]**2 for one in off)) for k in (0, 1))
         yield ("%s, statistics against the mean of reliefs of at most half a mean free path: %d totals (Rd, A, Tt) differ by %.2f %% in root mean "
                "square, with errors of %.2f %%. The largest difference is %s." % (SHOWN[slab], len(off), rms, noise, largest(off)))
-        yield "%s, statistics against longer reliefs, the largest difference by length / mean free path: %s." % (SHOWN[slab], "; ".join(
-            "%.1f: %s" % (length / FREE_PATH, largest(result.off(slab, [length]))) for length in LENGTHS if length not in half))
+        yield "%s, statistics against longer reliefs, the largest difference by length / mean free path. %s." % (SHOWN[slab], ". ".join(
+            "At %.1f: %s" % (length / FREE_PATH, largest(result.off(slab, [length]))) for length in LENGTHS if length not in half))
         yield "%s, smooth faces: the worst of Rd, A and Tt is off by %s." % (SHOWN[slab], "; ".join("%.1f %% at alpha %g" % (
             100 * max(abs(result.bias(slab, angle, alpha, "smooth", name)[0]) for angle in ANGLES for name in JUDGED), alpha) for alpha in ALPHAS))
 

@@ -218,7 +218,7 @@ def report(program, their_mmc, scenes, rounds, quick, shared, mitsuba):
     titles, speeds = (TITLES, SPEEDS) if not mitsuba else (TITLES + MITSUBA_TITLES, SPEEDS + MITSUBA_SPEEDS)
     yield from tables.table(titles + (() if quick else speeds), [row(scene, quick) for scene in scenes])
     yield ""
-    yield "More than %d errors apart: %s." % (BROKEN, "; ".join(broken(scenes)) or "none")
+    yield "More than %d errors apart: %s." % (BROKEN, ". ".join(broken(scenes)) or "none")
 
 
 def main():

@@ -82,7 +82,7 @@ static cml_status set_name(struct cml_mci_line *line)
     const char *name = line->value;
     const size_t size = strlen(name);
     if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
-        return cml_mci_fail_value(line, "1 to 24 letters, digits and underscores");
+        return cml_mci_fail_value(line, line->key->noun);
     if (ends_as_results_do(name))
         return cml_mci_fail_value(
             line, "a name that does not end as results do, in _t, _later, _map, _path, "
@@ -97,7 +97,7 @@ static cml_status set_own(struct cml_mci_line *line)
     if (strcmp(line->key->name, "name") == 0) return set_name(line);
     const int side = cml_mci_choose(line->value, sides, 2);
     detector->below = side == 1;
-    return side >= 0 ? CML_OK : cml_mci_fail_value(line, "top or bottom");
+    return side >= 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
 /* ---- the line ---- */

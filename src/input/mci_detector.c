@@ -24,8 +24,8 @@ enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
-    int s = 0; /* a ring without a hole has a radius */
-    while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
+    int s = detector->ring ? 1 : 0;
+    while (shapes[s].shape != detector->shape) s++;
     *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
     *part++ = (struct cml_key_part){shapes[s].keys, detector};
     if (detector->aimed) *part++ = (struct cml_key_part){CML_KEYS_AIM, detector};
@@ -54,6 +54,7 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                                                    : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or "
                                                      "table \"FILE\"");
     detector->shape = shapes[s].shape;
+    detector->ring = s == 1;
     detector->nx = detector->ny = 1;
     CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));
     return detector->shape == CML_DETECTOR_RING ? check_radii(line, detector->size) : CML_OK;

@@ -181,6 +181,7 @@ struct cml_saved_def {
 struct cml_detector_def {
     char *name;
     enum cml_detector_shape shape;
+    bool ring;        /* the line has two radii, of which the first may be 0 */
     double size[2];   /* cm; both radii of a ring, a disk's first one 0; lengths of a rectangle or pixel */
     int nx, ny;       /* pixels of a map; else 1 */
     double x, y, z;   /* cm, of the middle; the scene's */

@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 #include "input/mci_options.h"
+#include "result/quantity.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -62,33 +63,19 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Endings of what there is of every detector: with one of them a name could be read in two ways. */
-static bool ends_as_results_do(const char *name)
-{
-    static const char *const endings[] = {"_t",        "_later",   "_map",    "_path", "_interactions",
-                                          "_momentum", "_deepest", "_dmua",   "_dmus", "_se",
-                                          "_x",        "_y",       "_outside"};
-    const size_t size = strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        const size_t end = strlen(endings[i]);
-        if (size >= end && strcmp(name + size - end, endings[i]) == 0) return true;
-    }
-    return false;
-}
-
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     const char *name = line->value;
+    char expected[80];
     const size_t size = strlen(name);
     if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
         return cml_mci_fail_value(line, line->key->noun);
-    if (ends_as_results_do(name))
-        return cml_mci_fail_value(
-            line, "a name that does not end as results do, in _t, _later, _map, _path, "
-                  "_interactions, _momentum, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
-    return cml_text_copy(name, &detector->name, line->reader->err);
+    const char *ending = cml_quantity_ending(name);
+    if (!ending) return cml_text_copy(name, &detector->name, line->reader->err);
+    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
+    return cml_mci_fail_value(line, expected);
 }
 
 static cml_status set_own(struct cml_mci_line *line)

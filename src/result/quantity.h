@@ -177,6 +177,10 @@ static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
+/* The ending of a detector's name that its results add to names, as "_t" in detector_NAME_t; NULL: it has
+ * none. */
+const char *cml_quantity_ending(const char *name);
+
 /* The quantity that is a total of enum cml_total; the last of them is what a backing keeps. */
 enum cml_quantity cml_quantity_of_total(int total);
 

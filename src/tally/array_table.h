@@ -179,8 +179,9 @@ enum cml_holder {
     CML_OF_ROW_GRIDS /* behind those of all batches */
 };
 
-/* Whether an array is a grid of radius and another axis: each group of packets has one, or all share one. */
-static inline bool cml_is_radial_grid(enum cml_array array)
+/* True for a grid of radius, or of radius and depth, and another axis, which is kept by group of packets:
+ * A_rz, Rd_ra, Rd_rt, phi_rzt and the like. */
+static inline bool cml_is_grid_of_groups(enum cml_array array)
 {
     const struct cml_array_info *info = &cml_arrays[array];
     return (info->axis[0] == CML_CELLS_r || info->axis[0] == CML_CELLS_place) &&

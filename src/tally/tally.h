@@ -71,7 +71,7 @@ struct cml_tally {
 #undef CML_POINTER
         };
     };
-    struct cml_layout layout;  /* of its own arrays in `cells` */
+    struct cml_layout layout;  /* of its own arrays in `cells`; `once` also of those that it borrows */
     struct cml_layout profile; /* of what it brings */
     struct cml_stay *stay;     /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h); or NULL */
     struct cml_saved_part *saved; /* packets one by one; or NULL */

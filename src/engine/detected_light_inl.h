@@ -157,22 +157,30 @@ static inline int cml_next_seeing(struct cml_seeing *s)
     }
 }
 
+/* What all detectors have seen: arrays of a tally, or of a row of late profiles. */
+struct cml_seen {
+    uint64_t *detector, *detector_t, *moments;
+};
+
+static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
+{
+    return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
+}
+
 /* Into detector k, but for its map. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
-                                       int k, uint64_t *sums)
+                                       int k, const struct cml_seen *to)
 {
-    const struct cml_setup *setup = &world->setup;
-    const size_t detectors = (size_t)world->detection.num_detectors, gates = (size_t)setup->gates.count,
+    const size_t gates = (size_t)world->setup.gates.count,
                  moments = CML_MOMENT_CELLS * (CML_MEDIUM_MOMENTS * cml_num_media(world) + 1);
-    uint64_t *const sums_t = sums + detectors, *const means = sums_t + (gates ? detectors * (gates + 1) : 0);
-    sums[k] += light->times * light->w;
-    if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
-    cml_add_moments(world, light, means + (size_t)k * moments);
+    to->detector[k] += light->times * light->w;
+    if (gates) to->detector_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
+    cml_add_moments(world, light, to->moments + (size_t)k * moments);
 }
 
 /* The light that leaves all about the axis where this does, as far as a detector sees it. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
-                                 uint64_t *sums)
+                                 const struct cml_seen *to)
 {
     const struct cml_arc arc = world->detection.arc;
     const struct cml_detector *detector = &world->detection.detectors[arc.detector - 1];
@@ -186,7 +194,7 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
         (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
         return;
     part.w = (cml_u32)CML_FMA((real)light->w, cml_arc_share(arc, CML_SQRT(CML_FMA(x, x, y * y))), light->lot);
-    if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, sums);
+    if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
 }
 
 /* Into the pixel of a detector that sees it. */
@@ -203,22 +211,22 @@ static inline void cml_add_to_pixel(const struct cml_light_out *light, const str
 }
 
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
- * NULL. sums: where `detector` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
- * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
+ * NULL. pixels: whose maps are scored, too, or NULL. Returns the number of the first detector that sees it,
+ * from 1; 0: none does.
  */
 static inline int cml_score_light(const struct cml_world *world, const struct cml_light_out *light,
-                                  const struct cml_light_out *before, uint64_t *sums,
+                                  const struct cml_light_out *before, const struct cml_seen *to,
                                   const struct cml_tally *pixels)
 {
     const struct cml_detection *detection = &world->detection;
     int seen = 0;
     struct cml_seeing seeing = cml_seeing_of(world, &light->ray);
-    if (detection->arc.detector) cml_score_arc(world, light, sums);
+    if (detection->arc.detector) cml_score_arc(world, light, to);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
         const struct cml_detector *detector = &detection->detectors[k];
         if (k + 1 == detection->arc.detector) continue;
         seen = seen && seen <= k ? seen : k + 1;
-        cml_add_to_detector(world, light, k, sums);
+        cml_add_to_detector(world, light, k, to);
         if (!pixels || detector->shape != CML_DETECTOR_MAP) continue;
         cml_add_to_pixel(light, before, &seeing, detector, pixels);
     }
@@ -243,9 +251,9 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
 
 /* Adds what is split off `times` packets like packet `index` to the scores of all detectors. */
 static inline void cml_score_split_off(const struct cml_world *world, cml_u64 index, uint64_t times,
-                                       uint64_t *sums, const struct cml_tally *pixels)
+                                       const struct cml_seen *to, const struct cml_tally *pixels)
 {
     struct cml_light_out light = cml_light_split_off(world, index);
     light.times = times;
-    if (light.w) cml_score_light(world, &light, NULL, sums, pixels);
+    if (light.w) cml_score_light(world, &light, NULL, to, pixels);
 }

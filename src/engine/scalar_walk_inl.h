@@ -225,19 +225,21 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
 }
 
 /* Which detectors have seen the packet, of which some part may have been split off at its launch (P13). */
-static void trace_detectors(const struct tracing *tracing, const struct cml_packet *packet, uint64_t *sums)
+static void trace_detectors(const struct tracing *tracing, const struct cml_packet *packet,
+                            const struct cml_tally *tally)
 {
     const struct cml_world *world = tracing->world;
+    const struct cml_seen to = cml_seen_by(tally);
     const struct cml_exit exit =
         cml_exit_of(&world->setup, packet->fate, packet->exit_x, packet->exit_y, packet->u.z, packet->path);
     const struct cml_vec place = {packet->exit_x, packet->exit_y, packet->p.z};
     const struct cml_light_out light = cml_light_of(&exit, place, packet->u, packet->w);
-    cml_score_split_off(world, packet->index, 1, sums, NULL);
-    if (cml_has_left(&exit)) cml_score_light(world, &light, NULL, sums, NULL);
+    cml_score_split_off(world, packet->index, 1, &to, NULL);
+    if (cml_has_left(&exit)) cml_score_light(world, &light, NULL, &to, NULL);
     for (int k = 0; k < world->detection.num_detectors; k++) {
         const struct cml_trace_event seen = {
-            .what = "detect", .detector = k, .weight = (double)sums[k] * CML_WEIGHT_UNIT};
-        if (sums[k]) tracing->on_event(tracing->context, &seen);
+            .what = "detect", .detector = k, .weight = (double)to.detector[k] * CML_WEIGHT_UNIT};
+        if (to.detector[k]) tracing->on_event(tracing->context, &seen);
     }
 }
 
@@ -268,7 +270,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
         struct cml_packet packet;
         cml_walk(&traced, &to, first + i, &packet);
         records[i] = record_of(world, &packet);
-        if (tally.detector) trace_detectors(&tracing, &packet, tally.detector);
+        if (tally.detector) trace_detectors(&tracing, &packet, &tally);
     }
     cml_tally_free(&tally);
     return CML_OK;

@@ -59,7 +59,7 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
 {
     const struct cml_setup setup = *shared;
     const int na = setup.na, below = (int)(tally->Tt_ra - tally->Rd_ra);
-    const cml_u32 step = tally->grid.cell_errors ? (cml_u32)cml_ra_cells(&tally->grid) : 0;
+    const cml_u32 step = (cml_u32)tally->layout.once[CML_ARRAY_Rd_ra].step;
 #pragma omp simd
     for (int i = 0; i < CML_TERMINATED; i++) {
         const struct cml_exit exit = cml_terminated_exit(&setup, terminated, i);
@@ -115,8 +115,9 @@ static inline void cml_terminated_add_split_off(const struct cml_world *world,
 {
     const cml_u32 specular = world->setup.specular;
     const int detected = tally->detector && world->detection.split == CML_SPLIT_ALIKE;
+    const struct cml_seen seen = cml_seen_by(tally);
     uint64_t of_group[CML_NUM_GROUPS] = {0};
-    if (detected && !tally->detector_map) cml_score_split_off(world, 0, count, tally->detector, tally);
+    if (detected && !tally->detector_map) cml_score_split_off(world, 0, count, &seen, tally);
     if (!(tally->Rsp_dir && specular) && !(detected && tally->detector_map)) return;
     for (int i = 0; i < terminated->count; i++) {
         const int branch = terminated->branches && cml_is_branch(cml_terminated_index(terminated, i));
@@ -126,8 +127,7 @@ static inline void cml_terminated_add_split_off(const struct cml_world *world,
         if (!of_group[g]) continue;
         if (tally->Rsp_dir && specular)
             cml_add_once(tally->Rsp_dir, tally->grid.direction_once, g, specular, of_group[g]);
-        if (detected && tally->detector_map)
-            cml_score_split_off(world, g, of_group[g], tally->detector, tally);
+        if (detected && tally->detector_map) cml_score_split_off(world, g, of_group[g], &seen, tally);
     }
 }
 
@@ -159,9 +159,8 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
 static inline void cml_score_radius_and_gate(const struct cml_exit *exit, cml_u32 index, uint64_t weight,
                                              const struct cml_tally *tally)
 {
-    const struct cml_tally_grid *grid = &tally->grid;
-    const size_t cell = (size_t)exit->r * ((size_t)grid->gates + 1) + (size_t)exit->gate,
-                 first = grid->gate_errors ? index % CML_NUM_GROUPS * cml_rt_cells(grid) : 0;
+    const size_t cell = (size_t)exit->r * ((size_t)tally->grid.gates + 1) + (size_t)exit->gate,
+                 first = index % CML_NUM_GROUPS * tally->layout.once[CML_ARRAY_Rd_rt].step;
     cml_add_shared((exit->up ? tally->Rd_rt : tally->Tt_rt) + first + cell, weight);
 }
 
@@ -272,15 +271,15 @@ static inline struct cml_light_out cml_terminated_light(const struct cml_world *
 }
 
 /* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
- * sums, pixels, what is returned: as in cml_score_light. */
+ * to, pixels, what is returned: as in cml_score_light. */
 static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
                                       int i, const struct cml_exit *exit, const struct cml_trail *trail,
-                                      uint64_t *sums, const struct cml_tally *pixels)
+                                      const struct cml_seen *to, const struct cml_tally *pixels)
 {
     if (!cml_has_left(exit)) return 0;
     const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
     const struct cml_light_out light = cml_terminated_light(world, terminated, i, exit, trail);
-    return cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
+    return cml_score_light(world, &light, split.w ? &split : NULL, to, pixels);
 }
 
 /* P18: packet i of the collection, whatever its end. detector: the first that has seen it, from 1. */
@@ -338,9 +337,10 @@ static inline void cml_tally_places(const struct cml_world *world, struct cml_te
     const struct cml_exit exit = cml_terminated_exit(setup, terminated, i);
     int detector = 0;
     if (tally->detector) {
+        const struct cml_seen seen = cml_seen_by(tally);
         if (world->detection.split == CML_SPLIT_APART)
-            cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detector, tally);
-        detector = cml_tally_detectors(world, terminated, i, &exit, trail, tally->detector, tally);
+            cml_score_split_off(world, cml_terminated_index(terminated, i), 1, &seen, tally);
+        detector = cml_tally_detectors(world, terminated, i, &exit, trail, &seen, tally);
     }
     if (rows) cml_tally_rows(world, terminated, i, &exit, trail, rows);
     if (tally->saved) cml_save_packet(world, terminated, i, &exit, detector, trail, tally->saved);
@@ -424,8 +424,7 @@ static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_t
  */
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struct cml_branches *branches)
 {
-    const struct cml_deposits to = {.group_cells =
-                                        tally->grid.cell_errors ? (cml_u32)cml_rz_cells(&tally->grid) : 0,
+    const struct cml_deposits to = {.group_cells = (cml_u32)tally->layout.once[CML_ARRAY_A_rz].step,
                                     .voxel_step = tally->grid.voxel_step,
                                     .facet_step = tally->grid.facet_step,
                                     .A_rz = tally->A_rz,

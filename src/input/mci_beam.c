@@ -172,7 +172,7 @@ static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
                    : cml_mci_fail_value(line, cml_key_expected(aperture, expected));
     }
     if (size < 3 || value[0] != '"' || value[size - 1] != '"')
-        return cml_mci_fail_value(line, "parallel, na:N, lambertian, isotropic or a file in quotes");
+        return cml_mci_fail_value(line, line->key->noun);
     value[size - 1] = '\0';
     light->kind = CML_LIGHT_OF_TABLE;
     return cml_mci_table(line->reader, "beam", value + 1, "a file name", read_light_table, light);
@@ -185,7 +185,7 @@ static cml_status set_own(struct cml_mci_line *line)
     if (strcmp(line->key->name, "light") == 0) return set_light(line, &beam->light);
     if (strcmp(line->key->name, "na") == 0) return cml_mci_fail_value(line, "light=na:N");
     beam->radial = true;
-    return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, "radial=beam");
+    return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
 /* One more beam. The first line takes the place of the pencil that there is without one. */

@@ -279,7 +279,7 @@ static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
     if (strncmp(line->value, fractal, sizeof fractal - 1) == 0 &&
         cml_mci_parse_list(line->value + sizeof fractal - 1, 1, hurst) && *hurst >= 0.01 && *hurst <= 1)
         return CML_OK;
-    return cml_mci_fail_value(line, "gaussian, exponential, or fractal:H with H of 0.01..1");
+    return cml_mci_fail_value(line, line->key->noun);
 }
 
 static cml_status set_m_option(struct cml_mci_line *line)
@@ -294,7 +294,7 @@ static cml_status set_m_option(struct cml_mci_line *line)
     if (strcmp(key, "tile") == 0) return set_tiling(line, &m->tiling);
     if (!cml_parse_count(line->value, &points) || points < 16 || points > 8192 ||
         (points & (points - 1)) != 0)
-        return cml_mci_fail_value(line, "a power of two of 16..8192");
+        return cml_mci_fail_value(line, line->key->noun);
     m->relief.points = (int)points;
     return CML_OK;
 }

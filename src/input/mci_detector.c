@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 #include "input/mci_options.h"
+#include "result/quantity.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,8 +25,8 @@ enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
-    int s = 0; /* a ring without a hole has a radius */
-    while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
+    int s = detector->ring ? 1 : 0;
+    while (shapes[s].shape != detector->shape) s++;
     *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
     *part++ = (struct cml_key_part){shapes[s].keys, detector};
     if (detector->aimed) *part++ = (struct cml_key_part){CML_KEYS_AIM, detector};
@@ -54,6 +55,7 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                                                    : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or "
                                                      "table \"FILE\"");
     detector->shape = shapes[s].shape;
+    detector->ring = s == 1;
     detector->nx = detector->ny = 1;
     CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));
     return detector->shape == CML_DETECTOR_RING ? check_radii(line, detector->size) : CML_OK;
@@ -61,33 +63,19 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Endings of what there is of every detector: with one of them a name could be read in two ways. */
-static bool ends_as_results_do(const char *name)
-{
-    static const char *const endings[] = {"_t",        "_later",   "_map",    "_path", "_interactions",
-                                          "_momentum", "_deepest", "_dmua",   "_dmus", "_se",
-                                          "_x",        "_y",       "_outside"};
-    const size_t size = strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        const size_t end = strlen(endings[i]);
-        if (size >= end && strcmp(name + size - end, endings[i]) == 0) return true;
-    }
-    return false;
-}
-
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     const char *name = line->value;
+    char expected[80];
     const size_t size = strlen(name);
     if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
-        return cml_mci_fail_value(line, "1 to 24 letters, digits and underscores");
-    if (ends_as_results_do(name))
-        return cml_mci_fail_value(
-            line, "a name that does not end as results do, in _t, _later, _map, _path, "
-                  "_interactions, _momentum, _deepest, _dmua, _dmus, _se, _x, _y or _outside");
-    return cml_text_copy(name, &detector->name, line->reader->err);
+        return cml_mci_fail_value(line, line->key->noun);
+    const char *ending = cml_quantity_ending(name);
+    if (!ending) return cml_text_copy(name, &detector->name, line->reader->err);
+    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
+    return cml_mci_fail_value(line, expected);
 }
 
 static cml_status set_own(struct cml_mci_line *line)
@@ -97,7 +85,7 @@ static cml_status set_own(struct cml_mci_line *line)
     if (strcmp(line->key->name, "name") == 0) return set_name(line);
     const int side = cml_mci_choose(line->value, sides, 2);
     detector->below = side == 1;
-    return side >= 0 ? CML_OK : cml_mci_fail_value(line, "top or bottom");
+    return side >= 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
 /* ---- the line ---- */

@@ -9,7 +9,7 @@ cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_op
     static const char *const units[] = {"cm", "mm", "um", "m"};
     static const double cm[] = {1, 0.1, 1e-4, 100};
     const int which = cml_mci_choose(line->value, units, 4);
-    if (which < 0) return cml_mci_fail_value(line, "cm, mm, um or m");
+    if (which < 0) return cml_mci_fail_value(line, line->key->noun);
     obj->unit = cm[which];
     return CML_OK;
 }

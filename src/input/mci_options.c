@@ -30,7 +30,7 @@ static cml_status fail_unknown(const struct cml_mci_line *line, const char *word
     for (const struct cml_key_part *part = line->parts; part->group != CML_KEYS_NONE; part++)
         for (const struct cml_key *key = cml_keys_of(part->group); key->group == part->group; key++) {
             if (!(key->use & CML_KEY_OPTION)) continue;
-            const bool own = key->type == CML_KEY_OWN && key->noun;
+            const bool own = key->use & CML_KEY_ALONE;
             last = end;
             end += snprintf(end, (size_t)(list + sizeof list - end), "%s%s%s", end > list ? ", " : "",
                             own ? key->noun : key->name, own || key->type == CML_KEY_FLAG ? "" : "=");
@@ -78,7 +78,7 @@ static cml_status take_value(struct cml_mci_line *line, void *base)
 static bool is_of_key(const struct cml_key *key, const char *word)
 {
     const size_t length = strcspn(word, "=");
-    const bool may_stand_alone = key->type == CML_KEY_FLAG || (key->type == CML_KEY_OWN && key->noun);
+    const bool may_stand_alone = key->type == CML_KEY_FLAG || key->use & CML_KEY_ALONE;
     return (key->use & CML_KEY_OPTION || key->type == CML_KEY_OWN) && (word[length] || may_stand_alone) &&
            strlen(key->name) == length && memcmp(key->name, word, length) == 0;
 }

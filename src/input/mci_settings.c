@@ -361,7 +361,7 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
     const size_t length = strlen(name);
     if (length == 0 || length >= CML_LAYER_NAME || name[strspn(name, letters)] != '\0' ||
         strchr("0123456789", *name))
-        return "1 to 24 letters, digits and underscores, the first of them no digit";
+        return cml_keys_of(CML_KEYS_NAMED)->noun;
     if (is_taken(name)) return "a name that no other part of a scene has";
     for (int l = 1; l < layer; l++)
         if (strcmp(cml_layer_name(scene, l), name) == 0) return "a name that no layer before has";

@@ -4,6 +4,7 @@
 #include "tally/result.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* Words of the table that stand for axes and places. */
 #define NUMBER                                                                                               \
@@ -45,6 +46,28 @@ static const struct {
 struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step)
 {
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
+}
+
+static bool ends_in(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), size = strlen(ending);
+    return length >= size && strcmp(name + length - size, ending) == 0;
+}
+
+const char *cml_quantity_ending(const char *name)
+{
+    /* Endings of fields: gates, errors, axes of pixels, pixels outside. */
+    static const char *const fields[] = {"_later", "_se", "_x", "_y", "_outside"};
+    const size_t prefix = strlen(cml_quantities[CML_QUANTITY_detector].name);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const char *ending = cml_quantities[i].name + prefix;
+        if (i != CML_QUANTITY_detector && cml_quantity_is_of_detector((enum cml_quantity)i) &&
+            ends_in(name, ending))
+            return ending;
+    }
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        if (ends_in(name, fields[i])) return fields[i];
+    return NULL;
 }
 
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)

@@ -184,6 +184,10 @@ static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
+/* Returns the ending that results of a detector add to its name, as "_t" in detector_NAME_t; NULL: the name
+ * has none. */
+const char *cml_quantity_ending(const char *name);
+
 /* Returns the quantity of a total of enum cml_total. The last total is the light that a backing keeps. */
 enum cml_quantity cml_quantity_of_total(int total);
 

@@ -217,6 +217,17 @@ static cml_status read_head(struct source *source, struct cml_error *err)
                                                                  : fail_damaged(source, "cut short", err);
 }
 
+/* The size in the line of an input file, "53 bytes, crc32 ..." of "input x.mci of 53 bytes, crc32 ..."; NULL:
+ * the line is about something else. */
+static const char *find_size(const char *line)
+{
+    const char *size = NULL;
+    const bool is_input = strncmp(line, "input ", 6) == 0;
+    for (const char *at = line; is_input && *at && *at != '\n'; at++)
+        if (strncmp(at, " of ", 4) == 0) size = at + 4;
+    return size;
+}
+
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {
@@ -226,6 +237,14 @@ cml_status cml_fail_other_run(const char *path, const char *theirs, const char *
         mine += m + 1;
         theirs += t + 1;
     }
+    const char *size = find_size(mine), *their_size = find_size(theirs);
+    if (size && their_size && size - mine == their_size - theirs &&
+        memcmp(mine, theirs, (size_t)(size - mine)) == 0)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s: the checkpoint is of another run: the file %.*s has other contents, %.*s there, "
+                        "%.*s here (expected %s)",
+                        path, (int)(size - mine - 10), mine + 6, (int)strcspn(their_size, ","), their_size,
+                        (int)strcspn(size, ","), size, expected);
     return cml_fail(err, CML_E_INPUT,
                     "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here (expected %s)", path,
                     (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine, expected);

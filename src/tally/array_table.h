@@ -187,8 +187,9 @@ enum cml_holder {
     CML_OF_ROW_GRIDS /* grids of a row of a sweep, behind the bins of all batches */
 };
 
-/* True for grids of radius (or place) and another axis that are kept by group, or once for all packets. */
-static inline bool cml_is_radial_grid(enum cml_array array)
+/* True for a grid of radius, or of radius and depth, and another axis, which is kept by group of packets:
+ * A_rz, Rd_ra, Rd_rt, phi_rzt and the like. */
+static inline bool cml_is_grid_of_groups(enum cml_array array)
 {
     const struct cml_array_info *info = &cml_arrays[array];
     return (info->axis[0] == CML_CELLS_r || info->axis[0] == CML_CELLS_place) &&

@@ -11,12 +11,12 @@ static struct cml_once once_of(size_t cells, bool by_group)
 
 void cml_tally_set_groups(struct cml_tally_grid *grid)
 {
-    const struct cml_layout of = cml_layout_of(grid, CML_OF_RESULT);
+    const struct cml_layout of = cml_layout_of(grid, CML_OF_TALLY);
     const size_t most = CML_CELLS_WITH_ERRORS, voxels = of.size[CML_ARRAY_A_xyz],
                  map = of.size[CML_ARRAY_Rd_xya], directions = of.size[CML_ARRAY_Rd_dir],
                  rows = grid->rows && !grid->derivatives ? cml_row_stride(grid) : 1;
-    grid->cell_errors = cml_ra_cells(grid) <= most && (!grid->absorption || cml_rz_cells(grid) <= most);
-    grid->gate_errors = cml_rt_cells(grid) <= most;
+    grid->cell_errors = of.size[CML_ARRAY_Rd_ra] <= most && of.size[CML_ARRAY_A_rz] <= most;
+    grid->gate_errors = of.size[CML_ARRAY_Rd_rt] <= most;
     grid->voxel_step = voxels <= most + 1 ? voxels : 0; /* the extra voxel holds all absorption outside */
     grid->facet_step = grid->facets <= CML_FACETS_WITH_ERRORS ? grid->facets * CML_FACET_SCORES : 0;
     grid->map_once = once_of(2 * map, map <= most + (size_t)grid->map_na);

@@ -191,7 +191,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
     for (int i = 0; i < CML_NUM_ARRAYS; i++)
-        if (cml_is_radial_grid((enum cml_array)i)) add_grid(result, (enum cml_array)i, tally);
+        if (cml_is_grid_of_groups((enum cml_array)i)) add_grid(result, (enum cml_array)i, tally);
     if (own->size[CML_ARRAY_phi_rz]) add_fluence(result, tally->phi_rz);
     add_sparse(result->cells + result->layout.Rd_xya, tally->cells + own->Rd_xya, own->cells - own->Rd_xya);
     add_rows(result->rows, tally->rows, own->size[CML_ARRAY_rows]);

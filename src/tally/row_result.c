@@ -161,7 +161,8 @@ cml_status cml_row_result(const struct cml_result *flight, int number, struct cm
     CML_TRY(take_batches(&row, err));
     take_launch(&row);
     for (int i = 0; i < CML_NUM_ARRAYS; i++)
-        if (cml_is_radial_grid((enum cml_array)i)) take(&row, (enum cml_array)i, 0, grids + row.grids.at[i]);
+        if (cml_is_grid_of_groups((enum cml_array)i))
+            take(&row, (enum cml_array)i, 0, grids + row.grids.at[i]);
     if (to->Rd_dir) take_directions(&row, grids + row.grids.Rd_dir);
     return CML_OK;
 }

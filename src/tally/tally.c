@@ -116,8 +116,11 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
  * array, too. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
-    for (int i = 0; i < CML_NUM_ARRAYS; i++)
-        if (!tally->layout.size[i]) tally->array[i] = owner->array[i];
+    for (int i = 0; i < CML_NUM_ARRAYS; i++) {
+        if (tally->layout.size[i]) continue;
+        tally->array[i] = owner->array[i];
+        tally->layout.once[i] = owner->layout.once[i];
+    }
 }
 
 /* Leaves borrowed arrays as they are, because other threads score into them meanwhile. */
@@ -231,8 +234,8 @@ static void sum_group(const struct cml_tally *tally, size_t group, uint64_t *bin
     add_exits(tally->Rd_ra + first, rows, na, bins, bins + at->Rd_a - at->Rd_r);
     add_exits(tally->Tt_ra + first, rows, na, bins + at->Tt_r - at->Rd_r, bins + at->Tt_a - at->Rd_r);
     if (tally->grid.absorption)
-        add_columns(tally->A_rz + group * cml_rz_cells(&tally->grid), rows, (size_t)tally->grid.nz + 2,
-                    bins + at->A_z - at->Rd_r);
+        add_columns(tally->A_rz + group * tally->layout.size[CML_ARRAY_A_rz], rows,
+                    (size_t)tally->grid.nz + 2, bins + at->A_z - at->Rd_r);
 }
 
 /* Updates the profiles of the groups. Late packets add their rows to the profiles of their groups, whose

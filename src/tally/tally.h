@@ -73,7 +73,7 @@ struct cml_tally {
 #undef CML_POINTER
         };
     };
-    struct cml_layout layout;  /* places of its own arrays in `cells` */
+    struct cml_layout layout;  /* its own arrays in `cells`; `once` also those that it borrows */
     struct cml_layout profile; /* places of arrays among totals and profiles */
     struct cml_stay *stay;     /* [CML_TRAILS][cml_tally_media] scratch of walks (kernels/types.h), or NULL */
     struct cml_saved_part *saved; /* packets saved one by one, or NULL */

@@ -114,15 +114,3 @@ static inline int cml_cell_groups(const struct cml_tally_grid *grid)
 {
     return grid->cell_errors ? CML_NUM_GROUPS : 1;
 }
-static inline size_t cml_rz_cells(const struct cml_tally_grid *grid)
-{
-    return ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2);
-}
-static inline size_t cml_ra_cells(const struct cml_tally_grid *grid)
-{
-    return ((size_t)grid->nr + 1) * (size_t)grid->na;
-}
-static inline size_t cml_rt_cells(const struct cml_tally_grid *grid)
-{
-    return ((size_t)grid->nr + 1) * ((size_t)grid->gates + 1);
-}

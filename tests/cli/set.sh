@@ -128,6 +128,11 @@ for case in 'detector1.x=0.1|disk 0.1 at=0.1,0 na=0.4 angle=20' 'detector1.y=0.3
 done
 seen "$work/edited.mci" "${disk}detector map 3 2 0.2 0.1 side=bottom\ndetector ring 0.15 0.3\n"
 same_as_edited "detector2.dx=0.2 detector2.dy=0.1 detector3.r1=0.15 detector3.r2=0.3" "$work/seen.mci"
+seen "$work/whole.mci" "detector ring 0 0.2\n" # a ring has two radii, also without a hole
+seen "$work/edited.mci" "detector ring 0.1 0.3\n"
+same_as_edited "detector.r1=0.1 detector.r2=0.3" "$work/whole.mci"
+expect_error 2 "--set: detector.radius = 0.3 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, beam with .x .y .angle .azimuth, detector with .x .y .z .r1 .r2)" \
+    "$work/whole.mci" --set detector.radius=0.3
 expect_error 2 "--set: detector1.angle = 91 (expected degrees of 0..90)" "$work/seen.mci" --set detector1.angle=91
 expect_error 2 "$work/seen.mci:9: detector: r1 r2 = 0.3 0.2 (expected r1 < r2)" "$work/seen.mci" --set detector3.r1=0.3
 for name in detector1.r1 detector2.radius detector2.na detector4.x detector.x; do

@@ -135,6 +135,11 @@ for page in input/index input/beams output/standard-errors recipes/fit options g
 done
 expect_error 2 "fit: a command of the Python package (expected python3 -m clustermcml fit; clustermcml help fit says more)" \
     fit scene.mci measured.csv layer1.mua=1:2 --flights 3
+expect_code 0 help keys # a table for each line of a scene
+test "$(grep -c '^| key | unit | range | default | meaning |$' "$work/out")" -eq "$(grep -c '^\*\*' "$work/out")" &&
+    test "$(grep -c '^| `[^|]* | [^|]* | [^|]* | [^|]* | [^|]* |$' "$work/out")" -gt 100 &&
+    grep -q '^| `mua`, `layer1.mua` | 1/cm | 0 to 1e30 | required | ' "$work/out" &&
+    grep -q '^| `limit` | - | 1 to 1e9, whole | 1e6 | ' "$work/out" || complain "help keys: $(cat "$work/out")"
 # sections of the manual whose heading names a word, rows of tables, and the glossary
 says() { # WORD PATTERN MOST_LINES
     expect_code 0 help -- "$1"

@@ -35,9 +35,9 @@ static void shoot(const char *text, const char *engine, enum cml_surface_kind ki
     require_ok(cml_tally_create(&grid, &shot->tally, &err), &err);
     require_ok(cml_engine_run_range(shot->flight.engine, shot->flight.self, 0, photons, &shot->tally, &err),
                &err);
-    join_groups(shot->tally.A_rz, (size_t)cml_cell_groups(&grid), cml_rz_cells(&grid));
-    join_groups(shot->tally.Rd_ra, (size_t)cml_cell_groups(&grid), cml_ra_cells(&grid));
-    join_groups(shot->tally.Tt_ra, (size_t)cml_cell_groups(&grid), cml_ra_cells(&grid));
+    join_groups(shot->tally.A_rz, (size_t)cml_cell_groups(&grid), shot->tally.layout.size[CML_ARRAY_A_rz]);
+    join_groups(shot->tally.Rd_ra, (size_t)cml_cell_groups(&grid), shot->tally.layout.size[CML_ARRAY_Rd_ra]);
+    join_groups(shot->tally.Tt_ra, (size_t)cml_cell_groups(&grid), shot->tally.layout.size[CML_ARRAY_Tt_ra]);
     join_groups(shot->tally.A_xyz, cml_groups_of(grid.voxel_step), grid.voxel_step);
     join_groups(shot->tally.Rd_xya, cml_groups_of(grid.map_once.step), grid.map_once.step);
     join_groups(shot->tally.facets, cml_groups_of(grid.facet_step), grid.facet_step);

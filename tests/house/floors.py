@@ -26,7 +26,7 @@ ROOMS = {
     "src/scene/body": "src/scene src/scene/heightmap src/geometry src/base",
     "src/input/mesh": "src/scene/heightmap src/geometry src/base",
     "src/input/keys": "src/input/mesh src/scene src/scene/heightmap src/geometry src/base kernels/boundary.h",
-    "src/input": "src/input/keys src/input/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels/boundary.h",
+    "src/input": "src/result src/input/keys src/input/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels/boundary.h",
     "src/input/sweep": "src/base",
     "src/surface/tree": "src/vector src/geometry src/base",
     "src/surface/bounds": "src/surface/tree src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",

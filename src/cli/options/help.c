@@ -126,17 +126,22 @@ static void print_topics(FILE *stream)
     }
 }
 
-/* The rows that the pages of samples/manual/input have, too. */
+/* A table for each line of a scene. The pages of the manual on these lines show the same rows. */
 static void print_keys(FILE *stream)
 {
-    char value[CML_KEY_TEXT];
-    fputs("| key, and its name for `--set` | line | value | meaning |\n|---|---|---|---|\n", stream);
+    char range[CML_KEY_TEXT];
+    const char *line = "";
     for (const struct cml_key *key = cml_key_table; key->group != CML_KEYS_NONE; key++) {
         const struct cml_key_owner *owner = &cml_key_owners[key->group];
         if (!key->meaning) continue;
+        if (strcmp(line, owner->line) != 0)
+            fprintf(stream, "%s**%s**\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
+                    *line ? "\n" : "", owner->line);
+        line = owner->line;
         fprintf(stream, "| `%s`", key->name);
         if (key->use & CML_KEY_SET && *owner->set) fprintf(stream, ", `%s.%s`", owner->set, key->name);
-        fprintf(stream, " | %s | %s | %s |\n", owner->line, cml_key_expected(key, value), key->meaning);
+        fprintf(stream, " | %s | %s | %s | %s |\n", key->unit ? key->unit : "-", cml_key_range(key, range),
+                cml_key_fallback(key), key->meaning);
     }
 }
 

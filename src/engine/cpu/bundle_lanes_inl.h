@@ -303,8 +303,9 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     const cml_u64 index = cml_lane_index(f->b, i);
     row[CML_TOTAL_SPECULAR] += (cml_is_branch(index) ? 0u : setup->specular) + (exit.fresh ? w : 0u);
     if (f->tally->detector) {
-        cml_score_split_off(f->world, index, 1, row + begin->detector, NULL);
-        cml_tally_detectors(f->world, terminated, at, &exit, trail, row + begin->detector, NULL);
+        const struct cml_seen seen = {row + begin->detector, row + begin->detector_t, row + begin->moments};
+        cml_score_split_off(f->world, index, 1, &seen, NULL);
+        cml_tally_detectors(f->world, terminated, at, &exit, trail, &seen, NULL);
     }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
     row[begin->A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];

@@ -209,7 +209,7 @@ static cml_status call_all(struct opencl_engine *engine, struct pool *pool, int 
 /* A_rz of the block of a device that flies so many packets in a work-item. */
 static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, struct cml_tally *tally)
 {
-    uint64_t *const A_rz = tally->A_rz + group * cml_rz_cells(&tally->grid);
+    uint64_t *const A_rz = tally->A_rz + group * tally->layout.size[CML_ARRAY_A_rz];
     const int rows = tally->grid.nz + 2;
     for (int ir = 0; ir <= tally->grid.nr; ir++) {
         const uint64_t *from =
@@ -222,8 +222,8 @@ static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, 
 /* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. */
 static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
-    const size_t group = (size_t)(batch % cml_cell_groups(&tally->grid)), exits = cml_ra_cells(&tally->grid),
-                 others = tally->layout.Rd_ra;
+    const size_t group = (size_t)(batch % cml_cell_groups(&tally->grid)),
+                 exits = tally->layout.size[CML_ARRAY_Rd_ra], others = tally->layout.Rd_ra;
     const uint64_t *const reflected = cells + CML_CELL_LAYER + others, *const transmitted = reflected + exits;
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];

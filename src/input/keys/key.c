@@ -17,14 +17,18 @@ const struct cml_key *cml_keys_of(enum cml_key_group group)
     return key;
 }
 
+static bool is_whole(const struct cml_key *key)
+{
+    return key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
+}
+
 /* Whole numbers go through both: cml_parse_count refuses numbers that are not whole, and the range is
  * compared as doubles. */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value)
 {
-    const bool whole = key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
     double number = 0;
     uint64_t count = 0;
-    if (!cml_parse_double(word, &number) || (whole && !cml_parse_count(word, &count))) return false;
+    if (!cml_parse_double(word, &number) || (is_whole(key) && !cml_parse_count(word, &count))) return false;
     const bool low = key->use & CML_KEY_ABOVE ? number <= key->least : number < key->least;
     const bool high = key->use & CML_KEY_BELOW ? number >= key->most : number > key->most;
     if ((low || high) && !(key->use & CML_KEY_OR_0 && number == 0)) return false;
@@ -103,6 +107,28 @@ const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT])
         snprintf(text, CML_KEY_TEXT, "%s%s of %s..%s%s%s", key->use & CML_KEY_OR_0 ? "0, or " : "", key->noun,
                  least, most, key->unit && !degrees ? " " : "", key->unit && !degrees ? key->unit : "");
     return text;
+}
+
+const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT])
+{
+    char least[24], most[24];
+    if (key->type > CML_KEY_COUNT) {
+        cml_key_expected(key, text);
+        return key->type == CML_KEY_XY    ? "x,y without blanks"
+               : key->type == CML_KEY_XYZ ? "x,y,z without blanks"
+                                          : text;
+    }
+    print_bound(key->least, least);
+    print_bound(key->most, most);
+    snprintf(text, CML_KEY_TEXT, "%s%s%s to %s%s%s", key->use & CML_KEY_OR_0 ? "0, or " : "",
+             key->use & CML_KEY_ABOVE ? "above " : "", least, key->use & CML_KEY_BELOW ? "below " : "", most,
+             is_whole(key) ? ", whole" : "");
+    return text;
+}
+
+const char *cml_key_fallback(const struct cml_key *key)
+{
+    return key->fallback ? key->fallback : key->type == CML_KEY_FLAG ? "no" : "required";
 }
 
 const char *cml_key_unit(const char *name)

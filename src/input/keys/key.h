@@ -23,6 +23,7 @@
     X(N_BELOW, "n below", "below") \
     X(MEDIUM, "a layer, `i`", "layer1") \
     X(LAYER, "a layer", "layer1") \
+    X(NAMED, "a layer", NULL) \
     X(HG2, "`phase hg2`", "layer1.phase") \
     X(MHG, "`phase mhg`", "layer1.phase") \
     X(GK, "`phase gk`", "layer1.phase") \
@@ -96,7 +97,8 @@ enum {
     CML_KEY_JSON = 8,   /* check --json */
     CML_KEY_OR_0 = 16,  /* 0 is in the range, too */
     CML_KEY_ABOVE = 32, /* `least` itself is not in the range */
-    CML_KEY_BELOW = 64  /* `most` itself is not in the range */
+    CML_KEY_BELOW = 64, /* `most` itself is not in the range */
+    CML_KEY_ALONE = 128 /* the word of an OWN key may stand without a value */
 };
 
 struct cml_key {
@@ -105,11 +107,12 @@ struct cml_key {
     const char *shown; /* name in messages; NULL: `name` */
     enum cml_key_type type;
     int use;
-    size_t member;       /* offset in the group's struct */
-    const char *noun;    /* "a length"; the words of CML_KEY_WORD; how CML_KEY_OWN is written, or NULL */
-    double least, most;  /* as in the file */
-    const char *unit;    /* of the file; NULL: none */
-    const char *meaning; /* for the manual */
+    size_t member;        /* offset in the group's struct */
+    const char *noun;     /* "a length"; the words of CML_KEY_WORD; the values of CML_KEY_OWN, or NULL */
+    double least, most;   /* as in the file */
+    const char *unit;     /* of the file; NULL: none */
+    const char *fallback; /* for the manual: the value without the key; NULL: cml_key_fallback says which */
+    const char *meaning;  /* for the manual */
 };
 
 /* The table, a group after the other; the last row has the group CML_KEYS_NONE. */
@@ -147,6 +150,12 @@ double cml_key_load(const struct cml_key *key, const void *base);
 /* The range in words: "a length of 1e-30..1e30 cm". */
 #define CML_KEY_TEXT 120
 const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT]);
+
+/* The range without noun and unit: "0 to 1e30"; the words or the form of a key that is no number. */
+const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT]);
+
+/* The value that the reader takes where the key is absent: "0", "no" of a flag, or "required". */
+const char *cml_key_fallback(const struct cml_key *key);
 
 /* "1/cm", "cm", "degree" or "1" of a name that --set takes, by the last word of the name. */
 const char *cml_key_unit(const char *name);

@@ -459,8 +459,13 @@ static void detectors_that_are_none(void **state)
         {NAME "detector disk 1 name=a-b\n",
          "x.mci:4: detector: name = a-b (expected 1 to 24 letters, digits and underscores)"},
         {NAME "detector disk 1 name=a_t\n",
-         "x.mci:4: detector: name = a_t (expected a name that does not end as results do, in _t, _later, "
-         "_map, _path, _interactions, _momentum, _deepest, _dmua, _dmus, _se, _x, _y or _outside)"},
+         "x.mci:4: detector: name = a_t (expected a name that does not end in _t, as names of results do)"},
+        {NAME "detector disk 1 name=a_momentum\n", "x.mci:4: detector: name = a_momentum (expected a name "
+                                                   "that does not end in _momentum, as names of results do)"},
+        {NAME "detector disk 1 name=a_dmus\n", "x.mci:4: detector: name = a_dmus (expected a name that does "
+                                               "not end in _dmus, as names of results do)"},
+        {NAME "detector disk 1 name=a_se\n",
+         "x.mci:4: detector: name = a_se (expected a name that does not end in _se, as names of results do)"},
         {NAME "detector disk 1 2\n", "x.mci:4: detector: option = 2 (expected at=, z=, side=, na=, angle=, "
                                      "azimuth=, diffuse or name=)"},
         {NAME "detector disk 1 name=2\ndetector disk 2\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",

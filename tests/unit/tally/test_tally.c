@@ -244,9 +244,9 @@ static void groups_have_cells_each(void **state)
     (void)state;
     struct cml_tally_grid apart = grid;
     apart.cell_errors = true;
-    const size_t cells = cml_rz_cells(&apart), exits = cml_ra_cells(&apart);
     const struct cml_layout at = cml_layout_of(&apart, CML_OF_PROFILES);
     struct cml_tally tally = make_tally(&apart);
+    const size_t cells = tally.layout.size[CML_ARRAY_A_rz], exits = tally.layout.size[CML_ARRAY_Rd_ra];
     struct cml_result result = make_result(&apart, 1000);
     tally.A_rz[5 * cells + 2] += 100;  /* z bin 1 */
     tally.Tt_ra[5 * exits + 3] += 100; /* r bin 1, angle 1 */

@@ -26,6 +26,7 @@ static const struct line {
     [CML_KEYS_N_ABOVE] = {RUN "1\n", "1", "\n" LAYER "1\n"},
     [CML_KEYS_N_BELOW] = {LAST, "1", "\n"},
     [CML_KEYS_MEDIUM] = {RUN "1\n1\n", "1.4 1 2 0.9", " 1\n1\n"},
+    [CML_KEYS_NAMED] = {RUN "1\n1\n1.4 1 2 0.9 1", "", "\n1\n"},
     [CML_KEYS_LAYER] = {RUN "1\n1\n1.4 1 2 0.9 ", "1", "\n1\n"},
     [CML_KEYS_HG2] = {LAST "phase hg2 ", "0.9 0.5 1", "\n1\n"},
     [CML_KEYS_MHG] = {LAST "phase mhg ", "0.9 1", "\n1\n"},
@@ -160,6 +161,148 @@ static void numbers_are_held_to_their_ranges(void **state)
     assert_true(count > 60);
 }
 
+/* ---- defaults ---- */
+
+/* Defaults that are no value of their key. */
+static const char *const words[] = {
+    "none",           "above all surfaces", "smooth", "not repeated",
+    "all directions", "its number, from 1", "no",     "the nominal plane of its side",
+    "the z axis"};
+
+static bool is_word(const char *text)
+{
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strcmp(text, words[i]) == 0) return true;
+    return false;
+}
+
+/* The scene of a group, in which the key's line ends with `option`. A relief has so few points that it is
+ * read quickly, unless `points` is the key. */
+static void write_with(char text[600], const struct cml_key *key, const char *option)
+{
+    struct line line = lines[key->group];
+    const bool alone = strstr(line.numbers, key->name) && !(key->use & CML_KEY_PLACED);
+    if (key->group == CML_KEYS_RELIEF) line.numbers = "0.3 0.01 tile";
+    if (key->group == CML_KEYS_RELIEF) line.after = "\n" LAYER "1\n";
+    sprintf(text, "%s%s%s%s%s", line.before, alone ? "" : line.numbers, *option ? " " : "", option,
+            line.after);
+}
+
+static void print_keys(FILE *out, enum cml_key_group group, const void *base)
+{
+    for (const struct cml_key *key = cml_keys_of(group); key->group == group; key++) {
+        if (is_number(key)) fprintf(out, "%s %.17g\n", key->name, cml_key_load(key, base));
+        if (key->type == CML_KEY_FLAG)
+            fprintf(out, "%s %d\n", key->name, *((const bool *)base + key->member));
+    }
+}
+
+static void print_shape(FILE *out, const struct cml_boundary *boundary)
+{
+    const struct cml_heightmap *tile = &boundary->tile;
+    double heights = 0, corners = 0;
+    for (int i = 0; i < tile->nx * tile->ny; i++) heights += (1 + i % 97) * tile->h[i];
+    for (size_t i = 0; i < 3 * boundary->mesh.num_vertices; i++)
+        corners += (1.0 + (double)i) * ((const double *)boundary->mesh.vertex)[i];
+    fprintf(out, "%d %d %d %.17g %.17g\n", boundary->form, tile->nx, tile->ny, tile->dx, heights);
+    fprintf(out, "%d %d %.17g\n", boundary->mesh.normals, boundary->tile_normals, corners);
+}
+
+/* Everything that a key with a default decides, as text. */
+static char *describe(const struct cml_scene *scene)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    print_keys(out, CML_KEYS_SHARE, scene->shares);
+    for (int g = CML_KEYS_BEAM; g <= CML_KEYS_AXIS; g++) print_keys(out, (enum cml_key_group)g, scene->beams);
+    fprintf(out, "%d %d %d\n", scene->beams->light.kind, scene->beams->radial, scene->beams->inside);
+    for (int k = 0; k < scene->num_detectors; k++) {
+        const struct cml_detector_def *detector = &scene->detectors[k];
+        for (int g = CML_KEYS_DETECTOR; g <= CML_KEYS_SIGHT; g++)
+            print_keys(out, (enum cml_key_group)g, detector);
+        fprintf(out, "%s %d %d %d\n", detector->name, detector->below, detector->at_z, detector->aimed);
+    }
+    print_keys(out, CML_KEYS_MAP, &scene->map);
+    print_keys(out, CML_KEYS_VOLUME, &scene->map);
+    print_keys(out, CML_KEYS_TIME, &scene->time);
+    print_keys(out, CML_KEYS_FLUENCE, &scene->fluence);
+    print_keys(out, CML_KEYS_SAVED, &scene->saved);
+    print_shape(out, scene->boundaries);
+    fclose(out);
+    return text;
+}
+
+/* The description of the scene, to be freed; NULL: it is refused. */
+static char *read_as_text(void **state, const char *scene, const char *setting)
+{
+    struct cml_settings settings = {0};
+    struct cml_scene_list list;
+    struct cml_error err = {0};
+    const struct cml_input_options options = {.settings = setting ? &settings : NULL};
+    if (setting) assert_int_equal(cml_settings_add(&settings, setting, &err), CML_OK);
+    if (case_read_with(state, scene, &options, &list, &err) != CML_OK) return NULL;
+    char *text = describe(list.scenes);
+    cml_scene_list_clear(&list);
+    return text;
+}
+
+static void check_default(void **state, const struct cml_key *key)
+{
+    char option[120] = "", setting[120], with[600], without[600];
+    const char *fallback = cml_key_fallback(key);
+    const bool is_option = key->use & CML_KEY_OPTION;
+    if (is_option) snprintf(option, sizeof option, "%s=%s", key->name, fallback);
+    snprintf(setting, sizeof setting, "%s.%s=%s", cml_key_owners[key->group].set, key->name, fallback);
+    write_with(with, key, option);
+    write_with(without, key, "");
+    char *expected = read_as_text(state, without, NULL),
+         *text = read_as_text(state, with, is_option ? NULL : setting);
+    if (!expected) fail_msg("%s cannot be left out:\n%s", key->name, without);
+    if (is_word(fallback) ? text != NULL : !text)
+        fail_msg("the default %s of %s is %s", fallback, key->name, text ? "a value" : "no value");
+    if (text) assert_string_equal(text, expected);
+    snprintf(option, sizeof option, "\n%s 0\n", key->name);
+    if (key->type == CML_KEY_FLAG && !strstr(expected, option))
+        fail_msg("%s is set without its word", key->name);
+    free(text);
+    free(expected);
+}
+
+/* A line has few enough numbers to be refused when one of them is left out. */
+static void check_required(void **state, const struct cml_key *key)
+{
+    char text[600];
+    if (key->use & CML_KEY_PLACED)
+        write_scene(text, key, "");
+    else
+        sprintf(text, RUN "1\n1\nm gaussian 0.3 0.01\n" LAYER "1\n");
+    char *taken = read_as_text(state, text, NULL);
+    if (taken) fail_msg("%s is not required:\n%s", key->name, text);
+}
+
+/* The reader takes the default of the table where a key is absent. A word stands for what is no value. */
+static void defaults_are_those_of_the_reader(void **state)
+{
+    int values = 0, required = 0;
+    case_write(state, "none.obj",
+               "v -1 -2 0\nv 1 -2 0\nv 1 2 0\nv -1 2 0\nv 0.1 0 0.5\n"
+               "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
+    for (const struct cml_key *key = cml_key_table; key->group != CML_KEYS_NONE; key++) {
+        const bool is_required = strcmp(cml_key_fallback(key), "required") == 0;
+        if (!key->meaning || key->group == CML_KEYS_LIGHT) continue; /* light=na:N has its number */
+        if (is_required)
+            check_required(state, key);
+        else if (key->group != CML_KEYS_SOLID && key->group != CML_KEYS_NAMED)
+            check_default(state, key);
+        required += is_required;
+        values += !is_required && !is_word(cml_key_fallback(key));
+    }
+    case_remove(state, "none.obj");
+    assert_true(required > 50 && values > 25);
+}
+
 /* A name of --set says which number is meant, and its unit is that of the table. */
 static void settings_have_the_units_of_the_table(void **state)
 {
@@ -197,6 +340,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(numbers_are_held_to_their_ranges, case_setup, case_teardown),
+        cmocka_unit_test_setup_teardown(defaults_are_those_of_the_reader, case_setup, case_teardown),
         cmocka_unit_test(settings_have_the_units_of_the_table),
         cmocka_unit_test(groups_stand_together),
         cmocka_unit_test(what_is_stored_is_loaded),

@@ -38,10 +38,12 @@ def rows_of(text):
 
 
 def check_keys(verdict):
-    """Each row of `help keys` stands on exactly one page of input, as it is."""
+    """Each row of `help keys` stands in samples/manual/input as it is, and as often."""
     written = [row for name in manual.pages() if name.startswith("input/") for row in rows_of(manual.page(name))]
-    for row in rows_of(run("help", "keys")[1]):
-        verdict.check("keys", written.count(row) == 1, f"{written.count(row)} rows of samples/manual/input (expected one): {row}")
+    rows = rows_of(run("help", "keys")[1])
+    verdict.check("keys", len(rows) > 100, f"{len(rows)} rows")
+    for row in set(rows):
+        verdict.check("keys", written.count(row) == rows.count(row), f"stand {written.count(row)} times in samples/manual/input: {row}")
 
 
 def output_text():

@@ -17,7 +17,8 @@ cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int le
                     aim, expected);
 }
 
-/* Where light that goes down from z has forgotten where it came from: after a transport mean free path. */
+/* Returns the depth, cm, at which light that goes down from depth z has lost its direction: one transport
+ * mean free path further down. */
 static double start_of(const struct cml_medium_def *media, int layers, double z)
 {
     double left = 1, top = 0;
@@ -34,7 +35,8 @@ static int place_in(double at, int count)
     return (int)fmax(0, fmin(at * count, count - 1));
 }
 
-/* What the light is worth that starts at the middle of a beam, of the beam whose light is worth most. */
+/* Returns the importance of light where it starts: the largest over all beams, each taken at its middle.
+ * importance[ring * cells + cell]: share of the light at a place that reaches the target. */
 static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media,
                              const struct cml_window_table *windows, const double *importance)
 {
@@ -51,7 +53,8 @@ static double worth_of_light(const struct cml_scene *scene, const struct cml_med
 
 #define LEAST_WORTH 1e-20
 
-/* power: of detectors, which see little of the light. */
+/* Turns importances into windows. Refuses an aim that less than LEAST_WORTH of the light reaches. Windows for
+ * a detector use power 1, because little of the light reaches a detector. */
 static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, const double *importance,
                                struct cml_window_table *windows, struct cml_error *err)
@@ -91,9 +94,12 @@ cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-enum { RINGS = 128, CELLS = 256 }; /* a cell is a third of a diffusion length, or less, in what was flown */
+enum {
+    RINGS = 128,
+    CELLS = 256
+}; /* CELLS cells of depth; in all scenes tested a cell is a third of a diffusion length or less */
 
-/* Whether light leaves alike all about the beam's axis. */
+/* True if the light that leaves the scene is symmetric about the beam's axis. */
 static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_beam *beam = scene->beams;
@@ -113,7 +119,8 @@ static double way_between(const struct cml_beam *beam, const struct cml_detector
     return hypot(beam->x - detector->x, beam->y - detector->y);
 }
 
-/* Whether of light on a circle about that axis it sees the share that lies in it. */
+/* True if the detector can score light by arcs (P13): light that crosses a circle about the beam's axis
+ * counts with the share of the circle that lies in the detector. */
 static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                       const struct cml_detector_def *detector)
 {
@@ -121,7 +128,8 @@ static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_se
            way_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
 }
 
-/* About the middle of the windows. Rectangles count as disks of their size. */
+/* Returns the ring about the middle of the windows that contains the detector. A rectangle counts as a disk
+ * of the same area. away: distance of the detector from that middle, cm. */
 static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
@@ -131,7 +139,8 @@ static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, dou
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};
 }
 
-/* From farther away than twice the way from the light, or deeper, hardly anything arrives. */
+/* Returns the radius of the windows, cm: twice the largest distance between a beam and the detector's outer
+ * edge. Light from farther away, or from deeper, hardly reaches the detector. */
 static double reach_of(const struct cml_scene *scene, const struct cml_detector_def *detector, double outer)
 {
     double farthest = outer;
@@ -145,7 +154,7 @@ static double area_of(double inner, double outer)
     return outer * outer - inner * inner;
 }
 
-/* Cells, but for what packets shall weigh in them. */
+/* Returns the layout of the windows for detector `number`, from 1: cells and size, without the weights. */
 static struct cml_window_table lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
                                        int number, bool arcs, struct cml_seen_ring seen)
 {
@@ -171,8 +180,9 @@ static double largest(const double *importance)
     return most;
 }
 
-/* The mean weight, by weight, of plain packets that come to the detector, for weights fall as their light
- * does: what arrives where all absorbs twice as much, over what does. The roulette keeps it above 0.008. */
+/* Sets *weight to the mean weight, weighted by weight, of plain packets that reach the detector. A packet's
+ * weight falls as its light is absorbed, so the mean is the share that arrives if every layer absorbs twice
+ * as much, divided by the share that arrives. The roulette keeps the mean above 0.008. */
 static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_medium_def *media,
                               struct cml_seen_ring seen, const struct cml_window_table *windows,
                               double *importance, double *weight, struct cml_error *err)

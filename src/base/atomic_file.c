@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#define OTHER_BYTES (-1) /* a reason beside those of errno */
+#define OTHER_BYTES (-1) /* a reason of failure beside the values of errno */
 
 static const char *text_of(int reason)
 {
@@ -36,7 +36,8 @@ cml_status cml_file_check_link(const char *path, struct cml_error *err)
     return foreign ? fail_write(path, "a link of another user", err) : CML_OK;
 }
 
-/* The name under which the file is to stand: that of a link's target. */
+/* Sets *target to the path of the file to write: the path itself, or the target of the symbolic link that
+ * stands there. */
 static cml_status follow_links(const char *path, char **target, struct cml_error *err)
 {
     struct stat about;
@@ -78,22 +79,25 @@ static cml_status check_target(const char *path, struct cml_error *err)
     struct stat about;
     const bool found = stat(path, &about) == 0;
     if (!found && errno == ENAMETOOLONG)
-        return fail_write(path, strerror(errno), err); /* its temporary is cut */
+        return fail_write(
+            path, strerror(errno),
+            err); /* refuse now: the temporary file's name is cut and would not show the error */
     if (!found || S_ISREG(about.st_mode)) return CML_OK;
     return fail_write(path, S_ISDIR(about.st_mode) ? "a directory" : "no regular file", err);
 }
 
-#define MOST_TRIES 1000 /* names left behind by killed processes that had this one's number */
+#define MOST_TRIES 1000 /* temporary names of killed processes that had this process's number */
 
-/* "DIRECTORY/NAME.PID-N.tmp"; long names are cut, so that theirs is not too long. Returns its length. */
+/* Writes the temporary file's name "DIRECTORY/NAME.PID-N.tmp" and returns its length. NAME is cut at 200
+ * bytes so that the name is not too long. */
 static int temporary_name(const char *path, int n, char *name, size_t size)
 {
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     return snprintf(name, size, "%.*s%.200s.%ld-%d.tmp", (int)(base - path), path, base, (long)getpid(), n);
 }
 
-/* A file that did not exist before: of two processes only one gets it, and a link that somebody has put there
- * is not followed. */
+/* Creates a temporary file that did not exist before and returns its descriptor, or -1. Only one of two
+ * processes gets the file, and O_NOFOLLOW ignores a link that somebody has put there. */
 static int open_new(const char *path, mode_t mode, char *name, size_t size)
 {
     int file = -1;
@@ -105,8 +109,8 @@ static int open_new(const char *path, mode_t mode, char *name, size_t size)
     return file;
 }
 
-/* What a stream calls: all of it, or the reason why not. After a failure nothing more is written, so that no
- * later success hides it. */
+/* Writes `size` bytes for a stream (fopencookie). Returns `size`, or 0 after a failure, with the reason in
+ * file->reason. Writes nothing after a failure, so that no later success hides it. */
 static ssize_t write_all(void *context, const char *data, size_t size)
 {
     struct cml_file *file = context;
@@ -137,7 +141,8 @@ static cml_status open_stream(struct cml_file *file, struct cml_error *err)
     return fail_write(file->path, strerror(ENOMEM), err);
 }
 
-/* The file gets the mode of the one that it replaces, whatever the umask; a file system may know no modes. */
+/* Creates the temporary file with the mode of the file that it will replace, whatever the umask. A failed
+ * fchmod is ignored, because some file systems have no modes. */
 static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
 {
     const size_t size = strlen(file->path) + 32;
@@ -177,9 +182,9 @@ cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_e
     return status;
 }
 
-/* ---- alone ---- */
+/* ---- one writer at a time ---- */
 
-/* Length of NAME in "NAME.PID-N.tmp", a temporary file's name; 0: it is none. */
+/* Returns the length of NAME if the entry is a temporary file's name, "NAME.PID-N.tmp"; else 0. */
 static size_t name_length(const char *entry)
 {
     const size_t length = strlen(entry), end = length > 4 ? length - 4 : 0;
@@ -229,7 +234,7 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 
 /* ---- safe from a crash of the machine ---- */
 
-/* Files that are committed and not synced; used by the thread that writes files. */
+/* Files that are committed but not yet synced. Only the thread that writes files uses them. */
 static struct {
     bool on;
     size_t count, capacity;
@@ -241,7 +246,7 @@ void cml_file_defer_sync(bool on)
     deferred.on = on;
 }
 
-/* Adds a file to those that are synchronised later; false without memory. */
+/* Adds a file to the files that are synced later. Returns false without memory. */
 static bool defer(const char *path)
 {
     if (deferred.count == deferred.capacity) {
@@ -255,8 +260,8 @@ static bool defer(const char *path)
     return deferred.path[deferred.count] && ++deferred.count;
 }
 
-/* Makes a file last, or a directory and with it the names in it. 0: done, or gone, or the file system does
- * not know what that means. */
+/* Syncs a file, or a directory with the names in it. Returns 0 on success, also if the file is gone or may
+ * not be opened, or if its file system has no fsync; else errno. */
 static int sync_path(const char *path)
 {
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -274,7 +279,8 @@ static int sync_folder(const char *path)
     return sync_path(folder);
 }
 
-/* Nobody knows what a file holds that could not be synced. */
+/* Syncs a file and removes it on failure, since its content on the disk is then unknown. Returns 0 or
+ * errno. */
 static int sync_file(const char *path)
 {
     const int reason = sync_path(path);
@@ -325,7 +331,8 @@ static int compare_with_written(const struct cml_file *file)
     return size == file->size && sum == file->sum ? 0 : OTHER_BYTES;
 }
 
-/* All of it on the disk, or the reason why not; a device need not know what that means. 0: done. */
+/* Brings all written bytes to the disk, closes the stream and compares the file with what was written.
+ * Devices are neither synced nor compared. Returns 0, or the reason of the failure. */
 static int finish_stream(struct cml_file *file)
 {
     FILE *stream = file->stream;
@@ -337,8 +344,9 @@ static int finish_stream(struct cml_file *file)
     return fclose(stream) != 0 && reason == 0 ? errno : reason;
 }
 
-/* A second name for the old file, so that it stands under its own until the new one does; where the file
- * system knows no second names, under the second alone for a moment. 0: done, or there is no old file. */
+/* Gives the old file a second name, so that the old file keeps its own name until the new file takes it.
+ * Without hard links the old file is renamed, and for a moment the path names no file. Returns 0 on success
+ * or if there is no old file, else errno. */
 static int keep_old(const struct cml_file *file)
 {
     if (access(file->path, F_OK) != 0) return 0;
@@ -346,7 +354,8 @@ static int keep_old(const struct cml_file *file)
     return link(file->path, file->keep) == 0 || rename(file->path, file->keep) == 0 ? 0 : errno;
 }
 
-/* The new file takes the old one's place, which may be kept. 0: done. */
+/* Puts the new file in the old file's place; the old file stays under file->keep if that is set. Returns 0 or
+ * errno. */
 static int take_place(struct cml_file *file)
 {
     const int reason = file->temporary && file->keep ? keep_old(file) : 0;

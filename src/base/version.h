@@ -1,5 +1,5 @@
-/* Which program this is, for outputs and checkpoints. SPDX-License-Identifier: MIT */
+/* The program's version, for outputs and checkpoints. SPDX-License-Identifier: MIT */
 #pragma once
 
-const char *cml_version(void); /* "0.1.0 (git hash)"; without the hash where no repository was at hand */
-const char *cml_version_parts(void); /* "MPI no, HDF5 yes, OpenCL yes": what may be left out of a build */
+const char *cml_version(void);       /* "0.1.0 (git hash)"; no hash if built outside a repository */
+const char *cml_version_parts(void); /* optional parts of this build: "MPI no, HDF5 yes, OpenCL yes" */

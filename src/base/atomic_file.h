@@ -17,11 +17,10 @@
  * /dev/stdout are written to directly.
  * The structure must not move in memory, because its stream holds its address. */
 struct cml_file {
-    FILE *stream;    /* write here, without seeking; cml_file_commit reports every error */
-    char *path;      /* final name, with links followed */
-    char *temporary; /* name until the commit; NULL: the file is written to directly */
-    const char
-        *keep; /* borrowed name under which the commit keeps the old file; NULL: the old file is removed */
+    FILE *stream;              /* write here, without seeking; cml_file_commit reports every error */
+    char *path;                /* final name, with links followed */
+    char *temporary;           /* name until the commit; NULL: the file is written to directly */
+    const char *keep;          /* borrowed; the commit keeps the old file under this name; NULL: removes it */
     int descriptor;            /* the stream's descriptor, for fchmod; fileno() has none for this stream */
     int reason;                /* errno of the first write that failed; 0: none */
     uint64_t size;             /* bytes written to the stream */

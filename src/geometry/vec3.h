@@ -1,10 +1,11 @@
-/* Vectors of three doubles: what the files about triangles share. Sums are taken from left to right. `out`
- * may be one of the arguments only where that is said. SPDX-License-Identifier: MIT */
+/* Vectors of three doubles for code on triangles. Sums are taken from left to right. `out` may be one of the
+ * arguments only where the comment says so. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <math.h>
 
-/* The smaller and the larger of two numbers, the second where one is NaN, without a call of the library. */
+/* Return the smaller and the larger of two numbers, the second number if one of them is NaN. Inline, because
+ * calls of fmin and fmax are slow. */
 static inline double cml_smaller(double a, double b)
 {
     return a < b ? a : b;
@@ -49,15 +50,15 @@ static inline double cml_vec3_length(const double a[3])
     return sqrt(cml_vec3_dot(a, a));
 }
 
-/* To length 1; a may not be 0. */
+/* Scales a, which must not be 0, to length 1. */
 static inline void cml_vec3_normalise(double a[3])
 {
     const double k = 1 / cml_vec3_length(a);
     for (int i = 0; i < 3; i++) a[i] *= k;
 }
 
-/* out = cross(b - a, c - a): normal to the triangle a b c, towards the side from which it runs
- * counter-clockwise, and as long as twice its area. */
+/* Sets out = cross(b - a, c - a): the normal of the triangle a b c, on the side from which a, b, c run
+ * counter-clockwise, twice as long as the area. */
 static inline void cml_vec3_area(const double a[3], const double b[3], const double c[3], double out[3])
 {
     double u[3], v[3];
@@ -66,8 +67,8 @@ static inline void cml_vec3_area(const double a[3], const double b[3], const dou
     cml_vec3_cross(u, v, out);
 }
 
-/* Twice the signed area of the triangle o p q in the plane of x and y, positive counter-clockwise. Rounded:
- * where the sign matters, cml_orient2d decides (predicate.h). */
+/* Returns twice the signed area of the triangle o p q in the plane of x and y, positive if counter-clockwise.
+ * Rounded: where the sign matters, use cml_orient2d (predicate.h). */
 static inline double cml_vec2_area(const double o[2], const double p[2], const double q[2])
 {
     return (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);

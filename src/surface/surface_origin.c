@@ -6,17 +6,20 @@
 #include <float.h>
 #include <math.h>
 
-/* Steps of single precision in the smallest length of a part: the widths of rings, whose roots are found in
- * single precision, the sides of facets, and bodies, detectors, bins and the spacing of tiles. */
+/* Required resolution: so many steps of single precision must fit into the smallest length of a part. Rings
+ * need the most, since crossings with cones are roots found in single precision; their length is the width of
+ * a ring. FACET is for the sides of facets. LENGTH is for bodies, detectors, bins and the spacing of a tile's
+ * heights. */
 enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
 
-/* How far the origin may be. */
+/* Returns the largest allowed distance of a part from the origin, cm, for which `steps` steps of single
+ * precision fit into `length` (cm). */
 static double distance_for(double length, int steps)
 {
     return length / (steps * (double)FLT_EPSILON);
 }
 
-/* Where the origin may lie. */
+/* The rectangle in which the origin may lie, cm. */
 struct range {
     double low[2], high[2];
 };
@@ -47,8 +50,8 @@ static bool holds(struct range range, const double at[2])
     return at[0] >= range.low[0] && at[0] <= range.high[0] && at[1] >= range.low[1] && at[1] <= range.high[1];
 }
 
-/* Where the axis of a beam that starts outside meets the first or the last nominal plane; elsewhere its own
- * place. */
+/* Finds the place where the axis of a beam that starts outside the scene meets the first or the last nominal
+ * plane. For any other beam it is the beam's own position. */
 static void find_anchor(const struct cml_scene *scene, const struct cml_beam *beam, double at[2])
 {
     const double bottom = scene->boundaries[scene->num_layers].z, down = cml_beam_descent(beam);
@@ -58,17 +61,18 @@ static void find_anchor(const struct cml_scene *scene, const struct cml_beam *be
     at[1] = beam->y + way * sin(beam->azimuth);
 }
 
-/* ---- what must be told apart ---- */
+/* ---- required resolution ---- */
 
-/* What has been asked so far. */
+/* The requirements on the origin collected so far. */
 struct demands {
     const struct cml_scene *scene;
     struct range range;
-    double distance; /* the smallest of all */
-    double flight;   /* the same for light that comes from elsewhere, which meets rings as it meets facets */
+    double distance; /* smallest allowed distance from the origin over all parts, cm */
+    double flight; /* as `distance`, but rings count like facets, because light from elsewhere meets rings as
+                      it meets facets */
 };
 
-/* A part at a place; length: of its parts. */
+/* A part of the scene: its position and its smallest length, cm. */
 struct part {
     const char *file;
     int line;
@@ -100,8 +104,9 @@ static cml_status ask(struct demands *all, const struct part *part, struct cml_e
                     part->length, part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
 }
 
-/* Light meets a tile wherever it is, and spreads over it away from any origin: coarser steps do than for a
- * mesh, which lies in one place. */
+/* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.
+ * Light spreads over a tile away from any origin, and meets the tile wherever it is. Coarser steps than for a
+ * mesh, which lies in one place, are therefore enough. */
 static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
@@ -119,7 +124,8 @@ static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
     return CML_OK;
 }
 
-/* The mean side of its facets, or the mean width of its rings. */
+/* Requires that single precision resolves a boundary: the mean side of its facets, or the mean width of its
+ * rings. */
 static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &all->scene->boundaries[b];
@@ -161,7 +167,8 @@ static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *
     return ask(all, &part, err);
 }
 
-/* A body that is too far from the rest is refused where its surface is made, by the steps there. */
+/* Adds a body's requirement. A body too far from the rest is not refused here but when its surface is made,
+ * since the steps of single precision at its place are known then. */
 static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
 {
     double lower[3], upper[3], extent = 0, size = INFINITY;
@@ -185,9 +192,9 @@ static cml_status ask_of_all(struct demands *all, struct cml_error *err)
     return CML_OK;
 }
 
-/* ---- bins, which may lie where no light is ---- */
+/* ---- bins, which may lie where there is no light ---- */
 
-/* The number of a beam whose axis meets the scene in the range, from 1; 0: none does. */
+/* Returns the number, from 1, of a beam whose axis meets the scene inside the range; 0 if there is none. */
 static int beam_in(const struct cml_scene *scene, struct range range)
 {
     double at[2];
@@ -198,8 +205,9 @@ static int beam_in(const struct cml_scene *scene, struct range range)
     return 0;
 }
 
-/* Bins that shapes, bodies and detectors leave no place for: nothing is lost where no light is, but where a
- * beam shines all results near it would be smeared. */
+/* Adds the requirement of bins about a place. Shapes, bodies and detectors may leave no origin from which the
+ * bins are resolved. Bins without light then lose nothing, so they are accepted. Bins on which a beam shines
+ * are refused, because single precision would smear all results near the beam. */
 static cml_status ask_of_bins(const double at[2], double length, double extent, struct demands *all,
                               struct cml_error *err)
 {
@@ -238,7 +246,8 @@ static cml_status add_bins(struct demands *all, struct cml_error *err)
 
 /* ---- the origin ---- */
 
-/* The first beam's place where that serves, else where the first beam that does meets the scene. */
+/* Sets `at` to the first beam's position if it lies in the range; else to the place where a beam meets the
+ * scene, for the first beam for which that place lies in the range. Returns false if there is none. */
 static bool find_beam(const struct cml_scene *scene, struct range range, double at[2])
 {
     at[0] = scene->beams[0].x;
@@ -251,14 +260,16 @@ static bool find_beam(const struct cml_scene *scene, struct range range, double 
     return false;
 }
 
-/* Where no beam serves: as near to where the first one meets the scene as the rest allows. */
+/* Sets `at` to the point of the range that is nearest to the place where the first beam meets the scene. Used
+ * if no beam meets the scene inside the range. */
 static void find_nearest(const struct cml_scene *scene, struct range range, double at[2])
 {
     find_anchor(scene, &scene->beams[0], at);
     for (int k = 0; k < 2; k++) at[k] = fmin(fmax(at[k], range.low[k]), range.high[k]);
 }
 
-/* Far from x = y = 0 the origin itself is a number of single precision, so that all agree on it. */
+/* Finds the origin. Far from x = y = 0 the origin is rounded to single precision, so that host and devices
+ * have the same number. */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
     struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Return the smaller and the larger of two numbers, the second number if one of them is NaN. Inline, because
- * calls of fmin and fmax are slow. */
+/* Return the smaller and the larger of two numbers, the second number if one of them is NaN. They avoid calls
+ * of the library (fmin, fmax). */
 static inline double cml_smaller(double a, double b)
 {
     return a < b ? a : b;

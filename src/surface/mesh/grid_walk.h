@@ -3,16 +3,16 @@
  * cells are entered only where the ray is between their least and greatest depth [Tevs, Ihrke and Seidel,
  * Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering, I3D 2008].
  *
+ *     ray     ' .
+ *             |   ' .       |            |     left block: the ray stays above its depths; skipped
+ *             |       ' .   |     /\     |
+ *             |    /\     ' | .  /  \    |     right block: the ray comes between its depths;
+ *     mesh    |___/  \______|__'/    \___|     its children are tested
+ *
  * Steps: the ray is converted to cells along x and y and to depth steps along z, and clipped to the depths of
  * the whole mesh. It starts at a level of the pyramid at which it crosses few nodes, and goes from node to
  * node. A node whose depths the ray misses is skipped. Otherwise the node's 4 x 4 children are traversed in
  * the same way, down to cells, whose facets are tested.
- *
- *     ray      .
- *                ' .
- *     blocks   [     ' . ]  [   /\   ]     left block: the ray stays above, skipped
- *                /\/\    ' .   /  \
- *     mesh     _/    \_______' /    \_     right block: its cells are tested
  *
  * All arithmetic is in double. Every test has three answers: hit, miss, or undecided if rounding could change
  * the answer. Tests are undecided at edges, near corners where four nodes meet, and in a facet's own plane.

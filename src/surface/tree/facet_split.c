@@ -11,10 +11,10 @@ struct bin {
     size_t count;
 };
 
-/* Where boxes are divided: by their middles along an axis, at the lower end of a bin. */
+/* A way to divide boxes into two groups: by their middles along an axis, at the lower end of a bin. */
 struct cut {
     int axis, bin;
-    float least, bins_per_cm; /* of the middles, times 2 */
+    float least, bins_per_cm; /* smallest of the middles, times 2; bins per cm of twice the middle */
     double cost;
 };
 
@@ -48,7 +48,7 @@ static int bin_of(const struct cut *cut, const struct cml_facet_box *box)
     return bin < BINS ? bin : BINS - 1;
 }
 
-/* Bins along an axis; false where all middles are one. */
+/* Lays bins along the cut's axis. Returns false if all middles are equal. */
 static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *cut)
 {
     float least = INFINITY, most = -INFINITY;
@@ -72,7 +72,8 @@ static void fill_bins(const struct cml_facet_box *box, size_t count, const struc
     }
 }
 
-/* A leaf costs as much as a full one. */
+/* Returns the cost of a group: its surface times its number of leaves. A leaf that is not full costs as much
+ * as a full one. */
 static double cost_of(const struct bin *group, size_t leaf)
 {
     return (double)cml_facet_box_area(&group->box) * (double)((group->count + leaf - 1) / leaf);
@@ -84,7 +85,7 @@ static void add_bin(struct bin *group, const struct bin *bin)
     group->count += bin->count;
 }
 
-/* The best cut along the axis, if it is better than that so far. */
+/* Tries all cuts along the axis and keeps the best one in *best, if it is better than *best. */
 static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_t leaf, struct cut *best)
 {
     double above[BINS];

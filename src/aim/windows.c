@@ -94,10 +94,9 @@ cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-enum {
-    RINGS = 128,
-    CELLS = 256
-}; /* CELLS cells of depth; in all scenes tested a cell is a third of a diffusion length or less */
+/* Rings and cells of depth of the windows of a detector. In all scenes tested, a cell is at most a third of a
+ * diffusion length. */
+enum { RINGS = 128, CELLS = 256 };
 
 /* True if the light that leaves the scene is symmetric about the beam's axis. */
 static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface_set *surfaces)

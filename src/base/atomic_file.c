@@ -78,10 +78,8 @@ static cml_status check_target(const char *path, struct cml_error *err)
 {
     struct stat about;
     const bool found = stat(path, &about) == 0;
-    if (!found && errno == ENAMETOOLONG)
-        return fail_write(
-            path, strerror(errno),
-            err); /* refuse now: the temporary file's name is cut and would not show the error */
+    /* A name that is too long is refused here: the temporary name is cut and would not show the error. */
+    if (!found && errno == ENAMETOOLONG) return fail_write(path, strerror(errno), err);
     if (!found || S_ISREG(about.st_mode)) return CML_OK;
     return fail_write(path, S_ISDIR(about.st_mode) ? "a directory" : "no regular file", err);
 }

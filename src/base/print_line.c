@@ -94,8 +94,8 @@ static ssize_t write_escaped(void *context, const char *data, size_t size)
 {
     (void)context;
     for (size_t i = 0; i < size; i++) {
-        if ((data[i] & 0xc0) != 0x80)
-            pass_on(); /* the character held so far is incomplete: a new one begins */
+        /* A byte that begins a character shows that the character held so far is incomplete. */
+        if ((data[i] & 0xc0) != 0x80) pass_on();
         escaped.held[escaped.count++] = data[i];
         if (escaped.count == length_of((unsigned char)escaped.held[0])) pass_on();
     }

@@ -12,8 +12,9 @@
 
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
-    static _Thread_local char
-        whole[16384]; /* holds two paths at least; static, because a thread's stack may be that small */
+    /* The message in full length: it holds two paths at least. Static, as a thread's stack may be as small.
+     */
+    static _Thread_local char whole[16384];
     va_list args;
     va_start(args, format);
     vsnprintf(whole, sizeof whole, format, args);

@@ -26,16 +26,15 @@
 enum cml_normals {
     CML_NORMALS_FACET,
     CML_NORMALS_VERTEX,   /* vertex normals, weighted by angle and interpolated */
-    CML_NORMALS_ANALYTIC, /* normal of the cone that the triangle approximates (tessellated heightfields only)
-                           */
+    CML_NORMALS_ANALYTIC, /* normal of the cone that a tessellated heightfield's triangle approximates */
 };
 
+/* A mesh. Triangles run counter-clockwise seen from above: cross(b-a, c-a) points up (z < 0) wherever the
+ * sheet is a height function; see cml_mesh_prepare. */
 struct cml_mesh {
     size_t num_vertices, num_triangles;
-    double (*vertex)[3]; /* [num_vertices] positions, cm */
-    uint32_t (
-        *triangle)[3]; /* [num_triangles] vertices, counter-clockwise seen from above: cross(b-a, c-a) points
-                          up (z < 0) wherever the sheet is a height function; see cml_mesh_prepare */
+    double (*vertex)[3];     /* [num_vertices] positions, cm */
+    uint32_t (*triangle)[3]; /* [num_triangles] vertices of each, counter-clockwise */
     uint32_t *border; /* [num_border] vertices of the border loop, from the lowest index on, in the winding of
                          the triangles: the loop's signed area in (x, y) is negative */
     size_t num_border;
@@ -51,10 +50,9 @@ struct cml_mesh {
     uint32_t *part_start; /* [num_parts] first triangle of each part, rising; NULL for a sheet */
     double skirt; /* width of the skirt that cml_mesh_prepare adds to a border that is not level, cm; 0: such
                      a border is refused */
-    double (
-        *vertex_normal)[3]; /* [num_vertices] unit normals, weighted by angle, pointing up; at the border the
-                               outer plane counts with its own angle; present after cml_mesh_prepare */
-    double *slope;          /* [num_triangles] dz/dr of the cone for CML_NORMALS_ANALYTIC, else NULL */
+    double (*vertex_normal)[3]; /* [num_vertices] unit, up, weighted by angle; at the border the outer plane
+                                   counts with its own angle; present after cml_mesh_prepare */
+    double *slope;              /* [num_triangles] dz/dr of the cone for CML_NORMALS_ANALYTIC, else NULL */
 };
 
 void cml_mesh_clear(struct cml_mesh *mesh);
@@ -120,9 +118,8 @@ bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
 
 /* Statistics of heights and edges, for `check`. */
 struct cml_mesh_summary {
-    double z_mean, z_rms,
-        peak_to_valley;           /* cm, weighted by the triangles' projected area; z_rms about the mean */
-    double slope_rms, slope_max;  /* no unit; infinite if there are vertical walls */
-    double edge_median, edge_min; /* cm; NaN without memory */
+    double z_mean, z_rms, peak_to_valley; /* cm, weighted by projected area; z_rms about the mean */
+    double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
+    double edge_median, edge_min;         /* cm; NaN without memory */
 };
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary);

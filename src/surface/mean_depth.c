@@ -34,9 +34,8 @@ static void add_sheet(const struct cml_mesh *mesh, double z, double *area, doubl
 
 /* The part of a boundary that is not level. */
 struct relief {
-    bool endless; /* true for a tile */
-    double
-        outer; /* depth of the plane around the part, cm; for a tile the depth from which its heights count */
+    bool endless;        /* true for a tile */
+    double outer;        /* depth of the plane around it, cm; for a tile the zero of its heights */
     double area, volume; /* cm2, for a tile of one period; cm3 between the part and that plane, negative above
                             the plane */
 };

@@ -17,8 +17,7 @@ struct cml_surface_options {
     double tolerance; /* largest relative bias of totals and profiles, from which tessellation.tolerance
                          follows; 0: tessellation.tolerance is used as it is */
     enum cml_mesh_search search;
-    struct cml_mesh_budget
-        budget; /* limit for each tessellation; its members file, line and boundary are ignored */
+    struct cml_mesh_budget budget;        /* for each tessellation; file, line and boundary are ignored */
     const struct cml_surface_set *shared; /* surfaces of another scene, made with the same options; surfaces
                                              of shapes that both scenes share are shared, too; NULL: none */
     const double *origin; /* scene position where x and y of queries are 0; set by cml_surfaces_create */

@@ -8,10 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    LEAST_LEVELS = 5,
-    MOST_LEVELS = CML_HORIZON_MOST_LEVELS
-};                                /* levels of squares: 16 x 16 to 512 x 512 cells */
+enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 to 512 cells a side */
 enum { MOST_RADIAL_LEVELS = 11 }; /* levels of rows: up to 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found. Cell numbers up to 1024, computed

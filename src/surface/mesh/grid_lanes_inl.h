@@ -44,9 +44,8 @@ struct cml_grid_lanes {
     real s[CML_GRID_LANES];                                          /* length of the path, cm */
     /* answers */
     int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];
-    real t[CML_GRID_LANES]; /* distance of the crossing, cm */
-    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES],
-        at_z[CML_GRID_LANES]; /* position of the crossing, or of the path's end */
+    real t[CML_GRID_LANES];                                                /* distance of the crossing, cm */
+    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* position there or at the end */
     real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
     /* intermediate values, in double; centred frame */
     double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];

@@ -5,8 +5,8 @@
 #include "scene/window_table.h"
 #include "scene/scene.h"
 
-/* Returns the power p of the rule for windows: the weight of a packet at a place is the place's importance to
- * the power -p. worth: share of the light that reaches the target. */
+/* Returns the power p of the rule for windows: weights of packets are proportional to the importance of their
+ * place to the power -p. worth: share of the light that reaches the target. */
 double cml_windows_power(double worth);
 
 /* Returns the gain for light that leaves below the layers; 0 if windows gain nothing. */

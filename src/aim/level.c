@@ -10,6 +10,8 @@ struct floor {
     double depth;
 };
 
+/* Lowers the floor to include a part that reaches down to `depth`, cm; layers above `layer` are not flat
+ * then. */
 static void sink(struct floor *floor, int layer, double depth)
 {
     floor->layer = layer > floor->layer ? layer : floor->layer;

@@ -11,6 +11,9 @@ struct cml_aim_level {
     int layer;
     double z, depth;
 };
+
+/* Returns the highest level below which the scene is flat; its layer is 0 if there is none or if the scene
+ * has a backing. */
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces);
 
 /* Returns the level's depth, cm, if --aim would save photons for Tt, judged by the `result` of a run that

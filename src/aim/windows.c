@@ -30,6 +30,7 @@ static double start_of(const struct cml_medium_def *media, int layers, double z)
     return top;
 }
 
+/* Returns the cell of `at`, a share of the whole, among `count` cells. */
 static int place_in(double at, int count)
 {
     return (int)fmax(0, fmin(at * count, count - 1));
@@ -69,6 +70,7 @@ static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                    windows->detector ? 1 : cml_windows_power(windows->worth), windows, err);
 }
 
+/* Returns the thickness of the first `layers` layers, cm. */
 static double depth_of(const struct cml_medium_def *media, int layers)
 {
     double depth = 0;
@@ -113,6 +115,7 @@ static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface
     return true;
 }
 
+/* Returns the distance between a beam and a detector in x and y, cm. */
 static double way_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
 {
     return hypot(beam->x - detector->x, beam->y - detector->y);
@@ -148,6 +151,7 @@ static double reach_of(const struct cml_scene *scene, const struct cml_detector_
     return 2 * (farthest + outer);
 }
 
+/* Returns the area of a ring divided by pi, cm2. */
 static double area_of(double inner, double outer)
 {
     return outer * outer - inner * inner;

@@ -52,12 +52,15 @@ static inline void *cml_arrays_add(struct cml_arrays *arrays, size_t count, size
     return block + 1;
 }
 
+/* Returns CML_E_INPUT if an array of the group could not be allocated. what: name of the arrays for the
+ * message. */
 CML_NODISCARD static inline cml_status cml_arrays_check(const struct cml_arrays *arrays, const char *what,
                                                         struct cml_error *err)
 {
     return arrays->failed ? cml_fail_memory(err, arrays->bytes, what) : CML_OK;
 }
 
+/* Frees all arrays of the group. The structure must not be used afterwards. */
 static inline void cml_arrays_free(struct cml_arrays *arrays)
 {
     while (arrays->last) {

@@ -18,6 +18,7 @@
 
 #define OTHER_BYTES (-1) /* a reason of failure beside the values of errno */
 
+/* Returns the text of a reason of failure: errno or OTHER_BYTES. */
 static const char *text_of(int reason)
 {
     return reason == OTHER_BYTES ? "what stands there is not what was written" : strerror(reason);
@@ -53,6 +54,7 @@ bool cml_file_is_device(const char *path)
     return strcmp(path, "/dev/null") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
+/* Makes one folder, unless it exists already. Its parent must exist. */
 static cml_status make_one(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -74,6 +76,7 @@ cml_status cml_folder_make(const char *path, struct cml_error *err)
     return make_one(part, err);
 }
 
+/* Refuses a path that names a directory, a device or a pipe, or that is too long. */
 static cml_status check_target(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -130,6 +133,7 @@ static int close_descriptor(void *context)
     return close(((struct cml_file *)context)->descriptor);
 }
 
+/* Opens the stream that writes to file->descriptor and keeps size, CRC and errors. */
 static cml_status open_stream(struct cml_file *file, struct cml_error *err)
 {
     const cookie_io_functions_t calls = {.write = write_all, .close = close_descriptor};
@@ -160,6 +164,7 @@ static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
     return open_stream(file, err);
 }
 
+/* Opens a file for cml_file_create. After a failure cml_file_abort frees what the file owns. */
 static cml_status create(const char *path, struct cml_file *file, struct cml_error *err)
 {
     if (cml_file_is_device(path)) {
@@ -209,6 +214,7 @@ void cml_file_remove_leftovers(const char *path, size_t folder,
     closedir(directory);
 }
 
+/* True if a temporary file was one of this path, and is not the one that is being written. */
 static bool was_this(const void *context, const char *name, const char *left)
 {
     const struct cml_file *file = context;
@@ -236,7 +242,7 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 static struct {
     bool on;
     size_t count, capacity;
-    char **path; /* [count] */
+    char **path; /* [count] final names of the files */
 } deferred;
 
 void cml_file_defer_sync(bool on)
@@ -269,6 +275,7 @@ static int sync_path(const char *path)
     return reason;
 }
 
+/* Syncs the folder of a path, so that the names in it last. Returns 0 or errno. */
 static int sync_folder(const char *path)
 {
     char folder[PATH_MAX];
@@ -286,6 +293,7 @@ static int sync_file(const char *path)
     return reason;
 }
 
+/* True if two paths name files in the same folder. */
 static bool same_folder(const char *path, const char *other)
 {
     const char *slash = strrchr(path, '/'), *others = strrchr(other, '/');
@@ -293,6 +301,7 @@ static bool same_folder(const char *path, const char *other)
     return slash - path == others - other && strncmp(path, other, (size_t)(slash - path)) == 0;
 }
 
+/* Notes the first failure: sets *status and *err unless an earlier failure has set them. */
 static void keep_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
 {
     if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);
@@ -315,6 +324,8 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
 
 /* ---- commit ---- */
 
+/* Reads the file again and compares size and CRC-32 with those of the bytes written. Returns 0, errno or
+ * OTHER_BYTES. */
 static int compare_with_written(const struct cml_file *file)
 {
     unsigned char block[16384];

@@ -38,6 +38,7 @@ static bool still_stands(int file, const char *path)
            mine.st_ino == there.st_ino;
 }
 
+/* Closes the file, if it is open, and reports why the lock cannot be taken. Returns CML_E_IO. */
 static cml_status refuse(const char *path, int file, const char *reason, struct cml_error *err)
 {
     if (file >= 0) close(file);

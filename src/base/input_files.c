@@ -38,6 +38,7 @@ static const struct cml_input *find(const struct cml_inputs *inputs, const char 
     return NULL;
 }
 
+/* Gives the caller a copy of a remembered file, which the caller frees. */
 static cml_status give_copy(const struct cml_input *input, char **data, size_t *size, struct cml_error *err)
 {
     *size = input->size;
@@ -56,6 +57,7 @@ static cml_status record(void *context, const char *path, size_t most, char **da
     return append(context, path, *data, *size, err);
 }
 
+/* Finds a file that rank 0 has sent (a struct cml_text_source). Returns CML_E_INPUT for any other path. */
 static cml_status replay(void *context, const char *path, size_t most, char **data, size_t *size,
                          struct cml_error *err)
 {

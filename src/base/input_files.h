@@ -12,7 +12,7 @@ struct cml_input {
 
 struct cml_inputs {
     size_t count;
-    struct cml_input *item; /* [count], in the order of reading */
+    struct cml_input *item; /* [count] files in the order of reading */
 };
 
 /* Returns a source that reads from the file system and adds every file to `inputs`, which must outlive the
@@ -29,4 +29,5 @@ CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char *
 CML_NODISCARD cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs,
                                            struct cml_error *err);
 
+/* Frees all files. Does nothing for a zeroed structure. */
 void cml_inputs_clear(struct cml_inputs *inputs);

@@ -48,6 +48,8 @@ static int decode(const char *text, uint32_t *code)
     return none ? 0 : bytes;
 }
 
+/* Prints a text with dangerous characters escaped: as \uNNNN with `json`, else as \xNN. as_they_are: control
+ * characters that stay. */
 static void print(FILE *stream, const char *text, const char *as_they_are, bool json)
 {
     while (*text) {
@@ -83,6 +85,7 @@ static struct {
     bool unread;
 } escaped;
 
+/* Prints the bytes held so far and forgets them. */
 static void pass_on(void)
 {
     escaped.held[escaped.count] = '\0';
@@ -90,6 +93,8 @@ static void pass_on(void)
     escaped.count = 0;
 }
 
+/* Writes the bytes of a stream to standard output, character by character (fopencookie). Returns 0 if
+ * standard output failed. */
 static ssize_t write_escaped(void *context, const char *data, size_t size)
 {
     (void)context;

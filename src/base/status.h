@@ -38,6 +38,7 @@ struct cml_error {
 #define CML_AT_END(end) __attribute__((cleanup(end)))
 #define CML_FREED CML_AT_END(cml_free_owned)
 
+/* Frees the memory to which the pointer at `variable` points (CML_FREED). */
 static inline void cml_free_owned(void *variable)
 {
     void *owned;

@@ -17,12 +17,16 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+/* Reports a file that cannot be read: "PATH: cannot be read: REASON (expected EXPECTED)". Returns
+ * CML_E_INPUT. */
 static cml_status fail_reading(const char *path, const char *reason, const char *expected,
                                struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected %s)", path, reason, expected);
 }
 
+/* Reports a table larger than `most` bytes. more: "more than ", or "" if its size is exact. Returns
+ * CML_E_INPUT. */
 static cml_status fail_large(const char *path, const char *more, unsigned long long size, size_t most,
                              struct cml_error *err)
 {
@@ -105,6 +109,7 @@ cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t
     return status;
 }
 
+/* Reads a file of at most `most` bytes from the source. On failure *text is cleared. */
 static cml_status read_bytes(const struct cml_text_source *source, const char *path, size_t most,
                              struct cml_text *text, struct cml_error *err)
 {
@@ -123,6 +128,8 @@ cml_status cml_text_read_bytes(const struct cml_text_source *source, const char 
     return read_bytes(source, path, SIZE_MAX, text, err);
 }
 
+/* Reads a text file of at most `most` bytes: skips a byte order mark and refuses UTF-16, HDF5 and NUL
+ * bytes. */
 static cml_status read_text(const struct cml_text_source *source, const char *path, size_t most,
                             struct cml_text *text, struct cml_error *err)
 {

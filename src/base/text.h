@@ -49,6 +49,7 @@ CML_NODISCARD cml_status cml_text_read_bytes(const struct cml_text_source *sourc
 CML_NODISCARD cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t *size,
                                             struct cml_error *err);
 
+/* Frees the file's memory and zeroes the structure. */
 void cml_text_clear(struct cml_text *text);
 
 /* Returns the name of a path for messages: "standard input" for "-". */

@@ -165,6 +165,8 @@ static void build(const struct builder *builder, struct node node)
             tree->least[left.at] < tree->least[right.at] ? tree->least[left.at] : tree->least[right.at];
 }
 
+/* Allocates a tree of n leaves, with `least` if it is a tree over boxes. Returns CML_E_INPUT without
+ * memory. */
 static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
     struct cml_boxtree *made = calloc(1, sizeof *made);
@@ -280,6 +282,7 @@ struct touching {
     void *context;
 };
 
+/* Calls `visit` for the leaves below a node whose boxes touch the searched box. */
 static void search_touching(const struct touching *touching, struct node node)
 {
     if (!boxes_touch(&touching->tree->box[node.at], &touching->box)) return;
@@ -417,6 +420,7 @@ struct around {
     void *context;
 };
 
+/* True if the box `outer` contains the box `inner`; equal sides count. */
 static bool holds(const struct box *outer, const struct box *inner)
 {
     for (int k = 0; k < 3; k++)

@@ -55,6 +55,7 @@ struct cml_mesh {
     double *slope;              /* [num_triangles] dz/dr of the cone for CML_NORMALS_ANALYTIC, else NULL */
 };
 
+/* Frees a mesh's arrays and zeroes it. */
 void cml_mesh_clear(struct cml_mesh *mesh);
 
 /* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh
@@ -122,4 +123,6 @@ struct cml_mesh_summary {
     double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
     double edge_median, edge_min;         /* cm; NaN without memory */
 };
+
+/* Computes the statistics of a prepared mesh. */
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary);

@@ -122,6 +122,7 @@ struct depths {
     double span, mean;
 };
 
+/* Returns the range and the mean of the border's depths. */
 static struct depths measure_border(const struct cml_mesh *mesh)
 {
     const double z0 = mesh->vertex[mesh->border[0]][2];
@@ -171,6 +172,7 @@ static char level_axis(const struct cml_mesh *mesh)
     return 0;
 }
 
+/* Refuses a border that is not horizontal. Suggests another up= axis if the border is level along x or y. */
 static cml_status refuse_slope(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct depths depths, struct cml_error *err)
 {
@@ -280,6 +282,7 @@ struct part {
     bool cavity;
 };
 
+/* Refuses a body with an edge that belongs to one face only. */
 static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -302,6 +305,7 @@ static const double *start_of(const struct cml_mesh *mesh, uint32_t part)
     return mesh->vertex[mesh->triangle[mesh->part_start[part]][0]];
 }
 
+/* Adds up the volume of each part, and the bound for the rounding of that sum. */
 static void sum_volumes(const struct cml_mesh *mesh, struct part *parts)
 {
     for (size_t t = 0; t < mesh->num_triangles; t++) {
@@ -358,6 +362,8 @@ static cml_status find_cavities(struct cml_mesh_work *work, struct part *parts, 
     return CML_OK;
 }
 
+/* Reverses the triangles of parts whose normals point the wrong way: outwards for a solid part, inwards for a
+ * cavity. */
 static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -16,6 +16,7 @@ struct corner {
                        extent */
 };
 
+/* Orders two corners by their position along the line, for qsort. */
 static int compare_corners(const void *left, const void *right)
 {
     const struct corner *a = left, *b = right;
@@ -27,7 +28,7 @@ static int compare_corners(const void *left, const void *right)
  * the same place along it. */
 static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, struct corner *corner)
 {
-    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector */
+    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector, oblique to grids */
     const struct cml_mesh *mesh = work->mesh;
     size_t count = 0;
     for (uint32_t e = 0; e < num_edges; e++) {

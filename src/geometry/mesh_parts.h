@@ -77,11 +77,13 @@ int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t);
 /* Prints a position for a message, "(x, y, height h) cm". Returns `text`. */
 const char *cml_mesh_place(const double position[3], char text[112]);
 
+/* Returns the vertex at which a half-edge begins. */
 static inline uint32_t cml_half_edge_from(const struct cml_mesh *mesh, uint32_t edge)
 {
     return mesh->triangle[edge / 3][edge % 3];
 }
 
+/* Returns the vertex at which a half-edge ends. */
 static inline uint32_t cml_half_edge_to(const struct cml_mesh *mesh, uint32_t edge)
 {
     return mesh->triangle[edge / 3][(edge % 3 + 1) % 3];

@@ -24,6 +24,7 @@ static const double *vertex_of(const struct rim *rim, size_t i)
     return rim->mesh->vertex[rim->mesh->border[i % rim->count]];
 }
 
+/* Computes lengths along the border, its sense of rotation, and the reach for outward directions. */
 static void measure(struct rim *rim)
 {
     double area = 0;
@@ -113,6 +114,7 @@ static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
     mesh->z_border = level;
 }
 
+/* Enlarges the mesh's arrays by `more` vertices and twice as many triangles. Returns false without memory. */
 static bool make_room(struct cml_mesh_work *work, size_t more)
 {
     struct cml_mesh *mesh = work->mesh;

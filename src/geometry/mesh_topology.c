@@ -15,6 +15,7 @@ struct incident {
     uint32_t higher, edge;
 };
 
+/* Orders two half-edges of one list by their higher vertex, then by number, for qsort. */
 static int compare_incidents(const void *left, const void *right)
 {
     const struct incident *a = left, *b = right;
@@ -126,6 +127,7 @@ static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t,
     return CML_OK;
 }
 
+/* Refuses a sheet of several parts. Names a vertex of the second part. */
 static cml_status refuse_parts(const struct cml_mesh_work *work, size_t parts, uint32_t second,
                                struct cml_error *err)
 {

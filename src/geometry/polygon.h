@@ -24,6 +24,7 @@ struct cml_polygon_rows {
 CML_NODISCARD cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points,
                                                 struct cml_polygon_rows *rows, struct cml_error *err);
 
+/* Frees the rows' memory and zeroes the structure. */
 void cml_polygon_rows_clear(struct cml_polygon_rows *rows);
 
 /* Returns the row of a y between y_low and y_high. The row never decreases with y. */

@@ -52,6 +52,7 @@ static void exact_add(struct exact *x, double value)
     x->n = n;
 }
 
+/* Returns the sign of an exact number: that of its last part, which is the largest. */
 static int exact_sign(const struct exact *x)
 {
     return x->n == 0 ? 0 : sign_of(x->part[x->n - 1]);
@@ -62,6 +63,7 @@ struct difference {
     double part[2];
 };
 
+/* Returns the exact difference a - b. */
 static struct difference subtract(double a, double b)
 {
     struct difference d;
@@ -81,6 +83,7 @@ static void exact_add_product(struct exact *x, struct difference a, struct diffe
     }
 }
 
+/* Adds product * factor exactly. */
 static void exact_add_scaled(struct exact *x, double product, double factor)
 {
     double rest;
@@ -90,6 +93,7 @@ static void exact_add_scaled(struct exact *x, double product, double factor)
     exact_add(x, scaled);
 }
 
+/* Adds the product a b c of three differences exactly: eight products of three doubles. */
 static void exact_add_triple(struct exact *x, struct difference a, struct difference b, struct difference c)
 {
     for (int i = 0; i < 8; i++) {
@@ -141,6 +145,7 @@ int cml_orient2d(const double a[2], const double b[2], const double c[2])
     return sure ? sign : orient2d_exact(a, b, c);
 }
 
+/* Returns the sign of cml_orient3d's determinant from exact differences and products. */
 static int orient3d_exact(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     struct difference p[3][3];
@@ -175,6 +180,7 @@ int cml_orient3d(const double a[3], const double b[3], const double c[3], const 
     return orient3d_exact(a, b, c, d);
 }
 
+/* Returns the sign of cml_line_side's determinant from exact differences and products; u is exact already. */
 static int line_side_exact(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     struct exact det = {0};

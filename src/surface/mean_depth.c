@@ -91,6 +91,8 @@ cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surfac
     return CML_OK;
 }
 
+/* Fills the means of all boundaries and layers. A layer's mean is taken over the larger area of its two
+ * boundaries. */
 static cml_status measure(const struct cml_scene *scene, const struct cml_surface_set *set,
                           const struct cml_surface_options *options, struct cml_mean_shapes *mean,
                           struct cml_error *err)

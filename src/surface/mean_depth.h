@@ -25,4 +25,6 @@ struct cml_mean_shapes {
 CML_NODISCARD cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surface_set *set,
                                          const struct cml_surface_options *options,
                                          struct cml_mean_shapes *mean, struct cml_error *err);
+
+/* Frees the arrays of means and zeroes the structure. */
 void cml_mean_shapes_clear(struct cml_mean_shapes *mean);

@@ -16,6 +16,7 @@ const char *cml_surface_kind_name(enum cml_surface_kind kind)
     return names[kind];
 }
 
+/* Makes *def a plane at a scene depth, cm. */
 static void make_plane(double depth, const char *reason, struct cml_surface_def *def)
 {
     def->kind = CML_SURFACE_PLANE;
@@ -79,6 +80,7 @@ static void give_reason(const char *reason, struct cml_surface_def *def)
              cml_mesh_surface_is_sheet(def->mesh) ? ", a sheet" : "");
 }
 
+/* Makes *def a mesh that queries search. On success the mesh's arrays are taken over. */
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_surface_options *options,
                             const char *reason, struct cml_surface_def *def, struct cml_error *err)
 {
@@ -95,6 +97,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     return CML_OK;
 }
 
+/* Tessellates the boundary's radial heightfield within the budget of triangles. */
 static cml_status tessellate(const struct cml_scene *scene, const struct cml_boundary *boundary,
                              const struct cml_surface_options *options, struct cml_mesh *mesh,
                              struct cml_error *err)
@@ -107,6 +110,7 @@ static cml_status tessellate(const struct cml_scene *scene, const struct cml_bou
     return cml_tessellate(&boundary->radial, &tessellation, &budget, mesh, err);
 }
 
+/* Represents a radial heightfield as a mesh. */
 static cml_status make_tessellated(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                    const struct cml_surface_options *options, struct cml_surface_def *def,
                                    struct cml_error *err)
@@ -149,6 +153,7 @@ static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_b
                     boundary->line);
 }
 
+/* Represents a mesh: as a plane if it is flat and nothing is forced, else as a searched mesh. */
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -193,6 +198,7 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
     return CML_OK;
 }
 
+/* Represents a tile: as a plane if it is flat and nothing is forced, else as the mesh of one period. */
 static cml_status represent_tile(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -217,6 +223,7 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     return status;
 }
 
+/* Represents a boundary in the kind that is forced, or in the one that suits it best. */
 static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
                             const struct cml_surface_options *options, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -253,6 +260,7 @@ static void share(const struct cml_surface_def *shared, double depth, struct cml
     cml_share(def->users);
 }
 
+/* Represents a boundary and notes the time and the memory that this takes. */
 static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)

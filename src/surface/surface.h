@@ -35,8 +35,8 @@ struct cml_surface_def {
 };
 
 struct cml_surface_set {
-    int count;                    /* num_layers + 1 */
-    struct cml_surface_def *item; /* [count] */
+    int count;                    /* number of boundaries: num_layers + 1 */
+    struct cml_surface_def *item; /* [count] surfaces of the boundaries, from above */
     struct cml_body_surfaces bodies;
     struct cml_origin origin; /* origin of x and y in meshes and bodies */
 };
@@ -47,10 +47,13 @@ CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
                                              const struct cml_surface_options *options,
                                              struct cml_surface_set *set, struct cml_error *err);
 
+/* Frees all surfaces of a scene, unless other scenes share them, and zeroes the structure. */
 void cml_surfaces_free(struct cml_surface_set *set);
 
 /* True if all boundaries are planes, and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set);
+
+/* True if all boundaries are planes without roughness, and there are no bodies. */
 bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set);
 
 /* Makes *def the plane in which a curved boundary continues outside, for a tile the plane at its mean height.
@@ -66,6 +69,7 @@ CML_NODISCARD cml_status cml_surface_make_level_rings(const struct cml_boundary 
 /* Frees the memory of one boundary and makes it a plane at z = 0. */
 void cml_surface_clear(struct cml_surface_def *def);
 
+/* Returns the name of a kind: "plane", "cone", "mesh", "auto", "sphere" or "cylinder". */
 const char *cml_surface_kind_name(enum cml_surface_kind kind);
 
 /* Makes the mesh of boundary b for `clustermcml mesh`: loaded or tessellated, as cml_surfaces_create would

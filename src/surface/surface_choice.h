@@ -34,7 +34,10 @@ struct cml_expectation {
 /* Returns the tessellation that keeps the options' tolerance. */
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options);
 
+/* Returns the estimate for cones of so many rings; their bias is 0. */
 struct cml_expectation cml_choice_expect_cones(int rings);
+
+/* Returns the estimate for a tessellated heightfield under these options. */
 struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_options *options);
 
 /* Returns the estimate for a triangle mesh that the user gave; its bias is 0. */

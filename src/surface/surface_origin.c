@@ -31,6 +31,7 @@ static struct range about(const double at[2], double distance)
     return (struct range){{at[0] - distance, at[1] - distance}, {at[0] + distance, at[1] + distance}};
 }
 
+/* Returns the intersection of two ranges; it may be empty. */
 static struct range common(struct range a, struct range b)
 {
     for (int k = 0; k < 2; k++) {
@@ -82,6 +83,8 @@ struct part {
     int steps;
 };
 
+/* Narrows the range of the origin so that single precision resolves a part. Refuses the scene, with the
+ * part's name, if the range would be empty. */
 static cml_status ask(struct demands *all, const struct part *part, struct cml_error *err)
 {
     const double distance = distance_for(part->length, part->steps);
@@ -150,6 +153,7 @@ static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *
     return ask(all, &part, err);
 }
 
+/* Requires that single precision resolves a detector: its half width, or half a pixel of its map. */
 static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *err)
 {
     const struct cml_detector_def *def = &all->scene->detectors[k];
@@ -184,6 +188,7 @@ static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
     if (!is_empty(range)) all->range = range;
 }
 
+/* Collects the requirements of all boundaries, detectors and bodies. */
 static cml_status ask_of_all(struct demands *all, struct cml_error *err)
 {
     for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(ask_of_boundary(all, b, err));
@@ -233,6 +238,7 @@ static cml_status ask_of_bins(const double at[2], double length, double extent, 
         at[0], at[1], FLT_EPSILON * away, length / STEPS_OF_LENGTH);
 }
 
+/* Adds the requirements of the bins of results: the radial bins and the pixels of the map. */
 static cml_status add_bins(struct demands *all, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;

@@ -39,6 +39,7 @@ static double deviation(const struct cml_tessellation *options, double segments)
     return vertex_factor(options, segments) - 1.0;
 }
 
+/* Returns the length of the profile between rings i and i + 1, cm. */
 static double slant(const struct cml_radial *radial, int i)
 {
     return hypot(radial->r[i + 1] - radial->r[i], radial->h[i + 1] - radial->h[i]);
@@ -54,6 +55,8 @@ static double longest_arc(const struct cml_radial *radial, int i, double needle)
     return fmax(needle * fmin(inner, outer), sqrt(inner * outer));
 }
 
+/* Returns the number of vertices of ring i: the smallest that keeps the tolerance, raised until no arc makes
+ * needles. */
 static double segments_of_ring(const struct rings *rings, int i, double needle)
 {
     const struct cml_radial *radial = rings->radial;
@@ -92,6 +95,7 @@ static bool open_strip(const struct rings *rings, int i)
     return changed;
 }
 
+/* Opens all strips, from the outside in and back, until no ring changes. */
 static void open_strips(const struct rings *rings)
 {
     bool changed = true;
@@ -146,6 +150,7 @@ static void unit_point(size_t k, size_t segments, double point[2])
     point[1] = turn == 0 ? y : turn == 1 ? x : turn == 2 ? -y : -x;
 }
 
+/* Places the vertices of ring i on its polygon. */
 static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[i];
@@ -175,6 +180,7 @@ static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b
     mesh->num_triangles++;
 }
 
+/* Fills the disk between the tip and the first ring. */
 static void put_tip(const struct rings *rings, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[1], first = rings->first[1];
@@ -235,6 +241,7 @@ static void put_all(const struct rings *rings, struct cml_mesh *mesh)
     for (int i = 1; i + 1 < rings->radial->n; i++) put_strip(rings, i, mesh);
 }
 
+/* Tessellates a heightfield: chooses the vertices of rings, fills the mesh and prepares it. */
 static cml_status make(struct rings *rings, const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                        struct cml_error *err)
 {

@@ -143,6 +143,8 @@ static cml_status make_grids(const struct cml_scene *scene, const double origin[
     return status;
 }
 
+/* Makes the surfaces, the trees and the grids of the scene's bodies. After a failure *surfaces must be
+ * freed. */
 static cml_status create(const struct cml_scene *scene, const double origin[2], const double *depths,
                          enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
                          struct cml_error *err)

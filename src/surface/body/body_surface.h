@@ -21,7 +21,7 @@ struct cml_body_surface {
 
 struct cml_body_surfaces {
     int count;                     /* number of bodies */
-    struct cml_body_surface *item; /* [count] */
+    struct cml_body_surface *item; /* [count] surfaces of the bodies */
     struct cml_body_tree tree;
     struct cml_body_grids grids;
     const struct cml_scene_body *of; /* the scene's bodies, which scenes may share */
@@ -41,6 +41,7 @@ CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene,
 /* Shares the surfaces of another scene that has the same bodies in the same frames. */
 void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces);
 
+/* Frees the surfaces, unless other scenes share them, and zeroes the structure. */
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 
 /* Returns the area of a facet of the body as it is represented, cm2. */

@@ -19,6 +19,7 @@ struct key {
     int body;
 };
 
+/* Orders two keys by position, then by body number, for qsort. */
 static int compare_keys(const void *left, const void *right)
 {
     const struct key *a = left, *b = right;

@@ -14,7 +14,7 @@ struct cml_body_tree_node {
 /* All trees of a scene, one behind the other. */
 struct cml_body_tree {
     int count;
-    struct cml_body_tree_node *node; /* [count] */
+    struct cml_body_tree_node *node; /* [count] nodes of all trees */
     int *first;                      /* [num_media + 1] nodes first[m]..first[m + 1] - 1 belong to medium m */
 };
 
@@ -23,4 +23,6 @@ struct cml_body_tree {
 CML_NODISCARD cml_status cml_body_tree_create(const double (*boxes)[2][3], const int *host, int num_bodies,
                                               int num_media, struct cml_body_tree *tree,
                                               struct cml_error *err);
+
+/* Frees the trees' memory and zeroes the structure. */
 void cml_body_tree_clear(struct cml_body_tree *tree);

@@ -122,6 +122,7 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
+/* Adds a part to all cells in its band. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
@@ -148,6 +149,7 @@ static void add_mesh(struct filling *f, int body)
     }
 }
 
+/* Adds a body, or each triangle of a body's mesh, to the cells in its band. */
 static void add_body(struct filling *f, int body)
 {
     const struct cml_scene_body *from = &f->scene->bodies[body];
@@ -249,6 +251,7 @@ static void make_balls(const struct filling *f, struct cml_body_ball *ball)
             }
 }
 
+/* Marks all cells as empty and far from any surface. */
 static void prepare_cells(struct filling *f)
 {
     for (size_t i = 0; i < cells_of(f->cells); i++) {
@@ -299,6 +302,7 @@ static double shortest_path(const struct cml_scene *scene, int layer)
     return 1 / mut;
 }
 
+/* Computes the box around all bodies of a layer, in scene coordinates, cm. */
 static void box_of_bodies(const struct cml_scene *scene, int layer, double lower[3], double upper[3])
 {
     for (int i = 0; i < 3; i++) {

@@ -23,7 +23,7 @@ struct cml_body_grids {
     int *of_medium;              /* [num_media] grid of each medium; a body's medium has its layer's grid;
                                     -1: none */
     size_t num_cells;
-    struct cml_body_ball *ball; /* [num_cells] */
+    struct cml_body_ball *ball; /* [num_cells] balls of all cells */
 };
 
 /* Makes the cells of all layers with bodies. origin: scene position where x and y in kernels are 0. depths:
@@ -33,4 +33,6 @@ struct cml_body_grids {
 CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2],
                                                const double *depths, struct cml_body_grids *grids,
                                                struct cml_error *err);
+
+/* Frees the grids' memory and zeroes the structure. */
 void cml_body_grids_clear(struct cml_body_grids *grids);

@@ -63,6 +63,7 @@ static void look_from(const struct view *view, int x, int y)
     view->far_two[cell_at(size, x, y)] = far[2];
 }
 
+/* Finds far_one and far_two of all cells of a level. */
 static void look_around(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
@@ -84,6 +85,7 @@ static float steepest_nearby(const struct view *view, int x, int y)
     return most;
 }
 
+/* Finds `nearby` of all cells of a level. */
 static void look_nearby(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
@@ -91,9 +93,10 @@ static void look_nearby(const struct view *view)
             view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
 }
 
-/* Returns the greatest slope at which any place of a cell of the finest view sees another place. ground:
- * where a packet in the cell begins, cm towards its side. The slope of a level's view is bounded by the
- * steepest facet above the cells that touch the cell's parent, as all that it sees lies there. */
+/* Returns the greatest slope at which any place of a cell of the finest view sees another place. ground: a
+ * depth beyond which every packet in the cell lies, cm, positive towards its side. The slope of a level's
+ * view is bounded by the steepest facet above the cells that touch the cell's parent, as all that it sees
+ * lies there. */
 static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
 {
     float most = view[0].nearby[cell_at(view[0].size, x, y)];
@@ -109,12 +112,14 @@ static float steepest_view(const struct view *view, int levels, int x, int y, fl
     return most;
 }
 
+/* Returns the number of cells of one level. */
 static size_t level_cells(const struct cml_depth_pyramid *pyramid, int level)
 {
     const size_t side = (size_t)(pyramid->size >> level);
     return side * side;
 }
 
+/* Returns the number of cells of all levels. */
 static size_t all_cells(const struct cml_depth_pyramid *pyramid)
 {
     size_t cells = 0;

@@ -25,6 +25,7 @@ size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
     return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
+/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT without memory. */
 static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {
@@ -49,6 +50,7 @@ void cml_depth_map_clear(struct cml_depth_map *map)
     *map = (struct cml_depth_map){0};
 }
 
+/* Widens the bounds of a cell of level 0 to include the depths least..most, cm. */
 static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, double most)
 {
     const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;
@@ -56,6 +58,7 @@ static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, 
     map->highest[cell] = fminf(map->highest[cell], (float)least);
 }
 
+/* Returns the cell of level 0 at position x along an axis; the nearest cell if x is outside the map. */
 static int cell_index(const struct cml_depth_map *map, double x, int axis)
 {
     const double cell = floor((x - map->corner[axis]) / map->cell[axis]);
@@ -218,6 +221,7 @@ static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, f
     cover_outside(map, mesh->z_border, fills_its_box(mesh) ? mesh->lower : NULL, mesh->upper);
 }
 
+/* Allocates the horizons on both sides, and slopes of 0, for the cells of the horizons' level. */
 static cml_status allocate_horizons(struct cml_depth_map *map, float **steepest, struct cml_error *err)
 {
     const size_t cells = cml_depth_map_level_cells(map, CML_HORIZON_LEVEL);
@@ -230,6 +234,7 @@ static cml_status allocate_horizons(struct cml_depth_map *map, float **steepest,
     return CML_OK;
 }
 
+/* Computes the map's horizons from its depths and the steepest facet above each cell. */
 static cml_status find_horizons(struct cml_depth_map *map, const float *steepest, struct cml_error *err)
 {
     const struct cml_depth_pyramid pyramid = {.levels = map->levels,
@@ -336,6 +341,8 @@ cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_de
 
 /* ---- rings ---- */
 
+/* Returns the depth of the profile at radius `at`, which lies between rings i and i + 1, or behind the last
+ * ring. */
 static double profile_depth(const double *r, const double *z, int n, int i, double at)
 {
     if (i + 1 >= n) return z[n - 1];

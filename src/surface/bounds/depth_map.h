@@ -37,4 +37,5 @@ CML_NODISCARD cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile,
 /* Returns the number of cells of one level. */
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level);
 
+/* Frees the map's memory and zeroes the structure. */
 void cml_depth_map_clear(struct cml_depth_map *map);

@@ -15,15 +15,15 @@
 
 struct filling {
     const struct cml_centred_mesh *centred;
-    struct cml_flat_facet *flat; /* [num_triangles] */
+    struct cml_flat_facet *flat; /* [num_triangles] the facets, for distances */
     struct cml_boxtree *tree;
     const struct cml_safe_map *map;
 };
 
 /* A cube of 2^level cells along an edge. */
 struct block {
-    int level, at[3]; /* first cell */
-    double middle[3]; /* in cells */
+    int level, at[3]; /* number of cells along an edge is 2^level; first cell */
+    double middle[3]; /* middle of the block, in cells */
     uint32_t facet;   /* facet closest to the middle */
 };
 
@@ -34,6 +34,7 @@ static double distance(const double a[3], const double b[3])
     return cml_vec3_length(way);
 }
 
+/* Returns the square of the distance of facet i from p, cm2 (a cml_boxtree_square). */
 static double facet_square(const void *context, uint32_t i, const double p[3])
 {
     return cml_flat_square((const struct cml_flat_facet *)context + i, p[0], p[1], p[2]);
@@ -115,6 +116,8 @@ static double reach_of(const struct block *block)
     return 0.8660255 * ((1 << block->level) - 1);
 }
 
+/* True if the block is so far from the surface that the safe distance of its middle suffices for all of its
+ * cells. */
 static bool is_far(const struct block *block, double safe)
 {
     return safe >= FAR * reach_of(block);
@@ -166,6 +169,7 @@ static size_t lay_out(const struct cml_mesh *mesh, double edge, double most, str
     return (size_t)cells;
 }
 
+/* Fills the frames of all facets for computing distances. */
 static void find_facets(struct filling *f)
 {
     for (int i = 0; i < (int)f->centred->mesh.num_triangles; i++) {
@@ -175,6 +179,7 @@ static void find_facets(struct filling *f)
     }
 }
 
+/* Fills the map, beginning with one block around all of its cells. */
 static void fill(struct filling *f)
 {
     struct block whole = {.level = 2};
@@ -184,6 +189,8 @@ static void fill(struct filling *f)
     fill_block(f, whole);
 }
 
+/* Makes the tree of boxes and the frames of facets. Returns CML_E_INPUT without memory; clear_filling frees
+ * them. */
 static cml_status make_filling(struct filling *f, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &f->centred->mesh;

@@ -16,6 +16,9 @@ struct cml_safe_map {
  * map may use, about. Returns CML_E_INPUT without memory; there is nothing to clear then. */
 CML_NODISCARD cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, double bytes,
                                              struct cml_safe_map *map, struct cml_error *err);
+
+/* Frees the map's memory and zeroes the structure. */
 void cml_safe_map_clear(struct cml_safe_map *map);
 
+/* Returns the bytes of memory that the map owns. */
 double cml_safe_map_bytes(const struct cml_safe_map *map);

@@ -42,12 +42,12 @@ struct cml_grid_lanes {
     _Alignas(64) real x[CML_GRID_LANES], y[CML_GRID_LANES], z[CML_GRID_LANES];
     real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* unit vector */
     real s[CML_GRID_LANES];                                          /* length of the path, cm */
-    /* answers */
+    /* The answers of the search: */
     int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];
     real t[CML_GRID_LANES];                                                /* distance of the crossing, cm */
     real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* position there or at the end */
     real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
-    /* intermediate values, in double; centred frame */
+    /* Intermediate values, in double, in the centred frame: */
     double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];
     double end[CML_GRID_LANES], err[CML_GRID_LANES]; /* length of the path; err_query */
     double way[CML_GRID_LANES];                      /* distance from the packet to the place found */
@@ -76,6 +76,8 @@ static inline int cml_grid_lane_index(int i, int j, int tiles)
     return 16 * ((j >> 2) * tiles + (i >> 2)) + 4 * (j & 3) + (i & 3);
 }
 
+/* Returns the cell of a position along an axis, in cells; the first or last cell if the position is outside
+ * the grid. */
 static inline int cml_grid_lane_cell(double position, double last)
 {
     const double inner = position > 0 ? position : 0;

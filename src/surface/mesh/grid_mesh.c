@@ -59,6 +59,7 @@ static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid
         }
 }
 
+/* Computes the mean depth of all cells that have facets, in depth steps. */
 static void find_mean(struct cml_grid_mesh *grid)
 {
     double sum = 0, cells = 0;

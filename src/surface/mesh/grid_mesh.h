@@ -48,7 +48,7 @@ struct cml_grid_mesh {
     uint32_t *first;               /* owned; where in `listed` each cell's facets begin, ordered by
                                       cml_grid_mesh_index of level 0 */
     uint32_t *listed;              /* owned; facet numbers, cell by cell */
-    struct cml_sheet_facet *facet; /* owned; [facets] */
+    struct cml_sheet_facet *facet; /* owned; [facets] data of each facet */
     size_t facets;
     double mean; /* mean depth of the cells, in depth steps */
     int levels;  /* number of levels; the last level is a single tile; 0: the mesh has no cells */
@@ -80,6 +80,7 @@ void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, 
 /* Fills the depths of all blocks, and the mean depth, from the depths of the cells. */
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid);
 
+/* Frees the cells and zeroes the structure. */
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
 /* Returns the bytes of memory that *grid owns; 0 without cells. */

@@ -12,8 +12,8 @@
 static const double farthest_entry = 16;
 
 /* A traversal begins at the lowest level at which the ray's first and last nodes are less than this many
- * nodes apart. Starting higher would visit blocks that the ray never reaches; starting lower would lose the
- * skipping of blocks. */
+ * nodes apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near; for a
+ * ray over fewer nodes, descending costs more than skipping saves. */
 static const int most_nodes = 3;
 
 /* Stands for 1 / 0 if a ray does not move along an axis: the ray reaches no border there. It is finite, so
@@ -35,8 +35,8 @@ struct axis {
 struct traversal {
     const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;
-    struct axis axis[2]; /* x and y */
-    struct axis depth;   /* z */
+    struct axis axis[2]; /* the ray along x and y */
+    struct axis depth;   /* the ray along z, in depth steps */
 };
 
 /* A part of the ray, as distances from its origin, cm. */
@@ -65,6 +65,7 @@ static bool is_within(double position, int n)
     return position > 0 && position < n;
 }
 
+/* Returns the cell of a position in a grid of n cells; the first or last cell if the position is outside. */
 static int clamp_to_cell(double position, int n)
 {
     return is_within(position, n) ? (int)position : position > 0 ? n - 1 : 0;

@@ -46,6 +46,7 @@ static int signed_crossing(const struct cml_mesh_line *line, const uint32_t v[3]
     return side_of_edge(line, v[1], v[2]) == side && side_of_edge(line, v[2], v[0]) == side ? side : 0;
 }
 
+/* True if a crossing leaves the packet's side of the boundary. along: positive for a crossing upwards. */
 static bool is_exiting(const struct cml_mesh_query *q, double along)
 {
     return q->below ? along > 0 : along < 0;
@@ -60,6 +61,7 @@ static double distance_from(const struct cml_mesh_line *line, int primitive, con
     return is_hole ? INFINITY : fabs(q->centred->mesh.z_border - p[2]);
 }
 
+/* Returns the distance along the line to its crossing with a facet; `least` as for cml_facet_crossing. */
 static double crossing_of(const struct cml_mesh_query *q, int primitive, double least)
 {
     return cml_facet_crossing(q->centred, primitive, q->origin, q->direction, least);
@@ -77,6 +79,7 @@ static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, do
     }
 }
 
+/* Adds a crossing ahead to the winding number, and takes account of it. */
 static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     line->winding_ahead += way;
@@ -106,6 +109,7 @@ static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_cross
     parts->item[i] = *crossing;
 }
 
+/* Counts a crossing for all crossings of the same part in the lot that lie before it. */
 static void look_behind(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     for (int i = 0; i < parts->count; i++)

@@ -48,11 +48,11 @@ struct cml_line_parts {
 /* The state of a line. Distances along the line count from q's origin, cm. Facets are "exiting" or "entering"
  * as in mesh_query.h. */
 struct cml_mesh_line {
-    const struct cml_mesh_query *q; /* borrowed */
+    const struct cml_mesh_query *q; /* the query, borrowed */
     double err_line; /* largest distance by which rounding can separate a packet from the facet it stands
                         on, cm */
-    double from[3];  /* point of the line ahead of the packet by rounding, centred frame; crossings behind
-                        it are ahead */
+    double from[3];  /* point of the line ahead of the packet by rounding, centred frame; crossings beyond
+                        it count as ahead */
     int winding, winding_ahead;   /* facets crossed upwards minus downwards, by the whole line and ahead */
     double t;                     /* distance of the first exiting crossing ahead */
     int primitive;                /* facet of that crossing; -1: none */

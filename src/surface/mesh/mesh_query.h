@@ -20,7 +20,7 @@
 /* A ray during the search for its first crossing. Places are in the centred frame (centred_mesh.h), lengths
  * and distances along the ray in cm. rounding.h explains the bounds err_. */
 struct cml_mesh_query {
-    const struct cml_centred_mesh *centred; /* borrowed */
+    const struct cml_centred_mesh *centred; /* the mesh, borrowed */
     double origin[3], direction[3];         /* position; unit direction */
     double entry[3]; /* where the ray enters the mesh's box: triangles are tested from here, so that a
                         distant origin costs no digits */
@@ -93,8 +93,9 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
  * border. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q);
 
-/* True if rounding may have changed the best crossing, or hidden one; cml_line_decide must then decide. In a
- * union also true if another part may surround the crossing, or pass the place where the packet stands. */
+/* True if rounding may have decided which crossing is the best, or that there is none; cml_line_decide must
+ * then decide. In a union also true if another part may surround the crossing, or pass the place where the
+ * packet stands. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
 /* Returns 1 and sets *crossing, with its normals, if the query has found one; else returns 0. p, u: as given

@@ -133,6 +133,7 @@ static void intersect_boxes(const struct cml_mesh_surface *surface, struct query
 #endif
 }
 
+/* Tests every triangle whose box the ray meets, in double. */
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -156,7 +157,8 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     query->contact_only = false;
 }
 
-/* Tests every triangle whose box the ray meets. */
+/* Queries Embree's boxes: tests contact around the packet if needed, then every triangle whose box the ray
+ * meets. */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (query->ray.contact_distance >= 0 && query->ray.exclude != CML_OFF_FACETS)
@@ -386,6 +388,7 @@ const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface 
 static RTCDevice device;
 static const char only_the_caller[] = "threads=1,start_threads=0";
 
+/* Adds to the memory that Embree has taken for a surface (a callback of Embree's device). */
 static bool count_memory(void *context, ssize_t bytes, bool post)
 {
     (void)post;
@@ -393,6 +396,8 @@ static bool count_memory(void *context, ssize_t bytes, bool post)
     return true;
 }
 
+/* Builds Embree's tree over the boxes of the triangles. Above 1e6 triangles a faster build with a lower
+ * quality is used. */
 static void build_boxes(struct cml_mesh_surface *surface)
 {
     surface->boxes = rtcNewScene(device);
@@ -412,6 +417,8 @@ static void build_boxes(struct cml_mesh_surface *surface)
     rtcCommitScene(surface->boxes);
 }
 
+/* Builds Embree's tree and counts its memory. Returns CML_E_INPUT without memory, CML_E_DEVICE if Embree
+ * fails. */
 static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!device && !(device = rtcNewDevice(only_the_caller)))
@@ -426,6 +433,7 @@ static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_erro
                     surface->centred.mesh.num_triangles, (int)error);
 }
 
+/* Builds our own tree of facets for the best level that the processor can run. */
 static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     const struct cml_centred_mesh *centred = &surface->centred;
@@ -456,6 +464,7 @@ static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *
     return cml_safe_map_create(&surface->centred, bytes, &surface->map, err);
 }
 
+/* Makes a surface. A repeated mesh gets no map of safe distances. */
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                          bool repeated, struct cml_mesh_surface **surface, struct cml_error *err)
 {

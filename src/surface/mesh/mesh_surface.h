@@ -46,6 +46,7 @@ CML_NODISCARD cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, dou
                                                       struct cml_mesh_surface **surface,
                                                       struct cml_error *err);
 
+/* Frees a surface; NULL is allowed. */
 void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 
 /* True if the mesh is a sheet with cells, over which queries walk. */

@@ -45,6 +45,7 @@ struct lists {
     float *inside; /* `inside` of each listed facet */
 };
 
+/* Converts a coordinate along an axis from cm to cells from the grid's corner. */
 static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
 {
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
@@ -231,6 +232,7 @@ static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_m
     }
 }
 
+/* True if every facet of the mesh faces up. */
 static bool faces_up(const struct cml_centred_mesh *centred)
 {
     for (size_t i = 0; i < centred->mesh.num_triangles; i++)

@@ -7,11 +7,13 @@
  * this much earlier. */
 static const double overlap = 0.5;
 
+/* Returns the number of cells in a row of the mesh: one period and both margins. */
 static int width_of(const struct cml_mesh_period *period)
 {
     return period->n[0] + 2 * period->margin[0];
 }
 
+/* Returns i modulo n, from 0 to n - 1, for negative i, too. */
 static int wrap(int i, int n)
 {
     const int rest = i % n;

@@ -26,6 +26,8 @@ struct cml_centred_mesh {
  * mesh. */
 CML_NODISCARD cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
                                                  struct cml_centred_mesh *centred, struct cml_error *err);
+
+/* Frees the mesh's memory and zeroes the structure. */
 void cml_centred_mesh_clear(struct cml_centred_mesh *centred);
 
 /* Returns the bytes of the mesh's arrays, without the footprint. */

@@ -61,6 +61,7 @@ static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *
     return cut->bins_per_cm < INFINITY;
 }
 
+/* Sorts boxes into bins along the cut's axis: the joint box and the number of boxes of each bin. */
 static void fill_bins(const struct cml_facet_box *box, size_t count, const struct cut *cut,
                       struct bin bins[BINS])
 {
@@ -105,6 +106,7 @@ static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_
     }
 }
 
+/* Moves the boxes below the cut to the front. Returns their number. */
 static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cut)
 {
     size_t low = 0;

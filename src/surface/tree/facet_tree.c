@@ -40,7 +40,7 @@ struct builder {
     const struct cml_mesh *mesh;
     const double (*plane)[4];
     double margin;
-    struct cml_facet_box *box; /* [num_triangles] */
+    struct cml_facet_box *box; /* [num_triangles] boxes of the facets */
     struct list nodes, leaves;
 };
 
@@ -78,6 +78,8 @@ static int find_longest(const double corner[3][3], double *longest)
     return opposite;
 }
 
+/* Fills entry i of a leaf with a facet. A facet thinner than the margin gets NaN, so that it is always in
+ * doubt. */
 static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cml_tree_leaf *leaf)
 {
     const double *plane = b->plane[facet];
@@ -114,6 +116,7 @@ static cml_status add(struct list *list, uint32_t *number, struct cml_error *err
     return CML_OK;
 }
 
+/* Adds a leaf with the facets of a group. Sets *number to the leaf's number. */
 static cml_status add_leaf(struct builder *b, const struct group *group, uint32_t *number,
                            struct cml_error *err)
 {
@@ -124,6 +127,7 @@ static cml_status add_leaf(struct builder *b, const struct group *group, uint32_
     return CML_OK;
 }
 
+/* Sets the group's box to the box around its facets. */
 static void find_box(const struct builder *b, struct group *group)
 {
     group->box = cml_facet_box_none();
@@ -211,6 +215,7 @@ static void find_boxes(struct builder *b)
     }
 }
 
+/* Builds the whole tree and shrinks its arrays to their size. */
 static cml_status build(struct builder *b, struct cml_error *err)
 {
     const size_t count = b->mesh->num_triangles;

@@ -78,6 +78,8 @@ struct cml_facet_tree {
 CML_NODISCARD cml_status cml_facet_tree_create(const struct cml_mesh *mesh, const double (*plane)[4],
                                                double margin, struct cml_facet_tree *tree,
                                                struct cml_error *err);
+
+/* Frees the tree's memory and zeroes the structure. */
 void cml_facet_tree_clear(struct cml_facet_tree *tree);
 
 /* Returns the bytes of memory that a tree owns. */

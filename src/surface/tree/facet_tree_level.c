@@ -40,6 +40,7 @@ struct tested {
     int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
 };
 
+/* Prepares the ray for the test of boxes. */
 static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
 {
     for (int k = 0; k < 3; k++) {
@@ -131,6 +132,7 @@ static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_l
     return cml_group_equal(tested->passed, 0);
 }
 
+/* Adds a facet in doubt. least: its smallest possible distance. Blurs the answer if there are too many. */
 static void add_doubt(struct search *s, int facet, float least)
 {
     struct cml_tree_answer *answer = s->answer;
@@ -156,6 +158,7 @@ static void add_sure(struct search *s, int facet, float t, float err)
     if (t + err < s->to) s->to = t + err;
 }
 
+/* Tests the facets of a leaf and adds its sure crossings and doubts. */
 static inline void search_leaf(struct search *s, uint32_t number)
 {
     const struct cml_tree_leaf *leaf = &s->tree->leaf[number];
@@ -186,6 +189,7 @@ static inline void search_node(struct search *s, const struct cml_tree_node *nod
     }
 }
 
+/* Searches the tree depth first. Stops early if the answer is blurred. */
 static void search_tree(struct search *s)
 {
     struct pending stack[CML_TREE_DEPTH], *p = stack;

@@ -38,8 +38,8 @@ struct cml_arrays_block {
     _Alignas(16) struct cml_arrays_block *before;
 };
 
-/* Adds an array of `count` zeros to the group and returns it; count may be 0. Returns NULL without memory;
- * cml_arrays_check then fails for the whole group. */
+/* Adds an array of `count` zeros to the group and returns it; count may be 0. Returns NULL if memory runs
+ * out; cml_arrays_check then fails for the whole group. */
 static inline void *cml_arrays_add(struct cml_arrays *arrays, size_t count, size_t size)
 {
     struct cml_arrays_block *block = NULL;
@@ -71,7 +71,7 @@ static inline void cml_arrays_free(struct cml_arrays *arrays)
 }
 
 /* Returns a copy of `count` elements. If `from` is NULL the copy is NULL, which is no failure. Sets *failed
- * to true without memory, else leaves *failed as it is. */
+ * to true if memory runs out, else leaves *failed as it is. */
 static inline void *cml_array_copy(const void *from, size_t count, size_t size, bool *failed)
 {
     void *to = from ? malloc(count ? count * size : 1) : NULL;

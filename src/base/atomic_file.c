@@ -250,7 +250,7 @@ void cml_file_defer_sync(bool on)
     deferred.on = on;
 }
 
-/* Adds a file to the files that are synced later. Returns false without memory. */
+/* Adds a file to the files that are synced later. Returns false if memory runs out. */
 static bool defer(const char *path)
 {
     if (deferred.count == deferred.capacity) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns a copy of data[size] with a final NUL; NULL without memory. */
+/* Returns a copy of data[size] with a final NUL; NULL if memory runs out. */
 static char *copy_data(const char *data, size_t size)
 {
     char *copy = malloc(size + 1);

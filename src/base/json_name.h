@@ -8,11 +8,11 @@
 #include <stdio.h>
 
 /* Returns a new JSON string of the name. In a name that is not UTF-8, every byte beyond ASCII becomes \xNN.
- * Returns NULL without memory. */
+ * Returns NULL if memory runs out. */
 json_t *cml_json_name(const char *name);
 
 /* Returns a JSON number, or null for NaN and infinity, which JSON does not have. An error estimated from one
- * packet is NaN. Returns NULL without memory. */
+ * packet is NaN. Returns NULL if memory runs out. */
 json_t *cml_json_real(double value);
 
 /* Prints the object on one line and frees it. Returns CML_E_INPUT if the object is NULL, because memory ran

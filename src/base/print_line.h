@@ -12,7 +12,7 @@
 void cml_print_line(FILE *stream, const char *text);
 
 /* Escapes the same characters, except line feeds and tabs, in everything written to standard output from now
- * on. With `json` they become \uNNNN, which a JSON reader decodes. Returns CML_E_INPUT without memory. */
+ * on. With `json` they become \uNNNN, which a JSON reader decodes. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_escape_output(bool json, struct cml_error *err);
 
 /* True if standard output is a pipe whose reader has closed it, so that something written was lost. */

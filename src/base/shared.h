@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Starts counting: makes *users a count of one holder, unless it counts already. Returns CML_E_INPUT without
- * memory. */
+/* Starts counting: makes *users a count of one holder, unless it counts already. Returns CML_E_INPUT if
+ * memory runs out. */
 CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_error *err)
 {
     if (*users) return CML_OK;

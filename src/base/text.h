@@ -77,7 +77,7 @@ bool cml_parse_double(const char *word, double *value);
 bool cml_parse_count(const char *word, uint64_t *value);
 bool cml_parse_int(const char *word, int *value);
 
-/* Copies a string, which the caller frees. Returns CML_E_INPUT without memory. */
+/* Copies a string, which the caller frees. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
 
 /* Prints a format into a new string, which the caller frees; NULL on failure. what: name of the string, for
@@ -86,7 +86,7 @@ CML_NODISCARD CML_PRINTF(4, 5) cml_status
     cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...);
 
 /* Closes a stream of open_memstream, which has set *text and *size. `out` may be NULL if open_memstream
- * failed. Fails only without memory, and then sets *text to NULL. */
+ * failed. Fails only if memory runs out, and then sets *text to NULL. */
 CML_NODISCARD cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *what,
                                       struct cml_error *err);
 

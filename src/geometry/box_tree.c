@@ -165,8 +165,8 @@ static void build(const struct builder *builder, struct node node)
             tree->least[left.at] < tree->least[right.at] ? tree->least[left.at] : tree->least[right.at];
 }
 
-/* Allocates a tree of n leaves, with `least` if it is a tree over boxes. Returns CML_E_INPUT without
- * memory. */
+/* Allocates a tree of n leaves, with `least` if it is a tree over boxes. Returns CML_E_INPUT if memory runs
+ * out. */
 static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
     struct cml_boxtree *made = calloc(1, sizeof *made);

@@ -12,14 +12,14 @@
 
 struct cml_boxtree;
 
-/* Builds a tree over triangles. The arrays must outlive the tree; num_triangles >= 1. Returns CML_E_INPUT
- * without memory. */
+/* Builds a tree over triangles. The arrays must outlive the tree; num_triangles >= 1. Returns CML_E_INPUT if
+ * memory runs out. */
 CML_NODISCARD cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3],
                                             size_t num_triangles, struct cml_boxtree **tree,
                                             struct cml_error *err);
 
 /* Builds a tree over n >= 1 boxes, given by their lower and upper corners. The boxes must outlive the tree.
- * Returns CML_E_INPUT without memory. */
+ * Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n,
                                                   struct cml_boxtree **tree, struct cml_error *err);
 

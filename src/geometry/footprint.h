@@ -7,8 +7,8 @@
 
 struct cml_footprint; /* edges of the polygon, sorted into rows of y */
 
-/* Builds the footprint from mesh->border. The mesh need not outlive the footprint. Returns CML_E_INPUT
- * without memory. */
+/* Builds the footprint from mesh->border. The mesh need not outlive the footprint. Returns CML_E_INPUT if
+ * memory runs out. */
 CML_NODISCARD cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
                                               struct cml_error *err);
 

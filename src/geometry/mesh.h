@@ -58,8 +58,8 @@ struct cml_mesh {
 /* Frees a mesh's arrays and zeroes it. */
 void cml_mesh_clear(struct cml_mesh *mesh);
 
-/* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh
- * without memory. what: name of the mesh for the message. */
+/* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh if
+ * memory runs out. what: name of the mesh for the message. */
 CML_NODISCARD cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles,
                                            const char *what, struct cml_error *err);
 
@@ -121,7 +121,7 @@ bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
 struct cml_mesh_summary {
     double z_mean, z_rms, peak_to_valley; /* cm, weighted by projected area; z_rms about the mean */
     double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
-    double edge_median, edge_min;         /* cm; NaN without memory */
+    double edge_median, edge_min;         /* cm; NaN if memory runs out */
 };
 
 /* Computes the statistics of a prepared mesh. */

@@ -114,7 +114,8 @@ static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
     mesh->z_border = level;
 }
 
-/* Enlarges the mesh's arrays by `more` vertices and twice as many triangles. Returns false without memory. */
+/* Enlarges the mesh's arrays by `more` vertices and twice as many triangles. Returns false if memory runs
+ * out. */
 static bool make_room(struct cml_mesh_work *work, size_t more)
 {
     struct cml_mesh *mesh = work->mesh;

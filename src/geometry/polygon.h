@@ -19,8 +19,8 @@ struct cml_polygon_rows {
                        num_rows entries */
 };
 
-/* Builds the rows from a copy of `point`; num_points >= 3. Returns CML_E_INPUT without memory; *rows is then
- * cleared. */
+/* Builds the rows from a copy of `point`; num_points >= 3. Returns CML_E_INPUT if memory runs out; *rows is
+ * then cleared. */
 CML_NODISCARD cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points,
                                                 struct cml_polygon_rows *rows, struct cml_error *err);
 
@@ -33,6 +33,6 @@ size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y);
 #define CML_POLYGON_SIMPLE SIZE_MAX
 
 /* Sets *edge to an edge that meets another one (neighbours: in more than their common point), or to
- * CML_POLYGON_SIMPLE. Returns CML_E_INPUT without memory. */
+ * CML_POLYGON_SIMPLE. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t *edge,
                                                    struct cml_error *err);

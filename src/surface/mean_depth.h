@@ -7,7 +7,7 @@
 /* Sets *depth to the mean depth of boundary b in the scene, cm. The mean is taken over a level area (cm2)
  * that contains the whole uneven part of the boundary, or over whole periods of a tile. In a mesh that
  * overhangs, the volume between mesh and plane counts. set: made from the scene with `options`. Returns
- * CML_E_INPUT without memory. */
+ * CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surface_set *set,
                                         int b, const struct cml_surface_options *options, double area,
                                         double *depth, struct cml_error *err);
@@ -21,7 +21,7 @@ struct cml_mean_shapes {
 };
 
 /* Computes the means for all boundaries and layers of the scene. The caller frees them with
- * cml_mean_shapes_clear, also after a failure. Returns CML_E_INPUT without memory. */
+ * cml_mean_shapes_clear, also after a failure. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surface_set *set,
                                          const struct cml_surface_options *options,
                                          struct cml_mean_shapes *mean, struct cml_error *err);

@@ -30,9 +30,9 @@ struct cml_body_surfaces {
 
 /* Makes the surfaces of a scene's bodies. origin: scene position where x and y of queries are 0. depths:
  * [num_layers] of the frames of layers 1..L, cm. tolerance: spheres and cylinders become meshes that deviate
- * by at most this share of the radius; 0: they stay exact. Returns CML_E_INPUT without memory, if such meshes
- * meet, or if a body is too small for its distance from the origin; CML_E_DEVICE if Embree fails. After a
- * failure nothing is left to free. */
+ * by at most this share of the radius; 0: they stay exact. Returns CML_E_INPUT if memory runs out, if such
+ * meshes meet, or if a body is too small for its distance from the origin; CML_E_DEVICE if Embree fails.
+ * After a failure nothing is left to free. */
 CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
                                                   const double *depths, double tolerance,
                                                   enum cml_mesh_search search,

@@ -41,7 +41,7 @@ static void box_of(const struct builder *b, const int *bodies, int count, struct
 }
 
 /* Sorts bodies by the middles of their boxes along the axis in which the node is widest. Returns CML_E_INPUT
- * without memory. */
+ * if memory runs out. */
 static cml_status sort_bodies(const struct builder *b, const struct cml_body_tree_node *node, int *bodies,
                               int count, struct cml_error *err)
 {

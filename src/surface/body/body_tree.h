@@ -19,7 +19,7 @@ struct cml_body_tree {
 };
 
 /* Makes the trees. boxes: lower and upper corner of each body; host: the medium in which each body lies.
- * Returns CML_E_INPUT without memory; cml_body_tree_clear then still frees the tree. */
+ * Returns CML_E_INPUT if memory runs out; cml_body_tree_clear then still frees the tree. */
 CML_NODISCARD cml_status cml_body_tree_create(const double (*boxes)[2][3], const int *host, int num_bodies,
                                               int num_media, struct cml_body_tree *tree,
                                               struct cml_error *err);

@@ -261,7 +261,7 @@ static void prepare_cells(struct filling *f)
 }
 
 /* Fills all cells of a layer: distances and patches of every body in it, then the balls that follow from
- * them. Returns CML_E_INPUT without memory. */
+ * them. Returns CML_E_INPUT if memory runs out. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball, struct cml_error *err)
 {
     const int *n = f->cells->n;

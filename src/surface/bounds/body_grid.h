@@ -28,8 +28,8 @@ struct cml_body_grids {
 
 /* Makes the cells of all layers with bodies. origin: scene position where x and y in kernels are 0. depths:
  * [num_media] depth of each medium's frame, cm. A cell is an eighth of the shortest mean free path wide, or
- * wider if there would be too many cells. Returns CML_E_INPUT without memory; cml_body_grids_clear then still
- * frees the grids. */
+ * wider if there would be too many cells. Returns CML_E_INPUT if memory runs out; cml_body_grids_clear then
+ * still frees the grids. */
 CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2],
                                                const double *depths, struct cml_body_grids *grids,
                                                struct cml_error *err);

@@ -29,7 +29,7 @@ struct cml_depth_pyramid {
 
 /* Computes the horizons of the cells of level CML_HORIZON_LEVEL, seen from below and from above the mesh.
  * below and above: [cells of that level], the caller's arrays. steepest: [same cells] a bound of the slope of
- * every facet above the cell, infinite if a facet is upright or faces down. Returns CML_E_INPUT without
- * memory. */
+ * every facet above the cell, infinite if a facet is upright or faces down. Returns CML_E_INPUT if memory
+ * runs out. */
 CML_NODISCARD cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest,
                                            float *below, float *above, struct cml_error *err);

@@ -25,7 +25,7 @@ size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
     return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
-/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT without memory. */
+/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {

@@ -23,14 +23,14 @@ struct cml_depth_map {
 
 /* Build the map of a mesh in its boundary's frame, x and y from the scene's axis, or of a field of n rings (z
  * = depth at r). The number of triangles or rings determines the size, at most 512 x 512 cells or 1024 cells
- * in a row. Return CML_E_INPUT without memory. */
+ * in a row. Return CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                                struct cml_error *err);
 CML_NODISCARD cml_status cml_depth_map_of_rings(const double *r, const double *z, int n,
                                                 struct cml_depth_map *map, struct cml_error *err);
 
 /* Builds the map of a tile, whose heights count up from z = 0: over one period, or over so many periods along
- * the shorter axis that the cells are about square. Returns CML_E_INPUT without memory. */
+ * the shorter axis that the cells are about square. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                                struct cml_error *err);
 

@@ -189,8 +189,8 @@ static void fill(struct filling *f)
     fill_block(f, whole);
 }
 
-/* Makes the tree of boxes and the frames of facets. Returns CML_E_INPUT without memory; clear_filling frees
- * them. */
+/* Makes the tree of boxes and the frames of facets. Returns CML_E_INPUT if memory runs out; clear_filling
+ * frees them. */
 static cml_status make_filling(struct filling *f, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &f->centred->mesh;

@@ -13,7 +13,7 @@ struct cml_safe_map {
 };
 
 /* Makes the map of a mesh that is not repeated, and of its outer plane if it has one. bytes: memory that the
- * map may use, about. Returns CML_E_INPUT without memory; there is nothing to clear then. */
+ * map may use, about. Returns CML_E_INPUT if memory runs out; there is nothing to clear then. */
 CML_NODISCARD cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, double bytes,
                                              struct cml_safe_map *map, struct cml_error *err);
 

@@ -68,8 +68,8 @@ static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
 }
 
-/* Allocates all levels above n[0] x n[1] cells; no cell has a depth yet. Returns CML_E_INPUT without
- * memory. */
+/* Allocates all levels above n[0] x n[1] cells; no cell has a depth yet. Returns CML_E_INPUT if memory runs
+ * out. */
 CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred,
                                                struct cml_grid_mesh *grid, struct cml_error *err);
 

@@ -417,7 +417,7 @@ static void build_boxes(struct cml_mesh_surface *surface)
     rtcCommitScene(surface->boxes);
 }
 
-/* Builds Embree's tree and counts its memory. Returns CML_E_INPUT without memory, CML_E_DEVICE if Embree
+/* Builds Embree's tree and counts its memory. Returns CML_E_INPUT if memory runs out, CML_E_DEVICE if Embree
  * fails. */
 static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
 {

@@ -33,7 +33,7 @@ enum cml_mesh_search {
 /* Makes a surface. It is immutable once built, so queries may run in parallel. Takes over *mesh, which must
  * be prepared and is left empty. x0, y0: scene position where x and y of queries are 0, cm. Vertices are
  * centred in double before anything is rounded. search: how the fast query finds facets. Returns CML_E_DEVICE
- * if Embree fails, CML_E_INPUT without memory. */
+ * if Embree fails, CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
                                                  enum cml_mesh_search search,
                                                  struct cml_mesh_surface **surface, struct cml_error *err);

@@ -130,7 +130,7 @@ static void list_facet(const struct lists *l, const struct entry *entry)
     grid->listed[k] = entry->facet;
 }
 
-/* Adds an entry. Returns false without memory. */
+/* Adds an entry. Returns false if memory runs out. */
 static bool add_entry(struct lists *l, struct entry entry)
 {
     if (l->count == l->room) {
@@ -144,8 +144,8 @@ static bool add_entry(struct lists *l, struct entry entry)
     return true;
 }
 
-/* Adds a facet to all cells below it: an entry, the count and the depths of each cell. Returns false without
- * memory. */
+/* Adds a facet to all cells below it: an entry, the count and the depths of each cell. Returns false if
+ * memory runs out. */
 static bool enter_facet(struct lists *l, size_t facet)
 {
     const struct shadow s = shadow_of(l, facet);

@@ -8,6 +8,6 @@
 #include "surface/mesh/grid_mesh.h"
 
 /* Makes the cells of a mesh; the caller clears *grid. *grid has no cells (levels 0) if facets overhang, or if
- * facets differ so much in size or shape that lists would be long. Returns CML_E_INPUT without memory. */
+ * facets differ so much in size or shape that lists would be long. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred,
                                              struct cml_grid_mesh *grid, struct cml_error *err);

@@ -22,8 +22,8 @@ struct cml_centred_mesh {
 };
 
 /* Takes over *mesh, which must be prepared and is left empty, and centres it. x0, y0: scene position where x
- * and y of queries are 0, cm. Returns CML_E_INPUT without memory; cml_centred_mesh_clear then still frees the
- * mesh. */
+ * and y of queries are 0, cm. Returns CML_E_INPUT if memory runs out; cml_centred_mesh_clear then still frees
+ * the mesh. */
 CML_NODISCARD cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
                                                  struct cml_centred_mesh *centred, struct cml_error *err);
 

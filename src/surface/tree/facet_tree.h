@@ -73,7 +73,7 @@ struct cml_facet_tree {
 };
 
 /* Makes the tree of a mesh of at least one triangle. plane: [num_triangles] as in struct cml_centred_mesh.
- * margin: smallest margin of a ray, cm. Returns CML_E_INPUT without memory; there is nothing to clear
+ * margin: smallest margin of a ray, cm. Returns CML_E_INPUT if memory runs out; there is nothing to clear
  * then. */
 CML_NODISCARD cml_status cml_facet_tree_create(const struct cml_mesh *mesh, const double (*plane)[4],
                                                double margin, struct cml_facet_tree *tree,

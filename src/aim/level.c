@@ -12,7 +12,7 @@ struct floor {
 
 /* Lowers the floor to include a part that reaches down to `depth`, cm; layers above `layer` are not flat
  * then. */
-static void sink(struct floor *floor, int layer, double depth)
+static void lower_floor(struct floor *floor, int layer, double depth)
 {
     floor->layer = layer > floor->layer ? layer : floor->layer;
     floor->depth = fmax(floor->depth, depth);
@@ -25,12 +25,13 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
     struct floor floor = {1, surfaces->item[0].depth};
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&surfaces->item[b].rough))
-            sink(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
+            lower_floor(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
     for (int k = 0; k < surfaces->bodies.count; k++)
-        sink(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
+        lower_floor(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
     for (int k = 0; k < scene->num_beams; k++)
-        if (scene->beams[k].inside) sink(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
-    if (cml_medium_mut(&scene->media[1]) == 0) sink(&floor, 2, surfaces->item[1].depth);
+        if (scene->beams[k].inside)
+            lower_floor(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
+    if (cml_medium_mut(&scene->media[1]) == 0) lower_floor(&floor, 2, surfaces->item[1].depth);
     return floor;
 }
 

@@ -19,7 +19,7 @@ cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int le
 
 /* Returns the depth, cm, at which light that goes down from depth z has lost its direction: one transport
  * mean free path further down. */
-static double start_of(const struct cml_medium_def *media, int layers, double z)
+static double diffuse_depth(const struct cml_medium_def *media, int layers, double z)
 {
     double left = 1, top = 0;
     for (int l = 1; l <= layers; top += media[l++].d) {
@@ -44,7 +44,7 @@ static double worth_of_light(const struct cml_scene *scene, const struct cml_med
     double most = 0;
     for (int k = 0; k < scene->num_beams; k++) {
         const struct cml_beam *beam = &scene->beams[k];
-        const double z = beam->inside ? beam->z : start_of(media, windows->layers, 0),
+        const double z = beam->inside ? beam->z : diffuse_depth(media, windows->layers, 0),
                      r = hypot(beam->x - windows->x, beam->y - windows->y);
         const int ring = place_in(sqrt(r / windows->reach), windows->rings);
         most = fmax(most, importance[ring * windows->cells + place_in(z / windows->depth, windows->cells)]);
@@ -116,7 +116,7 @@ static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface
 }
 
 /* Returns the distance between a beam and a detector in x and y, cm. */
-static double way_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
+static double distance_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
 {
     return hypot(beam->x - detector->x, beam->y - detector->y);
 }
@@ -127,7 +127,7 @@ static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_se
                       const struct cml_detector_def *detector)
 {
     return detector->shape == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
-           way_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
+           distance_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
 }
 
 /* Returns the ring about the middle of the windows that contains the detector. A rectangle counts as a disk
@@ -147,7 +147,7 @@ static double reach_of(const struct cml_scene *scene, const struct cml_detector_
 {
     double farthest = outer;
     for (int k = 0; k < scene->num_beams; k++)
-        farthest = fmax(farthest, way_between(&scene->beams[k], detector));
+        farthest = fmax(farthest, distance_between(&scene->beams[k], detector));
     return 2 * (farthest + outer);
 }
 
@@ -208,7 +208,7 @@ cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
 {
     const struct cml_detector_def *detector = &scene->detectors[number - 1];
     const bool arcs = sees_arcs(scene, surfaces, detector);
-    const struct cml_seen_ring seen = ring_of(detector, arcs ? way_between(scene->beams, detector) : 0);
+    const struct cml_seen_ring seen = ring_of(detector, arcs ? distance_between(scene->beams, detector) : 0);
     double *importance = malloc(RINGS * CELLS * sizeof *importance);
     if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
     *windows = lay_out(scene, media, number, arcs, seen);

@@ -215,7 +215,7 @@ void cml_file_remove_leftovers(const char *path, size_t folder,
 }
 
 /* True if a temporary file was one of this path, and is not the one that is being written. */
-static bool was_this(const void *context, const char *name, const char *left)
+static bool is_leftover(const void *context, const char *name, const char *left)
 {
     const struct cml_file *file = context;
     return strcmp(name, file->path) == 0 && strcmp(left, file->temporary) != 0;
@@ -230,7 +230,8 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
     const cml_status status = cml_file_lock_take(name, &file->lock, err);
     const char *slash = strrchr(file->path, '/');
     if (status == CML_OK)
-        cml_file_remove_leftovers(file->path, slash ? (size_t)(slash - file->path) + 1 : 0, was_this, file);
+        cml_file_remove_leftovers(file->path, slash ? (size_t)(slash - file->path) + 1 : 0, is_leftover,
+                                  file);
     else
         cml_file_abort(file);
     return status;

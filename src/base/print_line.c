@@ -86,7 +86,7 @@ static struct {
 } escaped;
 
 /* Prints the bytes held so far and forgets them. */
-static void pass_on(void)
+static void print_held(void)
 {
     escaped.held[escaped.count] = '\0';
     print(escaped.to, escaped.held, "\n\t", escaped.json);
@@ -100,9 +100,9 @@ static ssize_t write_escaped(void *context, const char *data, size_t size)
     (void)context;
     for (size_t i = 0; i < size; i++) {
         /* A byte that begins a character shows that the character held so far is incomplete. */
-        if ((data[i] & 0xc0) != 0x80) pass_on();
+        if ((data[i] & 0xc0) != 0x80) print_held();
         escaped.held[escaped.count++] = data[i];
-        if (escaped.count == length_of((unsigned char)escaped.held[0])) pass_on();
+        if (escaped.count == length_of((unsigned char)escaped.held[0])) print_held();
     }
     if (fflush(escaped.to) == 0 && !ferror(escaped.to)) return (ssize_t)size;
     escaped.unread |= errno == EPIPE;

@@ -26,13 +26,13 @@ struct range {
 
 static const struct range anywhere = {{-INFINITY, -INFINITY}, {INFINITY, INFINITY}};
 
-static struct range about(const double at[2], double distance)
+static struct range range_about(const double at[2], double distance)
 {
     return (struct range){{at[0] - distance, at[1] - distance}, {at[0] + distance, at[1] + distance}};
 }
 
 /* Returns the intersection of two ranges; it may be empty. */
-static struct range common(struct range a, struct range b)
+static struct range intersection(struct range a, struct range b)
 {
     for (int k = 0; k < 2; k++) {
         a.low[k] = fmax(a.low[k], b.low[k]);
@@ -65,7 +65,7 @@ static void find_anchor(const struct cml_scene *scene, const struct cml_beam *be
 /* ---- required resolution ---- */
 
 /* The requirements on the origin collected so far. */
-struct demands {
+struct requirements {
     const struct cml_scene *scene;
     struct range range;
     double distance; /* smallest allowed distance from the origin over all parts, cm */
@@ -85,10 +85,10 @@ struct part {
 
 /* Narrows the range of the origin so that single precision resolves a part. Refuses the scene, with the
  * part's name, if the range would be empty. */
-static cml_status ask(struct demands *all, const struct part *part, struct cml_error *err)
+static cml_status require_part(struct requirements *all, const struct part *part, struct cml_error *err)
 {
     const double distance = distance_for(part->length, part->steps);
-    const struct range range = common(all->range, about(part->at, distance));
+    const struct range range = intersection(all->range, range_about(part->at, distance));
     double away = 0;
     if (!is_empty(range)) {
         all->range = range;
@@ -110,7 +110,7 @@ static cml_status ask(struct demands *all, const struct part *part, struct cml_e
 /* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.
  * Light spreads over a tile away from any origin, and meets the tile wherever it is. Coarser steps than for a
  * mesh, which lies in one place, are therefore enough. */
-static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
+static cml_status require_tile(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const struct cml_heightmap *tile = &scene->boundaries[b].tile;
@@ -122,20 +122,20 @@ static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
                             .steps = STEPS_OF_LENGTH};
         find_anchor(scene, &scene->beams[k], part.at);
         snprintf(part.name, sizeof part.name, "beam %d meets the tile of boundary %d", k + 1, b);
-        CML_TRY(ask(all, &part, err));
+        CML_TRY(require_part(all, &part, err));
     }
     return CML_OK;
 }
 
 /* Requires that single precision resolves a boundary: the mean side of its facets, or the mean width of its
  * rings. */
-static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *err)
+static cml_status require_boundary(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &all->scene->boundaries[b];
     const struct cml_mesh *mesh = &boundary->mesh;
     const struct cml_radial *radial = &boundary->radial;
     struct part part = {.file = all->scene->file, .line = boundary->line, .steps = STEPS_OF_FACET};
-    if (boundary->form == CML_FORM_TILE) return ask_of_tile(all, b, err);
+    if (boundary->form == CML_FORM_TILE) return require_tile(all, b, err);
     if (boundary->form == CML_FORM_PLANE || (boundary->form == CML_FORM_RADIAL && radial->n < 2))
         return CML_OK;
     if (boundary->form == CML_FORM_RADIAL) {
@@ -150,11 +150,11 @@ static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *
         snprintf(part.name, sizeof part.name, "boundary %d: mesh", b);
         for (int k = 0; k < 2; k++) part.at[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
     }
-    return ask(all, &part, err);
+    return require_part(all, &part, err);
 }
 
 /* Requires that single precision resolves a detector: its half width, or half a pixel of its map. */
-static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *err)
+static cml_status require_detector(struct requirements *all, int k, struct cml_error *err)
 {
     const struct cml_detector_def *def = &all->scene->detectors[k];
     const bool ring = def->shape == CML_DETECTOR_RING, disk = ring && def->size[0] == 0;
@@ -168,12 +168,12 @@ static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *
                         .steps = STEPS_OF_LENGTH};
     if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
     snprintf(part.name, sizeof part.name, "detector %s", def->name);
-    return ask(all, &part, err);
+    return require_part(all, &part, err);
 }
 
 /* Adds a body's requirement. A body too far from the rest is not refused here but when its surface is made,
  * since the steps of single precision at its place are known then. */
-static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
+static void require_body(struct requirements *all, const struct cml_scene_body *body)
 {
     double lower[3], upper[3], extent = 0, size = INFINITY;
     cml_body_box(body, lower, upper);
@@ -182,18 +182,18 @@ static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
     if (body->form != CML_BODY_MESH) size = fmin(size, body->radius);
     const double middle[2] = {0.5 * (lower[0] + upper[0]), 0.5 * (lower[1] + upper[1])};
     const double distance = distance_for(size, STEPS_OF_LENGTH);
-    const struct range range = common(all->range, about(middle, distance - extent));
+    const struct range range = intersection(all->range, range_about(middle, distance - extent));
     all->distance = fmin(all->distance, distance);
     all->flight = fmin(all->flight, distance);
     if (!is_empty(range)) all->range = range;
 }
 
 /* Collects the requirements of all boundaries, detectors and bodies. */
-static cml_status ask_of_all(struct demands *all, struct cml_error *err)
+static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
-    for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(ask_of_boundary(all, b, err));
-    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(ask_of_detector(all, k, err));
-    for (int k = 0; k < all->scene->num_bodies; k++) ask_of_body(all, &all->scene->bodies[k]);
+    for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));
+    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(require_detector(all, k, err));
+    for (int k = 0; k < all->scene->num_bodies; k++) require_body(all, &all->scene->bodies[k]);
     return CML_OK;
 }
 
@@ -213,12 +213,12 @@ static int beam_in(const struct cml_scene *scene, struct range range)
 /* Adds the requirement of bins about a place. Shapes, bodies and detectors may leave no origin from which the
  * bins are resolved. Bins without light then lose nothing, so they are accepted. Bins on which a beam shines
  * are refused, because single precision would smear all results near the beam. */
-static cml_status ask_of_bins(const double at[2], double length, double extent, struct demands *all,
-                              struct cml_error *err)
+static cml_status require_bins(const double at[2], double length, double extent, struct requirements *all,
+                               struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const double distance = distance_for(length, STEPS_OF_LENGTH);
-    const struct range own = about(at, distance - extent), range = common(all->range, own);
+    const struct range own = range_about(at, distance - extent), range = intersection(all->range, own);
     double away = 0;
     all->distance = fmin(all->distance, distance);
     if (!is_empty(range)) {
@@ -239,15 +239,15 @@ static cml_status ask_of_bins(const double at[2], double length, double extent, 
 }
 
 /* Adds the requirements of the bins of results: the radial bins and the pixels of the map. */
-static cml_status add_bins(struct demands *all, struct cml_error *err)
+static cml_status require_all_bins(struct requirements *all, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const struct cml_map_def *map = &scene->map;
     const double zero[2] = {0, 0}, own[2] = {scene->beams[0].x, scene->beams[0].y};
-    CML_TRY(ask_of_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, all, err));
+    CML_TRY(require_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, all, err));
     if (map->nx == 0) return CML_OK;
-    return ask_of_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), all,
-                       err);
+    return require_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), all,
+                        err);
 }
 
 /* ---- the origin ---- */
@@ -278,10 +278,10 @@ static void find_nearest(const struct cml_scene *scene, struct range range, doub
  * have the same number. */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
-    struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};
-    CML_TRY(ask_of_all(&parts, err));
-    struct demands all = parts;
-    CML_TRY(add_bins(&all, err));
+    struct requirements parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};
+    CML_TRY(require_all(&parts, err));
+    struct requirements all = parts;
+    CML_TRY(require_all_bins(&all, err));
     origin->flight = parts.flight;
     origin->all = all.distance;
     if (!find_beam(scene, all.range, origin->at) && !find_beam(scene, parts.range, origin->at))

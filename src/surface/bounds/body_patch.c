@@ -101,7 +101,7 @@ static inline double leg(double hypotenuse, double other)
 /* Computes the range of heights, over a plane through the origin, of the part of a second surface within
  * `distance` of the origin. cosine: of the angle between the two normals. lower, upper: heights of the second
  * surface along its own normal. */
-static inline void tilt(double cosine, double distance, double lower, double upper, double range[2])
+static inline void heights_over(double cosine, double distance, double lower, double upper, double range[2])
 {
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
     const double aside = leg(1, cosine) * leg(distance, nearest);
@@ -129,7 +129,7 @@ void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *pat
         low = fmin(low, h);
         high = fmax(high, h);
     }
-    tilt(cosine, CML_CELL_REACH, height, height, range);
+    heights_over(cosine, CML_CELL_REACH, height, height, range);
     patch->lower = fmin(patch->lower, fmax(low, range[0]));
     patch->upper = fmax(patch->upper, fmin(high, range[1]));
     patch->cosine = fmin(patch->cosine, cosine);
@@ -191,7 +191,7 @@ static bool reaches_into(const struct neighbour *neighbour, double radius)
 
 /* Widens the planes of a view by a neighbour's patch. Two bounds of the patch's heights are intersected: from
  * its range within its own cell, and within the ball. */
-static void see_heights(const struct neighbour *neighbour, double radius, struct view *view)
+static void add_heights(const struct neighbour *neighbour, double radius, struct view *view)
 {
     const struct cml_body_patch *patch = neighbour->patch;
     const double cosine = cml_vec3_dot(view->normal, patch->normal);
@@ -200,8 +200,8 @@ static void see_heights(const struct neighbour *neighbour, double radius, struct
     const double lower = patch->lower + up, upper = patch->upper + up;
     double own[2], within[2];
     if (lower > radius || upper < -radius) return;
-    tilt(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
-    tilt(cosine, radius, lower, upper, within);
+    heights_over(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
+    heights_over(cosine, radius, lower, upper, within);
     view->lower = cml_smaller(view->lower, cml_larger(own[0] + there, within[0]));
     view->upper = cml_larger(view->upper, cml_smaller(own[1] + there, within[1]));
     const double both = cosine * patch->cosine - leg(1, cosine) * leg(1, patch->cosine);
@@ -216,7 +216,8 @@ static double worth_of(const struct view *view, double radius)
 
 /* Computes the view of a ball. Returns false if no surface reaches into the ball, if two planes cannot bound
  * the surfaces, or if the ball's value is below `most`. */
-static bool look(const struct neighbour *neighbour, int count, double radius, double most, struct view *view)
+static bool make_view(const struct neighbour *neighbour, int count, double radius, double most,
+                      struct view *view)
 {
     *view = (struct view){.body = CML_PATCH_NONE, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
     for (int i = 0; i < count; i++) {
@@ -231,7 +232,7 @@ static bool look(const struct neighbour *neighbour, int count, double radius, do
     cml_vec3_normalise(view->normal);
     for (int i = 0; i < count; i++) {
         if (!reaches_into(&neighbour[i], radius)) continue;
-        see_heights(&neighbour[i], radius, view);
+        add_heights(&neighbour[i], radius, view);
         if (worth_of(view, radius) < most) return false;
     }
     return view->lower <= view->upper;
@@ -267,7 +268,7 @@ struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patc
     double most = nextafter(distance[i], INFINITY);
     for (size_t r = NUM_RADII; r-- > 0 && count > 0;) {
         struct view view;
-        if (radii[r] < most || !look(neighbour, count, radii[r], most, &view)) continue;
+        if (radii[r] < most || !make_view(neighbour, count, radii[r], most, &view)) continue;
         most = worth_of(&view, radii[r]);
         best = ball_of_view(&view, radii[r]);
     }

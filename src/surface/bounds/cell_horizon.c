@@ -47,7 +47,7 @@ static int index_along(int x, int size, bool repeats)
 /* Finds far_one and far_two of a cell from the children of its parent's neighbours. Cells at the rim extend
  * outwards for ever, but that brings no two cells closer. In a mesh that repeats, the coarsest level has one
  * cell, and its copies one cell away stand for all copies further away. */
-static void look_from(const struct view *view, int x, int y)
+static void find_far(const struct view *view, int x, int y)
 {
     const int size = view->size, x0 = (x / 2 - 1) * 2, y0 = (y / 2 - 1) * 2;
     float far[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -64,10 +64,10 @@ static void look_from(const struct view *view, int x, int y)
 }
 
 /* Finds far_one and far_two of all cells of a level. */
-static void look_around(const struct view *view)
+static void find_all_far(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
-        for (int x = 0; x < view->size; x++) look_from(view, x, y);
+        for (int x = 0; x < view->size; x++) find_far(view, x, y);
 }
 
 /* Returns the slope of the steepest facet above a cell and the cells that touch it. Between two places of
@@ -86,7 +86,7 @@ static float steepest_nearby(const struct view *view, int x, int y)
 }
 
 /* Finds `nearby` of all cells of a level. */
-static void look_nearby(const struct view *view)
+static void find_nearby(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
         for (int x = 0; x < view->size; x++)
@@ -159,8 +159,8 @@ static int make_views(const struct cml_depth_pyramid *pyramid, const float *stee
             memcpy(made->steepest, steepest, level_cells(pyramid, l) * sizeof *steepest);
         else
             join_steepest(made - 1, made);
-        look_nearby(made);
-        look_around(made);
+        find_nearby(made);
+        find_all_far(made);
     }
     return pyramid->levels - CML_HORIZON_LEVEL;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE /* fopencookie */
+#define _GNU_SOURCE /* declares fopencookie */
 #include "base/print_line.h"
 
 #include <errno.h>

@@ -13,7 +13,7 @@
 struct cml_text {
     char *path;    /* path as given; "standard input" for "-" */
     char *data;    /* [size] bytes and a final NUL */
-    size_t size;   /* bytes read */
+    size_t size;   /* size of data in bytes */
     size_t cursor; /* offset of the first byte that cml_text_next has not returned */
     int line;      /* number of the line returned last, from 1 */
 };

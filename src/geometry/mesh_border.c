@@ -19,7 +19,7 @@ static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
 
 /* A loop of border half-edges. */
 struct loop {
-    uint32_t start; /* first vertex */
+    uint32_t start; /* vertex at which the loop begins */
     size_t count;
     double area; /* signed area in (x, y), cm2 */
 };
@@ -118,7 +118,7 @@ static const double err_level = 1e-9, nearly_level = 1e-6;
 
 /* Range and mean of the border's depths. */
 struct depths {
-    uint32_t highest; /* vertex with the highest position */
+    uint32_t highest; /* highest vertex of the border */
     double span, mean;
 };
 

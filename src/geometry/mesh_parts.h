@@ -15,7 +15,7 @@
  *           3t */
 struct cml_mesh_work {
     struct cml_mesh *mesh;
-    const struct cml_mesh_source *source; /* may be NULL */
+    const struct cml_mesh_source *source; /* where the mesh stands in its file, or NULL */
     struct cml_mesh_notes notes;
     uint32_t *origin;   /* [num_triangles] number that each triangle had before triangles were dropped */
     uint32_t *opposite; /* [3 num_triangles] half-edge of the neighbour, or CML_NO_OPPOSITE at the border */

@@ -34,7 +34,7 @@ static void add_sheet(const struct cml_mesh *mesh, double z, double *area, doubl
 
 /* The part of a boundary that is not level. */
 struct relief {
-    bool endless;        /* true for a tile */
+    bool endless;        /* true for a tile, which repeats for ever */
     double outer;        /* depth of the plane around it, cm; for a tile the zero of its heights */
     double area, volume; /* cm2, for a tile of one period; cm3 between the part and that plane, negative above
                             the plane */

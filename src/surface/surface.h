@@ -23,10 +23,10 @@ struct cml_surface_def {
     double steepest;               /* no part is steeper; infinite if a part is upright or overhangs */
     double lowest, highest;        /* lowest <= z <= highest everywhere, cm */
     uint64_t primitives;           /* number of rings or triangles; 1 for a plane */
-    int num_rings;                 /* for CML_SURFACE_CONE */
+    int num_rings;                 /* number of rings of CML_SURFACE_CONE */
     double *r, *z, *slope;         /* [num_rings], as described in kernels/types.h */
-    struct cml_mesh_surface *mesh; /* for CML_SURFACE_MESH */
-    struct cml_depth_map depths;   /* for cones and meshes */
+    struct cml_mesh_surface *mesh; /* the searched mesh of CML_SURFACE_MESH */
+    struct cml_depth_map depths;   /* bounds of depths and horizons of cones and meshes */
     struct cml_expectation expectation;
     const int *shape; /* reference count of the scene boundary with this shape, which identifies the shape;
                          NULL: none */

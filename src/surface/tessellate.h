@@ -22,7 +22,7 @@
 
 struct cml_tessellation {
     double tolerance;         /* largest radial deviation as a share of the last radius; default 1e-3 */
-    enum cml_normals normals; /* default CML_NORMALS_ANALYTIC */
+    enum cml_normals normals; /* normals of the mesh; default CML_NORMALS_ANALYTIC */
     bool inscribed; /* true: vertices on the circle, the textbook rule, for comparison; false: polygons that
                        preserve the area */
 };

@@ -14,7 +14,7 @@ struct cml_body_surface {
     enum cml_surface_kind kind;
     double lower[3], upper[3];     /* corners of the body's box */
     double depth;                  /* scene depth of the frame, cm */
-    struct cml_mesh_surface *mesh; /* for CML_SURFACE_MESH */
+    struct cml_mesh_surface *mesh; /* the searched mesh of CML_SURFACE_MESH */
     uint64_t primitives;           /* number of facets: triangles, 1 for a sphere, 3 for a cylinder */
     uint64_t first;                /* number of the first facet among the facets of all bodies */
 };

@@ -8,7 +8,7 @@
  * continues at `skip`. */
 struct cml_body_tree_node {
     double lower[3], upper[3];
-    int skip, body; /* body -1: inner node */
+    int skip, body; /* index of the node behind the whole subtree; body number of a leaf, -1: inner node */
 };
 
 /* All trees of a scene, one behind the other. */

@@ -29,8 +29,8 @@ struct filling {
     float *far;     /* lower bound of each middle's distance from all surfaces, from the cells that
                        surfaces pass; squared at first */
     struct cml_body_patch *patch;
-    int *next;                /* as from cml_patch_rows */
-    struct cell_facet *facet; /* [num_facets], with room for more */
+    int *next;                /* next occupied cell in the row of each cell, from cml_patch_rows */
+    struct cell_facet *facet; /* [num_facets] facets near the cells, with room for more */
     size_t num_facets, room;
     bool out_of_memory;
 };

@@ -26,7 +26,7 @@ struct view {
     bool repeats;
     const float *reach;       /* [size][size] how far the mesh reaches towards the packet above each cell,
                                  cm */
-    float *far_one, *far_two; /* [size][size] cm */
+    float *far_one, *far_two; /* [size][size] furthest reach of cells one and two cells away, cm */
     float *steepest, *nearby; /* [size][size] slope of the steepest facet above a cell; above the cell and
                                  the cells that touch it */
 };

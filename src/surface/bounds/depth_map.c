@@ -78,7 +78,7 @@ static void finish(struct cml_depth_map *map, double err)
     for (int l = 0; l + 1 < map->levels; l++) {
         const size_t below = cml_depth_map_level_cells(map, l), width = (size_t)(map->size >> l);
         for (size_t i = 0; i < below; i++) {
-            const size_t x = i % width / 2, y = i / width / 2; /* a row has y = 0 */
+            const size_t x = i % width / 2, y = i / width / 2; /* cells of a row (radii) have y = 0 */
             const size_t cell = to + y * (width / 2) + x;
             map->deepest[cell] = fmaxf(map->deepest[cell], map->deepest[from + i]);
             map->highest[cell] = fminf(map->highest[cell], map->highest[from + i]);
@@ -104,7 +104,7 @@ static cml_status allocate_square(double triangles, double x, double y, double w
 }
 
 struct triangle_plane {
-    double lower[3], upper[3]; /* corners of its box, cm */
+    double lower[3], upper[3]; /* corners of the triangle's box, cm */
     double a, b, c;            /* plane z = a x + b y + c; not set if `steep`: the triangle is upright or
                                   nearly so */
     bool steep;
@@ -371,7 +371,8 @@ cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struc
         least = fmin(least, z[i]);
         most = fmax(most, z[i]);
     }
-    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
+    /* Levels for about four cells per ring. */
+    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++;
     CML_TRY(allocate(levels, CML_BOUNDS_RADII, map, err));
     map->cell[0] = map->cell[1] = last / (map->size - 1);
     for (int i = 0; i < map->size; i++) {

@@ -40,7 +40,7 @@ struct cml_grid_lanes {
     int count;
     int lane[CML_GRID_LANES]; /* lane number of the caller */
     _Alignas(64) real x[CML_GRID_LANES], y[CML_GRID_LANES], z[CML_GRID_LANES];
-    real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* unit vector */
+    real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* direction of the ray, a unit vector */
     real s[CML_GRID_LANES];                                          /* length of the path, cm */
     /* The answers of the search: */
     int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];

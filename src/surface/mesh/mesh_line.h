@@ -36,7 +36,7 @@ struct cml_line_crossing {
 
 /* The crossings ahead of a line through parts that unite, in order. */
 struct cml_line_parts {
-    struct cml_line_crossing item[64]; /* a lot of crossings */
+    struct cml_line_crossing item[64]; /* the crossings of the current lot, in order */
     int count, lot;                    /* crossings in the lot; number of the lot, from 0 */
     int around, around_end; /* number of parts around the line where the lot begins, and where following it
                                ended */
@@ -63,7 +63,7 @@ struct cml_mesh_line {
     int exit_primitive;           /* that facet; -1: the line is near none */
     double length;                /* length of the path, cm */
     bool ends_near_facet;         /* the path ends within err_line of a facet */
-    struct cml_line_parts *parts; /* for a union, else NULL */
+    struct cml_line_parts *parts; /* ordered crossings of a union's parts; NULL for other meshes */
 };
 
 /* Begins a line. Borrows q, which cml_query_begin has prepared, and *parts, which only a union uses. t_max:

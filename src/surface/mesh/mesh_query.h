@@ -21,7 +21,7 @@
  * and distances along the ray in cm. rounding.h explains the bounds err_. */
 struct cml_mesh_query {
     const struct cml_centred_mesh *centred; /* the mesh, borrowed */
-    double origin[3], direction[3];         /* position; unit direction */
+    double origin[3], direction[3];         /* position and unit direction of the ray */
     double entry[3]; /* where the ray enters the mesh's box: triangles are tested from here, so that a
                         distant origin costs no digits */
     double t_entry;  /* distance of the entry point */

@@ -39,10 +39,10 @@ struct entry {
 struct lists {
     const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;
-    struct entry *entry; /* [count], facet by facet */
+    struct entry *entry; /* [count] all entries, facet by facet */
     size_t count, room;
     uint32_t *end; /* end of each cell's list */
-    float *inside; /* `inside` of each listed facet */
+    float *inside; /* [like grid->listed] `inside` of each listed facet */
 };
 
 /* Converts a coordinate along an axis from cm to cells from the grid's corner. */

@@ -35,7 +35,7 @@ struct cml_tree_node {
 /* A leaf of up to 16 facets. Barycentric weights are linear functions of the place. The weights of two
  * corners are stored, the ends of the facet's longest side. */
 struct cml_tree_leaf {
-    _Alignas(64) float normal[3][CML_GROUP]; /* unit vector, up */
+    _Alignas(64) float normal[3][CML_GROUP]; /* unit normal of each facet, up */
     float offset[CML_GROUP];                 /* scalar product of the normal and any point of the plane */
     float slope[2][3][CML_GROUP];            /* derivatives of the weights, 1/cm */
     float weight[2][CML_GROUP];              /* weights at the frame's origin */
@@ -46,9 +46,9 @@ struct cml_tree_leaf {
 
 /* A path, in floats except for `below` and `exclude`. */
 struct cml_tree_ray {
-    float origin[3], direction[3]; /* position; unit direction */
+    float origin[3], direction[3]; /* position and unit direction of the ray */
     float length;                  /* length of the path, at most FLT_MAX */
-    float margin;                  /* err_margin of rounding.h */
+    float margin;                  /* margin around the ray: err_margin of rounding.h */
     int below;                     /* true if the path begins on the side away from which the normals point */
     int exclude;                   /* facet on which the path begins, which does not count; -1: none */
 };

@@ -45,7 +45,7 @@ static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
 {
     for (int k = 0; k < 3; k++) {
         s->inverse[k] = 1 / ray->direction[k];
-        const int backwards = s->inverse[k] < 0; /* true for -0, too */
+        const int backwards = s->inverse[k] < 0; /* 1 / -0 counts as backwards, too */
         const float more = 2 * (backwards ? -ray->margin : ray->margin);
         s->enter[k] = k + 3 * backwards;
         s->leave[k] = k + 3 - 3 * backwards;

@@ -1,6 +1,6 @@
-/* Computes the horizon of every ring of a heightfield: the tangent of the angle above which a packet that
- * rises (or falls) from the ring leaves the heightfield for good. Included by engine/world.c in each
- * precision.
+/* Code, included by engine/world.c in each precision: computes the horizon of every ring of a heightfield.
+ * The horizon is the tangent of the angle above which a packet that rises (or falls) from the ring leaves the
+ * heightfield for good.
  *
  * Without horizons, light that has passed a surface would be followed past all rings. One horizon for all
  * rings would not do, since a single wall would set it. The term comes from terrain rendering [Max, Horizon

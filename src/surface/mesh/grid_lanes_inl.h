@@ -1,5 +1,5 @@
-/* Vector loops that find the first crossing of many rays with a sheet (sheet_mesh.h) or its outer plane at
- * once. Included by the engine's loops over lanes, and so compiled once for each level of the processor.
+/* Code, included by the engine's loops over lanes, and so compiled once for each level of the processor.
+ * Vector loops find the first crossings of many rays with a sheet (sheet_mesh.h) or its outer plane at once.
  *
  *          o packet
  *           \

@@ -1,4 +1,4 @@
-/* Distance of a place from a facet. Included where cells are filled with distances to many facets.
+/* Code, included where cells are filled with distances to many facets: the distance of a place from a facet.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

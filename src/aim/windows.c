@@ -176,6 +176,7 @@ static struct cml_window_table lay_out(const struct cml_scene *scene, const stru
         .reach = reach};
 }
 
+/* Returns the largest importance of all cells. */
 static double largest(const double *importance)
 {
     double most = 0;

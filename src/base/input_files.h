@@ -22,10 +22,12 @@ struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs);
 /* Returns a source that finds files in `inputs` only, and returns CML_E_INPUT for any other path. */
 struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs);
 
-/* Pack all files into one block, which the caller frees, and unpack such a block. cml_inputs_unpack does not
- * check its block. */
+/* Packs all files into one block, which the caller frees. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size,
                                          struct cml_error *err);
+
+/* Fills *inputs with the files of a block from cml_inputs_pack, without checking the block. Returns
+ * CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs,
                                            struct cml_error *err);
 

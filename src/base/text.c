@@ -286,11 +286,13 @@ cml_status cml_path_beside(const char *beside, const char *name, char **path, st
 
 enum { LONGEST = 63 };
 
+/* Returns the smaller of two numbers. */
 static size_t least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
 
+/* True if two letters are equal, ignoring case. */
 static bool is_same(char a, char b)
 {
     return tolower((unsigned char)a) == tolower((unsigned char)b);

@@ -69,12 +69,16 @@ char *cml_text_next(struct cml_text *text);
  * it. A word key="..." also runs to the closing '"', and keeps both quotes. */
 char *cml_text_word(char **cursor);
 
-/* Parse a word that must be one number as a whole: return true and set *value, or return false.
- * cml_parse_double accepts decimal and exponent forms, but no hexadecimal, nan, inf or overflow.
- * cml_parse_count accepts whole numbers from 0 to 2^53, also written like 1e7 or 2.5e3. cml_parse_int accepts
- * decimal digits with an optional sign, in the range of int. */
+/* Parses a word that is one number as a whole, in decimal or exponent form: sets *value and returns true.
+ * Returns false for anything else, for hexadecimal numbers, nan and inf, and on overflow. */
 bool cml_parse_double(const char *word, double *value);
+
+/* Parses a word that is a whole number from 0 to 2^53, also written like 1e7 or 2.5e3: sets *value and
+ * returns true; else returns false. */
 bool cml_parse_count(const char *word, uint64_t *value);
+
+/* Parses a word of decimal digits with an optional sign, in the range of int: sets *value and returns true;
+ * else returns false. */
 bool cml_parse_int(const char *word, int *value);
 
 /* Copies a string, which the caller frees. Returns CML_E_INPUT if memory runs out. */

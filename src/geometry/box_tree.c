@@ -41,13 +41,13 @@ static struct node root_of(const struct cml_boxtree *tree)
     return (struct node){0, 0, tree->n};
 }
 
-/* Return the children of a node. In preorder the left child follows its parent. The left child's 2 count - 1
- * nodes come before the right child. */
+/* Returns the left child of a node. In preorder the left child follows its parent. */
 static struct node left_of(struct node node)
 {
     return (struct node){node.at + 1, node.first, node.count / 2};
 }
 
+/* Returns the right child of a node. The left child's 2 half - 1 nodes come before it. */
 static struct node right_of(struct node node)
 {
     const size_t half = node.count / 2;
@@ -64,6 +64,7 @@ struct builder {
                           triangle, or the six sides of a box */
 };
 
+/* Returns sort key k of leaf i. */
 static double key_of(const struct builder *builder, uint32_t i, int k)
 {
     return builder->key[(size_t)i * (size_t)builder->num_keys + (size_t)k];
@@ -84,6 +85,7 @@ static struct box box_of_triangle(const struct builder *builder, uint32_t i)
     return box;
 }
 
+/* Returns the box around two boxes. */
 static struct box box_of_both(const struct box *a, const struct box *b)
 {
     struct box box;
@@ -224,6 +226,7 @@ void cml_boxtree_free(struct cml_boxtree *tree)
     free(tree);
 }
 
+/* True if two boxes have a common point. */
 static bool boxes_touch(const struct box *a, const struct box *b)
 {
     for (int k = 0; k < 3; k++)

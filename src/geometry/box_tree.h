@@ -23,6 +23,7 @@ CML_NODISCARD cml_status cml_boxtree_create(const double (*vertex)[3], const uin
 CML_NODISCARD cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n,
                                                   struct cml_boxtree **tree, struct cml_error *err);
 
+/* Frees a tree; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree);
 
 /* Is called with a pair of triangles whose boxes touch; returns true to end the search. */
@@ -61,12 +62,14 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
                                      const double point[3]);
 #define CML_WITHOUT_NONE UINT32_MAX
 
-/* Calls `visit` for each triangle whose box touches the box from `lower` to `upper`. */
+/* Is called with the number of a triangle or box whose box touches the searched box. */
 typedef void cml_boxtree_visit(void *context, uint32_t i);
+
+/* Calls `visit` for each triangle or box whose box touches the box from `lower` to `upper`. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);
 
-/* Returns the square of the distance of triangle i from p. */
+/* Returns the square of the distance of triangle i from p, for cml_boxtree_closest. */
 typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
 
 /* Finds the triangle closest to p: sets *i to its number and returns the square of its distance. On entry *i
@@ -74,9 +77,11 @@ typedef double cml_boxtree_square(const void *context, uint32_t i, const double 
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i);
 
+/* Returns true if box j is acceptable as the box around box i. */
+typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
+
 /* Returns the first box behind number i that contains box i and that `accept` accepts; n if there is none.
  * The tree's boxes must be sorted by size. `accept` is called with i and a few of the boxes that contain box
  * i, in any order. */
-typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context);

@@ -24,4 +24,5 @@ bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double 
 bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
                                 const double upper[2]);
 
+/* Frees a footprint; NULL is allowed. */
 void cml_footprint_free(struct cml_footprint *footprint);

@@ -76,6 +76,7 @@ cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
     return CML_OK;
 }
 
+/* Returns the distance between two vertices, cm. */
 static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
 {
     double along[3];

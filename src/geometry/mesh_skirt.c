@@ -19,6 +19,7 @@ struct rim {
                       taken, cm */
 };
 
+/* Returns vertex i of the border, counted cyclically. */
 static const double *vertex_of(const struct rim *rim, size_t i)
 {
     return rim->mesh->vertex[rim->mesh->border[i % rim->count]];

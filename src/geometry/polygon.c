@@ -133,6 +133,7 @@ struct span {
     uint32_t edge;
 };
 
+/* Orders two spans by their left ends, for qsort. */
 static int compare_spans(const void *left, const void *right)
 {
     const struct span *a = left, *b = right;

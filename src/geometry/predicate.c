@@ -14,6 +14,7 @@ struct exact {
     double part[192];
 };
 
+/* Returns the sign of a number: 1, 0 or -1. */
 static int sign_of(double x)
 {
     return (x > 0.0) - (x < 0.0);
@@ -104,6 +105,7 @@ static void exact_add_triple(struct exact *x, struct difference a, struct differ
     }
 }
 
+/* Returns the exact negative of a difference. */
 static struct difference negate(struct difference d)
 {
     return (struct difference){{-d.part[0], -d.part[1]}};

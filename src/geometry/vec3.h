@@ -4,35 +4,39 @@
 
 #include <math.h>
 
-/* Return the smaller and the larger of two numbers, the second number if one of them is NaN. They avoid calls
- * of the library (fmin, fmax). */
+/* Returns the smaller of two numbers, the second one if one of them is NaN. Avoids a call of the library
+ * (fmin). */
 static inline double cml_smaller(double a, double b)
 {
     return a < b ? a : b;
 }
 
+/* Returns the larger of two numbers, the second one if one of them is NaN. Avoids a call of the library
+ * (fmax). */
 static inline double cml_larger(double a, double b)
 {
     return a > b ? a : b;
 }
 
-/* out = a - b; out may be a or b. */
+/* Sets out = a - b; out may be a or b. */
 static inline void cml_vec3_subtract(const double a[3], const double b[3], double out[3])
 {
     for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
 }
 
-/* out = a + s b; out may be a or b. */
+/* Sets out = a + s b; out may be a or b. */
 static inline void cml_vec3_add_scaled(const double a[3], double s, const double b[3], double out[3])
 {
     for (int k = 0; k < 3; k++) out[k] = a[k] + s * b[k];
 }
 
+/* Copies a vector. */
 static inline void cml_vec3_copy(const double from[3], double to[3])
 {
     for (int k = 0; k < 3; k++) to[k] = from[k];
 }
 
+/* Sets out to the cross product a x b; out may be neither a nor b. */
 static inline void cml_vec3_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -40,11 +44,13 @@ static inline void cml_vec3_cross(const double a[3], const double b[3], double o
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* Returns the scalar product a . b. */
 static inline double cml_vec3_dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Returns the length of a vector. */
 static inline double cml_vec3_length(const double a[3])
 {
     return sqrt(cml_vec3_dot(a, a));

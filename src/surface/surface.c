@@ -145,6 +145,7 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     return status;
 }
 
+/* Refuses to represent a mesh or a tile by cones. */
 static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                struct cml_error *err)
 {

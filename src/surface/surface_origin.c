@@ -26,6 +26,7 @@ struct range {
 
 static const struct range anywhere = {{-INFINITY, -INFINITY}, {INFINITY, INFINITY}};
 
+/* Returns the square around a place that reaches as far as `distance`, cm. */
 static struct range range_about(const double at[2], double distance)
 {
     return (struct range){{at[0] - distance, at[1] - distance}, {at[0] + distance, at[1] + distance}};
@@ -41,11 +42,13 @@ static struct range intersection(struct range a, struct range b)
     return a;
 }
 
+/* True if the range contains no place. */
 static bool is_empty(struct range range)
 {
     return !(range.low[0] <= range.high[0] && range.low[1] <= range.high[1]);
 }
 
+/* True if the place lies in the range. */
 static bool holds(struct range range, const double at[2])
 {
     return at[0] >= range.low[0] && at[0] <= range.high[0] && at[1] >= range.low[1] && at[1] <= range.high[1];

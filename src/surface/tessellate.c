@@ -214,6 +214,7 @@ static void put_strip(const struct rings *rings, int i, struct cml_mesh *mesh)
     }
 }
 
+/* Numbers the vertices ring by ring and counts them. */
 static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
 {
     for (int i = 0; i < rings->radial->n; i++) {
@@ -222,6 +223,7 @@ static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
     }
 }
 
+/* Allocates the mesh's arrays for so many triangles. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_error *err)
 {
     const size_t vertex_bytes = mesh->num_vertices * sizeof *mesh->vertex;
@@ -234,6 +236,7 @@ static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_e
     return cml_fail_memory(err, (double)(vertex_bytes + triangle_bytes), "the mesh of a radial heightfield");
 }
 
+/* Fills the mesh with the vertices of all rings and the triangles of all strips. */
 static void put_all(const struct rings *rings, struct cml_mesh *mesh)
 {
     for (int i = 1; i < rings->radial->n; i++) put_ring(rings, i, mesh);
@@ -261,6 +264,7 @@ static cml_status make(struct rings *rings, const struct cml_mesh_budget *budget
     return cml_mesh_prepare(mesh, &source, &notes, err); /* keeps each slope with its triangle */
 }
 
+/* Refuses a heightfield of one sample and a tolerance that is not positive. */
 static cml_status check_options(const struct cml_radial *radial, const struct cml_tessellation *options,
                                 struct cml_error *err)
 {

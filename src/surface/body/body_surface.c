@@ -212,6 +212,7 @@ void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_bo
     cml_share(surfaces->users);
 }
 
+/* Frees the surfaces, the trees and the grids. */
 static void free_own(struct cml_body_surfaces *surfaces)
 {
     for (int k = 0; surfaces->item && k < surfaces->count; k++) cml_mesh_surface_free(surfaces->item[k].mesh);

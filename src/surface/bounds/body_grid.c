@@ -41,6 +41,7 @@ struct cell_facet {
     int body;
 };
 
+/* Returns the number of cells of a layer. */
 static size_t cells_of(const struct cml_body_cells *cells)
 {
     return (size_t)cells->n[0] * (size_t)cells->n[1] * (size_t)cells->n[2];

@@ -31,10 +31,13 @@ enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* several bodies, or a surface
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch);
 
-/* Add a facet of a mesh that comes within CML_CELL_REACH of the middle. All facets must go through
- * cml_patch_add_normal first, then all through cml_patch_add_heights. corner: relative to the middle, in
+/* Adds a facet of a mesh that comes within CML_CELL_REACH of the middle to the mean normal. All facets must
+ * be added so before cml_patch_add_heights is called for the first. corner: relative to the middle, in
  * cells. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch);
+
+/* Widens the two planes by a facet of a mesh, after the normals of all facets have been added. corner:
+ * relative to the middle, in cells. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
 
 /* The ball of a cell, with the members of struct cml_body_cell in kernels/types.h. body: the only body whose

@@ -21,11 +21,13 @@ struct cml_depth_map {
     size_t horizon_cells;
 };
 
-/* Build the map of a mesh in its boundary's frame, x and y from the scene's axis, or of a field of n rings (z
- * = depth at r). The number of triangles or rings determines the size, at most 512 x 512 cells or 1024 cells
- * in a row. Return CML_E_INPUT if memory runs out. */
+/* Builds the map of a mesh in its boundary's frame, x and y from the scene's axis. The number of triangles
+ * determines the size, at most 512 x 512 cells. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                                struct cml_error *err);
+
+/* Builds the map of a radial heightfield of n rings, z[i] at radius r[i]: at most 1024 cells in a row.
+ * Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_depth_map_of_rings(const double *r, const double *z, int n,
                                                 struct cml_depth_map *map, struct cml_error *err);
 

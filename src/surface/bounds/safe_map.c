@@ -27,6 +27,7 @@ struct block {
     uint32_t facet;   /* facet closest to the middle */
 };
 
+/* Returns the distance between two places. */
 static double distance(const double a[3], const double b[3])
 {
     double way[3];
@@ -72,6 +73,7 @@ static float rounded_down(double cells)
     return (float)fmax(0, (1 - 1e-6) * cells - 1e-9);
 }
 
+/* Sets the safe distance of a cell, rounded down. */
 static void set_cell(const struct cml_safe_map *map, int x, int y, int z, double safe)
 {
     map->safe[((size_t)z * (size_t)map->n[1] + (size_t)y) * (size_t)map->n[0] + (size_t)x] =
@@ -203,6 +205,7 @@ static cml_status make_filling(struct filling *f, struct cml_error *err)
     return CML_OK;
 }
 
+/* Frees what make_filling has made. */
 static void clear_filling(struct filling *f)
 {
     free(f->flat);

@@ -132,6 +132,7 @@ struct cml_grid_scale {
     int tiles;
 };
 
+/* Returns the corner, scale and size of a grid. */
 static inline struct cml_grid_scale cml_grid_scale_of(const struct cml_grid_mesh *grid)
 {
     const struct cml_grid_scale scale = {grid->corner[0],       grid->corner[1], grid->cells_per_cm[0],

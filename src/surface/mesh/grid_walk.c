@@ -49,11 +49,13 @@ struct range {
     int first[2], last[2];
 };
 
+/* Returns the ray along one axis, with `never` for the inverse of a speed of 0. */
 static struct axis make_axis(double origin, double speed)
 {
     return (struct axis){origin, speed, fabs(speed) > 1 / never ? 1 / speed : never};
 }
 
+/* Returns the ray's position along an axis at distance t. */
 static double position_at(const struct axis *a, double t)
 {
     return a->origin + t * a->speed;

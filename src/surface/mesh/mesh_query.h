@@ -85,8 +85,11 @@ double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive);
 /* Sets q->in_doubt if the origin is within q->contact_distance of this facet's plane. */
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive);
 
-/* Position of a place relative to the mesh's border: within a distance d of it, or else outside or inside. */
+/* Position of a place relative to the mesh's border. CML_AT_BORDER: within a given distance of the border. */
 enum cml_border_side { CML_OUTSIDE_BORDER, CML_AT_BORDER, CML_INSIDE_BORDER };
+
+/* Returns on which side of the mesh's border (x, y) lies: at the border if it is within distance d, cm; else
+ * outside or inside. */
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d);
 
 /* Intersects the ray with the outer plane, which may become the best crossing. Sets q->in_doubt close to the

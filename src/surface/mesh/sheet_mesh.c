@@ -240,6 +240,7 @@ static bool faces_up(const struct cml_centred_mesh *centred)
     return true;
 }
 
+/* Reports that memory for the cells ran out. Returns CML_E_INPUT. */
 static cml_status fail(double bytes, struct cml_error *err)
 {
     return cml_fail_memory(err, bytes, "the cells of a sheet");
@@ -271,6 +272,7 @@ static double join_lists(const struct lists *l)
     return squares / (double)l->count;
 }
 
+/* Allocates the counts of facets per cell, which later become the places of the lists. */
 static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
 {
     const size_t cells = cml_grid_mesh_slots(&grid->level[0]);

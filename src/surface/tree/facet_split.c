@@ -37,11 +37,13 @@ float cml_facet_box_area(const struct cml_facet_box *box)
     return x * y + y * z + z * x;
 }
 
+/* Returns twice the middle of a box along an axis, cm. */
 static float twice_middle(const struct cml_facet_box *box, int axis)
 {
     return box->at[axis] + box->at[axis + 3];
 }
 
+/* Returns the bin of a box along the cut's axis. */
 static int bin_of(const struct cut *cut, const struct cml_facet_box *box)
 {
     const int bin = (int)((twice_middle(box, cut->axis) - cut->least) * cut->bins_per_cm);
@@ -80,6 +82,7 @@ static double cost_of(const struct bin *group, size_t leaf)
     return (double)cml_facet_box_area(&group->box) * (double)((group->count + leaf - 1) / leaf);
 }
 
+/* Adds a bin's boxes to a group. */
 static void add_bin(struct bin *group, const struct bin *bin)
 {
     cml_facet_box_widen(&group->box, &bin->box);

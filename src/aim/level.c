@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Finds the level below which a scene is flat, and judges if --aim would pay there. SPDX-License-Identifier:
+ * MIT */
 #include "aim/level.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes weight windows from importances: the cells, the weights, and the expected gain.
+ * SPDX-License-Identifier: MIT */
 #include "aim/windows.h"
 
 #include "aim/gain.h"

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Writes files under a temporary name and renames them when they are complete. SPDX-License-Identifier:
+ * MIT */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* declares fopencookie */
 #endif

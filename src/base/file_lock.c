@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Takes and releases lock files. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* F_OFD_SETLK: POSIX's own locks end when any descriptor of the file is closed */
 #endif

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Remembers input files, replays them from memory, and packs them for other ranks. SPDX-License-Identifier:
+ * MIT */
 #include "base/input_files.h"
 
 #include "base/array.h"

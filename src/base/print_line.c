@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Escapes control characters, invisible characters and invalid UTF-8 in messages and on standard output.
+ * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE /* declares fopencookie */
 #include "base/print_line.h"
 

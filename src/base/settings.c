@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Collects settings of --set and of tables, and reports wrong ones. SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
 #include "base/text.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Writes error messages. SPDX-License-Identifier: MIT */
 #include "base/status.h"
 
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Reads files, lines, words and numbers, and guesses names that were meant. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* declares vasprintf */
 #endif

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Computes mean depths of boundaries and mean thicknesses of layers. SPDX-License-Identifier: MIT */
 #include "surface/mean_depth.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Represents each boundary of a scene: plane, cones, mesh or repeated mesh. SPDX-License-Identifier: MIT */
 #include "surface/surface.h"
 
 #include "base/clock.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Chooses tessellations, and estimates the bias and cost of representations. SPDX-License-Identifier: MIT */
 #include "surface/surface_choice.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Number and areas of the facets of a represented boundary. SPDX-License-Identifier: MIT */
 #include "surface/surface_facets.h"
 
 #include "base/constants.h"

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Finds the origin of x and y from which single precision resolves the whole scene. SPDX-License-Identifier:
+ * MIT */
 #include "surface/surface_origin.h"
 
 #include "scene/body/body_shape.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Turns a radial heightfield into a triangle mesh, ring by ring. SPDX-License-Identifier: MIT */
 #include "surface/tessellate.h"
 
 #include "base/constants.h"

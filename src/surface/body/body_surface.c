@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes the surfaces, trees and grids of a scene's bodies. SPDX-License-Identifier: MIT */
 #include "surface/body/body_surface.h"
 
 #include "base/constants.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds the trees of boxes over the bodies of each medium. SPDX-License-Identifier: MIT */
 #include "surface/body/body_tree.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Fills the grids of cubes around bodies: distances, patches and balls. SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_grid.h"
 
 #include "geometry/vec3.h"

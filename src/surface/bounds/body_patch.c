@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes the patches of cells, and from them the balls: two planes around the surfaces near a cell.
+ * SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_patch.h"
 
 #include "geometry/vec3.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Computes the horizons of cells over a mesh, level by level of a pyramid. SPDX-License-Identifier: MIT */
 #include "surface/bounds/cell_horizon.h"
 
 #include "bounds.h"

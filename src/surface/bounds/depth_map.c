@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds pyramids of least and greatest depth for meshes, tiles and rings. SPDX-License-Identifier: MIT */
 #include "surface/bounds/depth_map.h"
 
 #include "base/array.h"

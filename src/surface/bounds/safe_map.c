@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Fills a map of safe distances around a mesh that overhangs. SPDX-License-Identifier: MIT */
 #include "surface/bounds/safe_map.h"
 
 #include "geometry/box_tree.h"

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Allocates the cells under a sheet, and builds the pyramid of blocks above them. SPDX-License-Identifier:
+ * MIT */
 #include "surface/mesh/grid_mesh.h"
 
 #include <math.h>

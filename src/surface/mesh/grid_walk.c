@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Walks a ray over the cells of a sheet to its first crossing. SPDX-License-Identifier: MIT */
 #include "surface/mesh/grid_walk.h"
 
 #include "geometry/vec3.h"

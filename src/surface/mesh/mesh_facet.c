@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Geometry of one facet: crossing with a line, distance from a point. SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_facet.h"
 
 #include "geometry/vec3.h"

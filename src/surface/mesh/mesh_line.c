@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Decides doubtful queries by all crossings of the query's line with the mesh. SPDX-License-Identifier:
+ * MIT */
 #include "surface/mesh/mesh_line.h"
 
 #include "geometry/predicate.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests a ray against triangles and the outer plane in double precision. SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_query.h"
 
 #include "geometry/vec3.h"

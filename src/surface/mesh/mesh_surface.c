@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Queries of a boundary mesh: chooses the search, calls Embree, and combines all tests.
+ * SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_surface.h"
 
 #include "geometry/vec3.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Lists the facets above each cell of a sheet, if that pays. SPDX-License-Identifier: MIT */
 #include "surface/mesh/sheet_mesh.h"
 
 #include "surface/tree/rounding.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Cuts a ray over a repeated mesh into segments over one copy. SPDX-License-Identifier: MIT */
 #include "surface/mesh/tile_path.h"
 
 #include <math.h>

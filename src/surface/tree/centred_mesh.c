@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Centres a mesh and computes its planes and bounds of rounding. SPDX-License-Identifier: MIT */
 #include "surface/tree/centred_mesh.h"
 
 #include "geometry/vec3.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Divides facets into two groups by the surface area heuristic. SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_split.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds the wide tree over the facets of a mesh. SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_tree.h"
 
 #include "geometry/vec3.h"

@@ -1,38 +1,44 @@
-/* SPDX-License-Identifier: MIT */
+/* Finds the level below which a scene is flat, and judges if --aim would pay there. SPDX-License-Identifier:
+ * MIT */
 #include "aim/level.h"
 
 #include <math.h>
 
-/* Whatever is not flat, and where light starts: the deepest point, and the first layer that may be flat below
- * it. */
+/* The lowest extent of everything that is not flat, including places where light starts: its depth in cm, and
+ * the first layer that may be flat below it. */
 struct floor {
     int layer;
     double depth;
 };
 
-static void sink(struct floor *floor, int layer, double depth)
+/* Lowers the floor to include a part that reaches down to `depth`, cm; layers above `layer` are not flat
+ * then. */
+static void lower_floor(struct floor *floor, int layer, double depth)
 {
     floor->layer = layer > floor->layer ? layer : floor->layer;
     floor->depth = fmax(floor->depth, depth);
 }
 
-/* Parallel light may start below a clear first layer (P1). */
+/* Finds the depth below which a scene is flat. Parallel light may start below a clear first layer (P1), so a
+ * clear first layer lies above that depth. */
 static struct floor find_floor(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     struct floor floor = {1, surfaces->item[0].depth};
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE || cml_is_rough(&surfaces->item[b].rough))
-            sink(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
+            lower_floor(&floor, b + 1, surfaces->item[b].depth + surfaces->item[b].highest);
     for (int k = 0; k < surfaces->bodies.count; k++)
-        sink(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
+        lower_floor(&floor, 1, surfaces->bodies.item[k].depth + surfaces->bodies.item[k].upper[2]);
     for (int k = 0; k < scene->num_beams; k++)
-        if (scene->beams[k].inside) sink(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
-    if (cml_medium_mut(&scene->media[1]) == 0) sink(&floor, 2, surfaces->item[1].depth);
+        if (scene->beams[k].inside)
+            lower_floor(&floor, 1, scene->beams[k].z + cml_beam_height(&scene->beams[k]));
+    if (cml_medium_mut(&scene->media[1]) == 0) lower_floor(&floor, 2, surfaces->item[1].depth);
     return floor;
 }
 
-/* In the first layer that goes on below the floor, a sixteenth of a mean free path, or of what is left of it,
- * down: so that no rounding puts a packet beyond the level that has just come through a shape. */
+/* Returns a level in the first layer that continues below the floor. The level lies below the floor by a
+ * sixteenth of a mean free path, or of the rest of the layer if that is thinner. This distance keeps rounding
+ * from putting a packet beyond the level when the packet has just passed a shape. */
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct floor floor = find_floor(scene, surfaces);
@@ -47,9 +53,10 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
     return (struct cml_aim_level){0};
 }
 
-/* A packet's counted Tt has the relative variance V; an expected one, 1 / share or less where that share of
- * the light comes down to the level: a third to a seventh of that, in four scenes that were flown both ways.
- */
+/* Returns the level's depth if --aim would reduce the variance of Tt, else NaN. Counting exits gives Tt a
+ * relative variance V per packet. Expected values give 1 / share or less, where `share` is the share of the
+ * light that reaches the level. In four scenes simulated both ways they gave a third to a seventh of 1 /
+ * share. */
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result)
 {

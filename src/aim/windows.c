@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes weight windows from importances: the cells, the weights, and the expected gain.
+ * SPDX-License-Identifier: MIT */
 #include "aim/windows.h"
 
 #include "aim/gain.h"
@@ -17,8 +18,9 @@ cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int le
                     aim, expected);
 }
 
-/* Where light that goes down from z has forgotten where it came from: after a transport mean free path. */
-static double start_of(const struct cml_medium_def *media, int layers, double z)
+/* Returns the depth, cm, at which light that goes down from depth z has lost its direction: one transport
+ * mean free path further down. */
+static double diffuse_depth(const struct cml_medium_def *media, int layers, double z)
 {
     double left = 1, top = 0;
     for (int l = 1; l <= layers; top += media[l++].d) {
@@ -29,19 +31,21 @@ static double start_of(const struct cml_medium_def *media, int layers, double z)
     return top;
 }
 
+/* Returns the cell of `at`, a share of the whole, among `count` cells. */
 static int place_in(double at, int count)
 {
     return (int)fmax(0, fmin(at * count, count - 1));
 }
 
-/* What the light is worth that starts at the middle of a beam, of the beam whose light is worth most. */
+/* Returns the importance of light where it starts: the largest over all beams, each taken at its middle.
+ * importance[ring * cells + cell]: share of the light at a place that reaches the target. */
 static double worth_of_light(const struct cml_scene *scene, const struct cml_medium_def *media,
                              const struct cml_window_table *windows, const double *importance)
 {
     double most = 0;
     for (int k = 0; k < scene->num_beams; k++) {
         const struct cml_beam *beam = &scene->beams[k];
-        const double z = beam->inside ? beam->z : start_of(media, windows->layers, 0),
+        const double z = beam->inside ? beam->z : diffuse_depth(media, windows->layers, 0),
                      r = hypot(beam->x - windows->x, beam->y - windows->y);
         const int ring = place_in(sqrt(r / windows->reach), windows->rings);
         most = fmax(most, importance[ring * windows->cells + place_in(z / windows->depth, windows->cells)]);
@@ -51,7 +55,8 @@ static double worth_of_light(const struct cml_scene *scene, const struct cml_med
 
 #define LEAST_WORTH 1e-20
 
-/* power: of detectors, which see little of the light. */
+/* Turns importances into windows. Refuses an aim that less than LEAST_WORTH of the light reaches. Windows for
+ * a detector use power 1, because little of the light reaches a detector. */
 static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, const double *importance,
                                struct cml_window_table *windows, struct cml_error *err)
@@ -66,6 +71,7 @@ static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                    windows->detector ? 1 : cml_windows_power(windows->worth), windows, err);
 }
 
+/* Returns the thickness of the first `layers` layers, cm. */
 static double depth_of(const struct cml_medium_def *media, int layers)
 {
     double depth = 0;
@@ -91,9 +97,11 @@ cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-enum { RINGS = 128, CELLS = 256 }; /* a cell is a third of a diffusion length, or less, in what was flown */
+/* Rings and cells of depth of the windows of a detector. In all scenes tested, a cell is at most a third of a
+ * diffusion length. */
+enum { RINGS = 128, CELLS = 256 };
 
-/* Whether light leaves alike all about the beam's axis. */
+/* True if the light that leaves the scene is symmetric about the beam's axis. */
 static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_beam *beam = scene->beams;
@@ -108,20 +116,23 @@ static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface
     return true;
 }
 
-static double way_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
+/* Returns the distance between a beam and a detector in x and y, cm. */
+static double distance_between(const struct cml_beam *beam, const struct cml_detector_def *detector)
 {
     return hypot(beam->x - detector->x, beam->y - detector->y);
 }
 
-/* Whether of light on a circle about that axis it sees the share that lies in it. */
+/* True if the detector can score light by arcs (P13): light that crosses a circle about the beam's axis
+ * counts with the share of the circle that lies in the detector. */
 static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                       const struct cml_detector_def *detector)
 {
     return detector->shape == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
-           way_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
+           distance_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
 }
 
-/* About the middle of the windows. Rectangles count as disks of their size. */
+/* Returns the ring about the middle of the windows that contains the detector. A rectangle counts as a disk
+ * of the same area. away: distance of the detector from that middle, cm. */
 static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
@@ -131,21 +142,23 @@ static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, dou
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};
 }
 
-/* From farther away than twice the way from the light, or deeper, hardly anything arrives. */
+/* Returns the radius of the windows, cm: twice the largest distance between a beam and the detector's outer
+ * edge. Light from farther away, or from deeper, hardly reaches the detector. */
 static double reach_of(const struct cml_scene *scene, const struct cml_detector_def *detector, double outer)
 {
     double farthest = outer;
     for (int k = 0; k < scene->num_beams; k++)
-        farthest = fmax(farthest, way_between(&scene->beams[k], detector));
+        farthest = fmax(farthest, distance_between(&scene->beams[k], detector));
     return 2 * (farthest + outer);
 }
 
+/* Returns the area of a ring divided by pi, cm2. */
 static double area_of(double inner, double outer)
 {
     return outer * outer - inner * inner;
 }
 
-/* Cells, but for what packets shall weigh in them. */
+/* Returns the layout of the windows for detector `number`, from 1: cells and size, without the weights. */
 static struct cml_window_table lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
                                        int number, bool arcs, struct cml_seen_ring seen)
 {
@@ -164,6 +177,7 @@ static struct cml_window_table lay_out(const struct cml_scene *scene, const stru
         .reach = reach};
 }
 
+/* Returns the largest importance of all cells. */
 static double largest(const double *importance)
 {
     double most = 0;
@@ -171,8 +185,9 @@ static double largest(const double *importance)
     return most;
 }
 
-/* The mean weight, by weight, of plain packets that come to the detector, for weights fall as their light
- * does: what arrives where all absorbs twice as much, over what does. The roulette keeps it above 0.008. */
+/* Sets *weight to the mean weight, weighted by weight, of plain packets that reach the detector. A packet's
+ * weight falls as its light is absorbed, so the mean is the share that arrives if every layer absorbs twice
+ * as much, divided by the share that arrives. The roulette keeps the mean above 0.008. */
 static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_medium_def *media,
                               struct cml_seen_ring seen, const struct cml_window_table *windows,
                               double *importance, double *weight, struct cml_error *err)
@@ -195,7 +210,7 @@ cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
 {
     const struct cml_detector_def *detector = &scene->detectors[number - 1];
     const bool arcs = sees_arcs(scene, surfaces, detector);
-    const struct cml_seen_ring seen = ring_of(detector, arcs ? way_between(scene->beams, detector) : 0);
+    const struct cml_seen_ring seen = ring_of(detector, arcs ? distance_between(scene->beams, detector) : 0);
     double *importance = malloc(RINGS * CELLS * sizeof *importance);
     if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
     *windows = lay_out(scene, media, number, arcs, seen);

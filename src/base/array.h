@@ -1,4 +1,5 @@
-/* Arrays that grow one by one, copies of arrays, and their order by value. SPDX-License-Identifier: MIT */
+/* Arrays that grow one by one, groups of arrays with one owner, copies of arrays, and sorting of doubles.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -8,9 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Room for one more than the `count` elements of `size` bytes that an array has; array is the address of the
- * pointer to it, NULL while it is empty. Only an array whose number is a power of two is full, and gets room
- * for twice as many. CML_E_INPUT when out of memory for `what`; the array then stays as it is. */
+/* Makes room for one more element in an array of `count` elements of `size` bytes. `array` is the address of
+ * the pointer to the array; the pointer is NULL while the array is empty. Only an array of 2^n elements is
+ * full and grows to twice its size. Returns CML_E_INPUT if memory for `what` runs out; the array then stays
+ * as it is. */
 CML_NODISCARD static inline cml_status cml_array_grow(void *array, size_t count, size_t size,
                                                       const char *what, struct cml_error *err)
 {
@@ -24,20 +26,20 @@ CML_NODISCARD static inline cml_status cml_array_grow(void *array, size_t count,
     return CML_OK;
 }
 
-/* Arrays of zeros that end together. None before the first is made: {0}. */
+/* Arrays of zeros that are freed together. {0} is a group without arrays. */
 struct cml_arrays {
     struct cml_arrays_block *last;
-    double bytes; /* that were asked for */
+    double bytes; /* all bytes requested so far */
     bool failed;
 };
 
-/* In front of an array: what keeps it aligned. */
+/* Header in front of each array of a group. Its alignment keeps the array aligned, too. */
 struct cml_arrays_block {
     _Alignas(16) struct cml_arrays_block *before;
 };
 
-/* An array of zeros, also of none; NULL where memory does not suffice, which cml_arrays_check tells of all.
- */
+/* Adds an array of `count` zeros to the group and returns it; count may be 0. Returns NULL if memory runs
+ * out; cml_arrays_check then fails for the whole group. */
 static inline void *cml_arrays_add(struct cml_arrays *arrays, size_t count, size_t size)
 {
     struct cml_arrays_block *block = NULL;
@@ -50,12 +52,15 @@ static inline void *cml_arrays_add(struct cml_arrays *arrays, size_t count, size
     return block + 1;
 }
 
+/* Returns CML_E_INPUT if an array of the group could not be allocated. what: name of the arrays for the
+ * message. */
 CML_NODISCARD static inline cml_status cml_arrays_check(const struct cml_arrays *arrays, const char *what,
                                                         struct cml_error *err)
 {
     return arrays->failed ? cml_fail_memory(err, arrays->bytes, what) : CML_OK;
 }
 
+/* Frees all arrays of the group. The structure must not be used afterwards. */
 static inline void cml_arrays_free(struct cml_arrays *arrays)
 {
     while (arrays->last) {
@@ -65,8 +70,8 @@ static inline void cml_arrays_free(struct cml_arrays *arrays)
     }
 }
 
-/* A copy of `count` elements; NULL stays NULL and is no failure. *failed becomes true where memory does not
- * suffice, else it stays as it is. */
+/* Returns a copy of `count` elements. If `from` is NULL the copy is NULL, which is no failure. Sets *failed
+ * to true if memory runs out, else leaves *failed as it is. */
 static inline void *cml_array_copy(const void *from, size_t count, size_t size, bool *failed)
 {
     void *to = from ? malloc(count ? count * size : 1) : NULL;
@@ -75,7 +80,8 @@ static inline void *cml_array_copy(const void *from, size_t count, size_t size, 
     return to;
 }
 
-/* The last of values[n], which rise, that is not above x; the first where all are. By bisection. */
+/* Returns the index of the last of the n rising values[] that is not above x, found by bisection; 0 if all
+ * are above x. */
 static inline size_t cml_last_not_above(const double *values, size_t n, double x)
 {
     size_t low = 0, high = n;
@@ -86,14 +92,15 @@ static inline size_t cml_last_not_above(const double *values, size_t n, double x
     return low;
 }
 
-/* For qsort and bsearch: doubles that are numbers, rising. */
+/* Compares two doubles for qsort and bsearch, in rising order. NaN is not allowed. */
 static inline int cml_compare_doubles(const void *left, const void *right)
 {
     const double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
 
-/* The different ones of n numbers, rising, to their beginning. Returns how many. */
+/* Sorts n numbers and removes duplicates; the distinct numbers then stand at the beginning, rising. Returns
+ * the count of distinct numbers. */
 static inline size_t cml_sort_distinct(double *values, size_t n)
 {
     size_t distinct = 0;

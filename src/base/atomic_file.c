@@ -1,6 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* Writes files under a temporary name and renames them when they are complete. SPDX-License-Identifier:
+ * MIT */
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* fopencookie */
+#define _GNU_SOURCE /* declares fopencookie */
 #endif
 #include "base/atomic_file.h"
 
@@ -16,8 +17,9 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#define OTHER_BYTES (-1) /* a reason beside those of errno */
+#define OTHER_BYTES (-1) /* a reason of failure beside the values of errno */
 
+/* Returns the text of a reason of failure: errno or OTHER_BYTES. */
 static const char *text_of(int reason)
 {
     return reason == OTHER_BYTES ? "what stands there is not what was written" : strerror(reason);
@@ -36,7 +38,8 @@ cml_status cml_file_check_link(const char *path, struct cml_error *err)
     return foreign ? fail_write(path, "a link of another user", err) : CML_OK;
 }
 
-/* The name under which the file is to stand: that of a link's target. */
+/* Sets *target to the path of the file to write: the path itself, or the target of the symbolic link that
+ * stands there. */
 static cml_status follow_links(const char *path, char **target, struct cml_error *err)
 {
     struct stat about;
@@ -52,6 +55,7 @@ bool cml_file_is_device(const char *path)
     return strcmp(path, "/dev/null") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
+/* Makes one folder, unless it exists already. Its parent must exist. */
 static cml_status make_one(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -73,27 +77,29 @@ cml_status cml_folder_make(const char *path, struct cml_error *err)
     return make_one(part, err);
 }
 
+/* Refuses a path that names a directory, a device or a pipe, or that is too long. */
 static cml_status check_target(const char *path, struct cml_error *err)
 {
     struct stat about;
     const bool found = stat(path, &about) == 0;
-    if (!found && errno == ENAMETOOLONG)
-        return fail_write(path, strerror(errno), err); /* its temporary is cut */
+    /* A name that is too long is refused here: the temporary name is cut and would not show the error. */
+    if (!found && errno == ENAMETOOLONG) return fail_write(path, strerror(errno), err);
     if (!found || S_ISREG(about.st_mode)) return CML_OK;
     return fail_write(path, S_ISDIR(about.st_mode) ? "a directory" : "no regular file", err);
 }
 
-#define MOST_TRIES 1000 /* names left behind by killed processes that had this one's number */
+#define MOST_TRIES 1000 /* temporary names of killed processes that had this process's number */
 
-/* "DIRECTORY/NAME.PID-N.tmp"; long names are cut, so that theirs is not too long. Returns its length. */
+/* Writes the temporary file's name "DIRECTORY/NAME.PID-N.tmp" and returns its length. NAME is cut at 200
+ * bytes so that the name is not too long. */
 static int temporary_name(const char *path, int n, char *name, size_t size)
 {
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     return snprintf(name, size, "%.*s%.200s.%ld-%d.tmp", (int)(base - path), path, base, (long)getpid(), n);
 }
 
-/* A file that did not exist before: of two processes only one gets it, and a link that somebody has put there
- * is not followed. */
+/* Creates a temporary file that did not exist before and returns its descriptor, or -1. Only one of two
+ * processes gets the file, and O_NOFOLLOW ignores a link that somebody has put there. */
 static int open_new(const char *path, mode_t mode, char *name, size_t size)
 {
     int file = -1;
@@ -105,8 +111,8 @@ static int open_new(const char *path, mode_t mode, char *name, size_t size)
     return file;
 }
 
-/* What a stream calls: all of it, or the reason why not. After a failure nothing more is written, so that no
- * later success hides it. */
+/* Writes `size` bytes for a stream (fopencookie). Returns `size`, or 0 after a failure, with the reason in
+ * file->reason. Writes nothing after a failure, so that no later success hides it. */
 static ssize_t write_all(void *context, const char *data, size_t size)
 {
     struct cml_file *file = context;
@@ -128,6 +134,7 @@ static int close_descriptor(void *context)
     return close(((struct cml_file *)context)->descriptor);
 }
 
+/* Opens the stream that writes to file->descriptor and keeps size, CRC and errors. */
 static cml_status open_stream(struct cml_file *file, struct cml_error *err)
 {
     const cookie_io_functions_t calls = {.write = write_all, .close = close_descriptor};
@@ -137,7 +144,8 @@ static cml_status open_stream(struct cml_file *file, struct cml_error *err)
     return fail_write(file->path, strerror(ENOMEM), err);
 }
 
-/* The file gets the mode of the one that it replaces, whatever the umask; a file system may know no modes. */
+/* Creates the temporary file with the mode of the file that it will replace, whatever the umask. A failed
+ * fchmod is ignored, because some file systems have no modes. */
 static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
 {
     const size_t size = strlen(file->path) + 32;
@@ -157,6 +165,7 @@ static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
     return open_stream(file, err);
 }
 
+/* Opens a file for cml_file_create. After a failure cml_file_abort frees what the file owns. */
 static cml_status create(const char *path, struct cml_file *file, struct cml_error *err)
 {
     if (cml_file_is_device(path)) {
@@ -177,9 +186,9 @@ cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_e
     return status;
 }
 
-/* ---- alone ---- */
+/* ---- one writer at a time ---- */
 
-/* Length of NAME in "NAME.PID-N.tmp", a temporary file's name; 0: it is none. */
+/* Returns the length of NAME if the entry is a temporary file's name, "NAME.PID-N.tmp"; else 0. */
 static size_t name_length(const char *entry)
 {
     const size_t length = strlen(entry), end = length > 4 ? length - 4 : 0;
@@ -206,7 +215,8 @@ void cml_file_remove_leftovers(const char *path, size_t folder,
     closedir(directory);
 }
 
-static bool was_this(const void *context, const char *name, const char *left)
+/* True if a temporary file was one of this path, and is not the one that is being written. */
+static bool is_leftover(const void *context, const char *name, const char *left)
 {
     const struct cml_file *file = context;
     return strcmp(name, file->path) == 0 && strcmp(left, file->temporary) != 0;
@@ -221,7 +231,8 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
     const cml_status status = cml_file_lock_take(name, &file->lock, err);
     const char *slash = strrchr(file->path, '/');
     if (status == CML_OK)
-        cml_file_remove_leftovers(file->path, slash ? (size_t)(slash - file->path) + 1 : 0, was_this, file);
+        cml_file_remove_leftovers(file->path, slash ? (size_t)(slash - file->path) + 1 : 0, is_leftover,
+                                  file);
     else
         cml_file_abort(file);
     return status;
@@ -229,11 +240,11 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 
 /* ---- safe from a crash of the machine ---- */
 
-/* Files that are committed and not synced; used by the thread that writes files. */
+/* Files that are committed but not yet synced. Only the thread that writes files uses them. */
 static struct {
     bool on;
     size_t count, capacity;
-    char **path; /* [count] */
+    char **path; /* [count] final names of the files */
 } deferred;
 
 void cml_file_defer_sync(bool on)
@@ -241,7 +252,7 @@ void cml_file_defer_sync(bool on)
     deferred.on = on;
 }
 
-/* Adds a file to those that are synchronised later; false without memory. */
+/* Adds a file to the files that are synced later. Returns false if memory runs out. */
 static bool defer(const char *path)
 {
     if (deferred.count == deferred.capacity) {
@@ -255,8 +266,8 @@ static bool defer(const char *path)
     return deferred.path[deferred.count] && ++deferred.count;
 }
 
-/* Makes a file last, or a directory and with it the names in it. 0: done, or gone, or the file system does
- * not know what that means. */
+/* Syncs a file, or a directory with the names in it. Returns 0 on success, also if the file is gone or may
+ * not be opened, or if its file system has no fsync; else errno. */
 static int sync_path(const char *path)
 {
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -266,6 +277,7 @@ static int sync_path(const char *path)
     return reason;
 }
 
+/* Syncs the folder of a path, so that the names in it last. Returns 0 or errno. */
 static int sync_folder(const char *path)
 {
     char folder[PATH_MAX];
@@ -274,7 +286,8 @@ static int sync_folder(const char *path)
     return sync_path(folder);
 }
 
-/* Nobody knows what a file holds that could not be synced. */
+/* Syncs a file and removes it on failure, since its content on the disk is then unknown. Returns 0 or
+ * errno. */
 static int sync_file(const char *path)
 {
     const int reason = sync_path(path);
@@ -282,6 +295,7 @@ static int sync_file(const char *path)
     return reason;
 }
 
+/* True if two paths name files in the same folder. */
 static bool same_folder(const char *path, const char *other)
 {
     const char *slash = strrchr(path, '/'), *others = strrchr(other, '/');
@@ -289,6 +303,7 @@ static bool same_folder(const char *path, const char *other)
     return slash - path == others - other && strncmp(path, other, (size_t)(slash - path)) == 0;
 }
 
+/* Notes the first failure: sets *status and *err unless an earlier failure has set them. */
 static void keep_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
 {
     if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);
@@ -311,6 +326,8 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
 
 /* ---- commit ---- */
 
+/* Reads the file again and compares size and CRC-32 with those of the bytes written. Returns 0, errno or
+ * OTHER_BYTES. */
 static int compare_with_written(const struct cml_file *file)
 {
     unsigned char block[16384];
@@ -325,7 +342,8 @@ static int compare_with_written(const struct cml_file *file)
     return size == file->size && sum == file->sum ? 0 : OTHER_BYTES;
 }
 
-/* All of it on the disk, or the reason why not; a device need not know what that means. 0: done. */
+/* Brings all written bytes to the disk, closes the stream and compares the file with what was written.
+ * Devices are neither synced nor compared. Returns 0, or the reason of the failure. */
 static int finish_stream(struct cml_file *file)
 {
     FILE *stream = file->stream;
@@ -337,8 +355,9 @@ static int finish_stream(struct cml_file *file)
     return fclose(stream) != 0 && reason == 0 ? errno : reason;
 }
 
-/* A second name for the old file, so that it stands under its own until the new one does; where the file
- * system knows no second names, under the second alone for a moment. 0: done, or there is no old file. */
+/* Gives the old file a second name, so that the old file keeps its own name until the new file takes it.
+ * Without hard links the old file is renamed, and for a moment the path names no file. Returns 0 on success
+ * or if there is no old file, else errno. */
 static int keep_old(const struct cml_file *file)
 {
     if (access(file->path, F_OK) != 0) return 0;
@@ -346,7 +365,8 @@ static int keep_old(const struct cml_file *file)
     return link(file->path, file->keep) == 0 || rename(file->path, file->keep) == 0 ? 0 : errno;
 }
 
-/* The new file takes the old one's place, which may be kept. 0: done. */
+/* Puts the new file in the old file's place; the old file stays under file->keep if that is set. Returns 0 or
+ * errno. */
 static int take_place(struct cml_file *file)
 {
     const int reason = file->temporary && file->keep ? keep_old(file) : 0;

@@ -1,10 +1,10 @@
-/* Wall time, and a thread's own. Only how long something took may follow from it, never a result.
- * SPDX-License-Identifier: MIT */
+/* Wall time and processor time. Results must never depend on either; only reports of how long something took
+ * do. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <time.h>
 
-/* Seconds since some moment in the past, from a clock that nobody sets back. */
+/* Returns seconds since some fixed moment in the past, from a clock that nobody sets back. */
 static inline double cml_now(void)
 {
     struct timespec t;
@@ -12,7 +12,7 @@ static inline double cml_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Processor time that the calling thread has had, s. */
+/* Returns the processor time of the calling thread, s. */
 static inline double cml_thread_seconds(void)
 {
     struct timespec t;

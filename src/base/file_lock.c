@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Takes and releases lock files. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* F_OFD_SETLK: POSIX's own locks end when any descriptor of the file is closed */
 #endif
@@ -14,13 +14,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* 524: ENOTSUPP of the kernel, which has no name here; some NFS servers let it through. */
+/* True if the file system has no locks. 524 is ENOTSUPP, which only the kernel defines; some NFS servers
+ * return it. */
 static bool knows_no_locks(int reason)
 {
     return reason == ENOLCK || reason == ENOSYS || reason == EINVAL || reason == EOPNOTSUPP || reason == 524;
 }
 
-/* 0, or why not: EAGAIN when another process has it. */
+/* Locks the whole file. Returns 0 or errno; EAGAIN if another process holds the lock. */
 static int lock_file(int file)
 {
     struct flock all = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
@@ -28,7 +29,8 @@ static int lock_file(int file)
     return errno == EACCES ? EAGAIN : errno;
 }
 
-/* Whether the locked file still stands under the path: whoever held the lock before removes it. */
+/* True if the path still names the locked file. The previous holder of the lock removes the file, so it may
+ * be gone. */
 static bool still_stands(int file, const char *path)
 {
     struct stat mine, there;
@@ -36,13 +38,15 @@ static bool still_stands(int file, const char *path)
            mine.st_ino == there.st_ino;
 }
 
+/* Closes the file, if it is open, and reports why the lock cannot be taken. Returns CML_E_IO. */
 static cml_status refuse(const char *path, int file, const char *reason, struct cml_error *err)
 {
     if (file >= 0) close(file);
     return cml_fail(err, CML_E_IO, "%s: %s", path, reason);
 }
 
-/* *file: a descriptor of the locked file, or -1 where locks are unknown. */
+/* Opens and locks the file at `path`, creating it. Sets *file to its descriptor, or to -1 where the file
+ * system has no locks. */
 static cml_status open_locked(const char *path, int *file, struct cml_error *err)
 {
     struct stat about;
@@ -77,7 +81,8 @@ cml_status cml_file_lock_take(const char *path, struct cml_file_lock *lock, stru
 void cml_file_lock_release(struct cml_file_lock *lock)
 {
     if (!lock->path) return;
-    unlink(lock->path); /* before it is unlocked: whoever opens the name next makes a new file */
+    unlink(lock->path); /* remove the file before unlocking it: another process that opens the path next then
+                           makes a new file */
     if (lock->file >= 0) close(lock->file);
     free(lock->path);
     *lock = (struct cml_file_lock){0};

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Remembers input files, replays them from memory, and packs them for other ranks. SPDX-License-Identifier:
+ * MIT */
 #include "base/input_files.h"
 
 #include "base/array.h"
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A copy of data[size] with a final NUL; NULL when memory runs out. */
+/* Returns a copy of data[size] with a final NUL; NULL if memory runs out. */
 static char *copy_data(const char *data, size_t size)
 {
     char *copy = malloc(size + 1);
@@ -16,7 +17,8 @@ static char *copy_data(const char *data, size_t size)
     return copy;
 }
 
-/* An entry counts as soon as it is there, even half made, so that clearing frees what it has. */
+/* Adds a copy of a file. The entry counts as soon as it exists, even if one of its copies failed, so that
+ * cml_inputs_clear frees it. */
 static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
                          struct cml_error *err)
 {
@@ -28,7 +30,8 @@ static cml_status append(struct cml_inputs *inputs, const char *path, const char
     return cml_fail_memory(err, (double)size, "a copy of an input file");
 }
 
-/* Paths are compared as they were asked for: both ranks read the same .mci, so they ask alike. NULL: none. */
+/* Returns the file read under `path`, or NULL. Paths are compared as text: all ranks read the same .mci, so
+ * all ask with the same text. */
 static const struct cml_input *find(const struct cml_inputs *inputs, const char *path)
 {
     for (size_t i = 0; i < inputs->count; i++)
@@ -36,6 +39,7 @@ static const struct cml_input *find(const struct cml_inputs *inputs, const char 
     return NULL;
 }
 
+/* Gives the caller a copy of a remembered file, which the caller frees. */
 static cml_status give_copy(const struct cml_input *input, char **data, size_t *size, struct cml_error *err)
 {
     *size = input->size;
@@ -43,7 +47,8 @@ static cml_status give_copy(const struct cml_input *input, char **data, size_t *
     return *data ? CML_OK : cml_fail_memory(err, (double)*size, "an input file");
 }
 
-/* A file that is asked for again, as the mesh of many bodies is, is kept once. */
+/* Reads a file and remembers it (a struct cml_text_source). A file that several bodies name is read and kept
+ * once. */
 static cml_status record(void *context, const char *path, size_t most, char **data, size_t *size,
                          struct cml_error *err)
 {
@@ -53,10 +58,11 @@ static cml_status record(void *context, const char *path, size_t most, char **da
     return append(context, path, *data, *size, err);
 }
 
+/* Finds a file that rank 0 has sent (a struct cml_text_source). Returns CML_E_INPUT for any other path. */
 static cml_status replay(void *context, const char *path, size_t most, char **data, size_t *size,
                          struct cml_error *err)
 {
-    (void)most; /* the recorder has looked at it */
+    (void)most; /* rank 0 has checked the size while recording */
     const struct cml_input *known = find(context, path);
     if (known) return give_copy(known, data, size, err);
     return cml_fail(err, CML_E_INPUT, "%s: rank 0 did not read this file", cml_text_name(path));
@@ -72,7 +78,8 @@ struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs)
     return (struct cml_text_source){replay, inputs};
 }
 
-/* Path, size, bytes, and so on: both sides are the same program on the same kind of machine. */
+/* Packs the files into one block: path, size, bytes of each file in turn. Sizes are in native byte order, as
+ * all ranks run the same program on the same kind of machine. */
 cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size, struct cml_error *err)
 {
     FILE *out = open_memstream(block, size);

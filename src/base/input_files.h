@@ -1,30 +1,35 @@
-/* Input files, remembered as they are read: what rank 0 sends to the others, who read
- * from memory what it read from disk, and what a checkpoint is compared with. SPDX-License-Identifier: MIT */
+/* Input files, remembered as they are read. Rank 0 sends them to the other ranks, which read from memory the
+ * bytes that rank 0 read from disk. Checkpoints are compared with them, too. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/text.h"
 
 struct cml_input {
-    char *path; /* as it was asked for */
-    char *data; /* [size], and a final NUL */
+    char *path; /* as the scene named the file */
+    char *data; /* [size] bytes and a final NUL */
     size_t size;
 };
 
 struct cml_inputs {
     size_t count;
-    struct cml_input *item; /* [count], in the order of reading */
+    struct cml_input *item; /* [count] files in the order of reading */
 };
 
-/* A source that reads the file system and adds every file that it read to `inputs`, which must outlive it. */
+/* Returns a source that reads from the file system and adds every file to `inputs`, which must outlive the
+ * source. */
 struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs);
 
-/* A source that finds files in `inputs` and nowhere else. CML_E_INPUT for any other path. */
+/* Returns a source that finds files in `inputs` only, and returns CML_E_INPUT for any other path. */
 struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs);
 
-/* All files as one block, the caller's to free, and back. cml_inputs_unpack trusts its block. */
+/* Packs all files into one block, which the caller frees. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size,
                                          struct cml_error *err);
+
+/* Fills *inputs with the files of a block from cml_inputs_pack, without checking the block. Returns
+ * CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs,
                                            struct cml_error *err);
 
+/* Frees all files. Does nothing for a zeroed structure. */
 void cml_inputs_clear(struct cml_inputs *inputs);

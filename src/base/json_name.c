@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes values of JSON records and prints the records. SPDX-License-Identifier: MIT */
 #include "base/json_name.h"
 
 #include <math.h>

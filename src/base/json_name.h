@@ -1,5 +1,5 @@
-/* JSON: names of files, which may hold any bytes while it is UTF-8, numbers, and records on a line.
- * SPDX-License-Identifier: MIT */
+/* Values of JSON records: file names of any bytes, numbers that may be NaN, and printing of one record per
+ * line. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -7,12 +7,14 @@
 #include <jansson.h>
 #include <stdio.h>
 
-/* A new string: the name, or, where it is not UTF-8, the name with every byte beyond ASCII written as \xNN.
- * NULL when memory runs out. */
+/* Returns a new JSON string of the name. In a name that is not UTF-8, every byte beyond ASCII becomes \xNN.
+ * Returns NULL if memory runs out. */
 json_t *cml_json_name(const char *name);
 
-/* JSON cannot say NaN, the error of one packet, nor infinity: null. NULL when memory runs out. */
+/* Returns a JSON number, or null for NaN and infinity, which JSON does not have. An error estimated from one
+ * packet is NaN. Returns NULL if memory runs out. */
 json_t *cml_json_real(double value);
 
-/* The object, or NULL, on one line; it is freed. CML_E_INPUT when memory runs out, or had before. */
+/* Prints the object on one line and frees it. Returns CML_E_INPUT if the object is NULL, because memory ran
+ * out before, or if memory runs out now. */
 CML_NODISCARD cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err);

@@ -1,5 +1,6 @@
-/* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE /* fopencookie */
+/* Escapes control characters, invisible characters and invalid UTF-8 in messages and on standard output.
+ * SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE /* declares fopencookie */
 #include "base/print_line.h"
 
 #include <errno.h>
@@ -7,14 +8,16 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Bytes of a character, by its first; 1 where none begins so. */
+/* Returns the number of bytes of the UTF-8 character that begins with the byte `first`; 1 if no character
+ * begins so. */
 static int length_of(unsigned char first)
 {
     return first < 0xc0 || first >= 0xf8 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
 }
 
-/* Controls of terminals (C1), of lines and of the direction of writing; what is not seen
- * (Default_Ignorable_Code_Point of Unicode 15, DerivedCoreProperties.txt); and what is no character. */
+/* True for characters that a message must not contain: control characters of terminals (C1), of lines and of
+ * writing direction; invisible characters (Default_Ignorable_Code_Point of Unicode 15,
+ * DerivedCoreProperties.txt); code points that are no characters. */
 static bool is_control(uint32_t code)
 {
     static const uint32_t range[][2] = {
@@ -29,7 +32,8 @@ static bool is_control(uint32_t code)
     return false;
 }
 
-/* Bytes of the character of UTF-8 that begins here, 0: there is none. */
+/* Decodes the UTF-8 character at `text` into *code. Returns its number of bytes; 0 if no valid character
+ * begins there. */
 static int decode(const char *text, uint32_t *code)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -45,6 +49,8 @@ static int decode(const char *text, uint32_t *code)
     return none ? 0 : bytes;
 }
 
+/* Prints a text with dangerous characters escaped: as \uNNNN with `json`, else as \xNN. as_they_are: control
+ * characters that stay. */
 static void print(FILE *stream, const char *text, const char *as_they_are, bool json)
 {
     while (*text) {
@@ -70,7 +76,8 @@ void cml_print_line(FILE *stream, const char *text)
     fputc('\n', stream);
 }
 
-/* What has been written to the stream that stands before standard output: a character may come in pieces. */
+/* The stream in place of standard output: bytes of a character that is not complete yet, since a character
+ * may come in several writes. */
 static struct {
     FILE *to;
     bool json;
@@ -79,20 +86,24 @@ static struct {
     bool unread;
 } escaped;
 
-static void pass_on(void)
+/* Prints the bytes held so far and forgets them. */
+static void print_held(void)
 {
     escaped.held[escaped.count] = '\0';
     print(escaped.to, escaped.held, "\n\t", escaped.json);
     escaped.count = 0;
 }
 
+/* Writes the bytes of a stream to standard output, character by character (fopencookie). Returns 0 if
+ * standard output failed. */
 static ssize_t write_escaped(void *context, const char *data, size_t size)
 {
     (void)context;
     for (size_t i = 0; i < size; i++) {
-        if ((data[i] & 0xc0) != 0x80) pass_on(); /* what was begun before is none */
+        /* A byte that begins a character shows that the character held so far is incomplete. */
+        if ((data[i] & 0xc0) != 0x80) print_held();
         escaped.held[escaped.count++] = data[i];
-        if (escaped.count == length_of((unsigned char)escaped.held[0])) pass_on();
+        if (escaped.count == length_of((unsigned char)escaped.held[0])) print_held();
     }
     if (fflush(escaped.to) == 0 && !ferror(escaped.to)) return (ssize_t)size;
     escaped.unread |= errno == EPIPE;

@@ -1,4 +1,5 @@
-/* What users have written, on a terminal. SPDX-License-Identifier: MIT */
+/* Safe printing of text that users have written, such as file names, on a terminal. SPDX-License-Identifier:
+ * MIT */
 #pragma once
 
 #include "base/status.h"
@@ -6,13 +7,13 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Prints a message and a line feed. Whatever users have written that stands in it cannot drive a terminal,
- * nor be there unseen: bytes that are no printable UTF-8 become \xNN. */
+/* Prints a message and a line feed. Control characters, invisible characters and bytes that are no valid
+ * UTF-8 are printed as \xNN, so that text from users cannot control the terminal or hide. */
 void cml_print_line(FILE *stream, const char *text);
 
-/* From here on standard output is so, too, but for its line feeds and tabs; json: such characters become
- * \uNNNN, which a reader of JSON turns back. CML_E_INPUT when memory runs out. */
+/* Escapes the same characters, except line feeds and tabs, in everything written to standard output from now
+ * on. With `json` they become \uNNNN, which a JSON reader decodes. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_escape_output(bool json, struct cml_error *err);
 
-/* Whether something was written to it that nobody would read: a pipe whose other end is closed. */
+/* True if standard output is a pipe whose reader has closed it, so that something written was lost. */
 bool cml_output_unread(void);

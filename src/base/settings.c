@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Collects settings of --set and of tables, and reports wrong ones. SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
 #include "base/text.h"
@@ -23,7 +23,8 @@ cml_status cml_setting_fail(const struct cml_setting *setting, const char *expec
     return cml_fail_field(err, setting->source, setting->line, field, setting->value, expected);
 }
 
-/* A name twice: one of the two values would not be looked at. */
+/* Adds a copy of a setting. Refuses a name that is set already, because one of its two values would be
+ * ignored. */
 cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_setting *setting,
                              struct cml_error *err)
 {

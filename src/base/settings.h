@@ -1,5 +1,5 @@
-/* Values from outside a scene's file: NAME=VALUE of --set, or a cell of the table of --sweep. What names
- * there are, and which values they may have, the reader of scenes knows (input/mci_settings.h).
+/* Values that a run sets from outside the scene's file: NAME=VALUE of --set, or a cell of the table of
+ * --sweep. The scene reader knows which names and values exist (input/mci_settings.h).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,35 +8,37 @@
 enum { CML_MOST_SETTINGS = 256, CML_SETTING_NAME = 64 };
 
 struct cml_setting {
-    char name[CML_SETTING_NAME]; /* "layer2.mua" */
-    const char *value;           /* as it was written; borrowed */
-    const char *source;          /* what messages begin with: "--set", or the table's path; borrowed */
-    int line, column;            /* of the table, from 1; 0: of none */
+    char name[CML_SETTING_NAME]; /* such as "layer2.mua" */
+    const char *value;           /* as written by the user; borrowed */
+    const char *source; /* where the value comes from, for messages: "--set" or the table's path; borrowed */
+    int line, column;   /* of the cell in the table, from 1; 0 for --set */
 };
 
-/* Zeroed: none. */
+/* All settings of a run. Zeroed: no settings. */
 struct cml_settings {
     int count;
     struct cml_setting item[CML_MOST_SETTINGS];
 };
 
-/* Adds "NAME=VALUE"; its source is "--set". CML_E_INPUT: no name, no value, a name that is there already, or
- * one too many. */
+/* Adds the setting "NAME=VALUE" of --set. Returns CML_E_INPUT without a name or value, for a name that is set
+ * already, or beyond CML_MOST_SETTINGS. */
 CML_NODISCARD cml_status cml_settings_add(struct cml_settings *settings, const char *text,
                                           struct cml_error *err);
 
-/* Adds a copy, with the same checks of name and number. */
+/* Adds a copy of a setting. Returns CML_E_INPUT for a name that is set already, or beyond
+ * CML_MOST_SETTINGS. */
 CML_NODISCARD cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_setting *setting,
                                            struct cml_error *err);
 
-/* The setting of that name; NULL: there is none. */
+/* Returns the setting with that name, or NULL. */
 const struct cml_setting *cml_settings_find(const struct cml_settings *settings, const char *name);
 
-/* All of them as a text, a "NAME = VALUE" a line, the caller's to free; NULL where there are none. */
+/* Writes all settings as a text, one "NAME = VALUE" per line. The caller frees the text; NULL if there are no
+ * settings. */
 CML_NODISCARD cml_status cml_settings_text(const struct cml_settings *settings, char **text,
                                            struct cml_error *err);
 
-/* "SOURCE: NAME = VALUE (expected EXPECTED)", with line and column of a table behind the source; CML_E_INPUT.
- */
+/* Refuses a setting: "SOURCE: NAME = VALUE (expected EXPECTED)", after SOURCE also line and column of a
+ * table. Returns CML_E_INPUT. */
 CML_NODISCARD cml_status cml_setting_fail(const struct cml_setting *setting, const char *expected,
                                           struct cml_error *err);

@@ -1,5 +1,5 @@
-/* Counts of references: of what is read or built once, never changed afterwards, and held by several. The
- * count stands in memory of its own; NULL is that of one holder who shares with none. For one thread.
+/* Reference counts for objects that several holders share and nobody changes. Each count has memory of its
+ * own. A NULL count belongs to an object with one holder. Not safe for several threads.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,7 +8,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Makes *users the count of one holder, unless it counts already. */
+/* Starts counting: makes *users a count of one holder, unless it counts already. Returns CML_E_INPUT if
+ * memory runs out. */
 CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_error *err)
 {
     if (*users) return CML_OK;
@@ -18,13 +19,13 @@ CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_e
     return CML_OK;
 }
 
-/* Counts one holder more of what is shared. */
+/* Adds one holder to the count. */
 static inline void cml_share(int *users)
 {
     if (users) ++*users;
 }
 
-/* One holder less; true when it was the last one, who frees what was shared. */
+/* Removes one holder from the count. Returns true for the last holder, who must free the shared object. */
 static inline bool cml_share_end(int *users)
 {
     if (users && --*users > 0) return false;

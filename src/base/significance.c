@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Formulas for the probability of deviations. SPDX-License-Identifier: MIT */
 #include "base/significance.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Writes error messages. SPDX-License-Identifier: MIT */
 #include "base/status.h"
 
 #include <stdarg.h>
@@ -6,12 +6,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Where a message is too long, its middle goes: the names come first, and the reason last. */
+/* First letters kept of a message that is too long. Its middle is left out, because names stand first and the
+ * reason last. */
 #define FIRST_PART 400
 
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
-    static _Thread_local char whole[16384]; /* two paths at least; a stack may be as small as that */
+    /* The message in full length: it holds two paths at least. Static, as a thread's stack may be as small.
+     */
+    static _Thread_local char whole[16384];
     va_list args;
     va_start(args, format);
     vsnprintf(whole, sizeof whole, format, args);
@@ -26,7 +29,7 @@ cml_status cml_fail(struct cml_error *err, cml_status status, const char *format
     return status;
 }
 
-/* Whether the value that is expected may hold commas: "x,y" is one value. */
+/* True if the expected value itself may contain commas, as "x,y" does. */
 static bool takes_commas(const char *expected)
 {
     const char *comma = strchr(expected, ',');

@@ -19,7 +19,7 @@ typedef enum cml_status {
 
 struct cml_error {
     cml_status status;
-    char text[1024]; /* for cml_print_line: it may hold what users have written */
+    char text[1024]; /* the message; print it by cml_print_line, since it may quote any text from users */
 };
 
 #define CML_NODISCARD __attribute__((warn_unused_result))
@@ -32,11 +32,13 @@ struct cml_error {
         if (cml_try_status_ != CML_OK) return cml_try_status_;                                               \
     } while (0)
 
-/* What a local variable owns ends with its scope, wherever that is left: it is freed, or `end` is called with
- * its address. From its declaration on the variable is empty, or owns something. */
+/* Declares that a local variable owns a resource. At the end of the variable's scope, on every way out,
+ * CML_FREED frees the resource and CML_AT_END calls `end` with the variable's address. The variable must be
+ * initialised where it is declared, empty or with its resource. */
 #define CML_AT_END(end) __attribute__((cleanup(end)))
 #define CML_FREED CML_AT_END(cml_free_owned)
 
+/* Frees the memory to which the pointer at `variable` points (CML_FREED). */
 static inline void cml_free_owned(void *variable)
 {
     void *owned;
@@ -44,19 +46,21 @@ static inline void cml_free_owned(void *variable)
     free(owned);
 }
 
-/* Writes the message (where it is longer than err->text, without its middle) and returns `status`. */
+/* Writes the message to `err` and returns `status`. A message longer than err->text loses its middle. */
 CML_NODISCARD CML_PRINTF(3, 4) cml_status
     cml_fail(struct cml_error *err, cml_status status, const char *format, ...);
 
-/* What a number that others write so lacks or has too much: "0,5", "1,000", "1.4;"; "" of all else, and where
- * commas are expected in one value. */
+/* Returns a hint for a number in another notation: ", with a decimal point" for "0,5", ", without commas" for
+ * "1,000", ", without ;" for "1.4;". Returns "" for any other value, and if `expected` itself has commas
+ * inside a value. */
 const char *cml_number_hint(const char *value, const char *expected);
 
-/* The one grammar of input errors: "FILE:LINE: FIELD = VALUE (expected EXPECTED)"; line <= 0 leaves ":LINE"
- * out, value NULL or "" prints "FIELD is missing". Returns CML_E_INPUT. */
+/* Writes an input error in the only form that input errors have: "FILE:LINE: FIELD = VALUE (expected
+ * EXPECTED)". line <= 0 leaves ":LINE" out; value NULL or "" prints "FIELD is missing". Returns
+ * CML_E_INPUT. */
 CML_NODISCARD cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
                                         const char *value, const char *expected);
 
-/* "out of memory: N MiB for WHAT". Returns CML_E_INPUT, because only a request in the input can ask for that
- * much. */
+/* Writes "out of memory: N MiB for WHAT". Returns CML_E_INPUT, because only a request in the input can need
+ * that much memory. */
 CML_NODISCARD cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what);

@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: MIT */
+/* Reads files, lines, words and numbers, and guesses names that were meant. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* vasprintf */
+#define _GNU_SOURCE /* declares vasprintf */
 #endif
 #include "base/text.h"
 
@@ -17,12 +17,16 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+/* Reports a file that cannot be read: "PATH: cannot be read: REASON (expected EXPECTED)". Returns
+ * CML_E_INPUT. */
 static cml_status fail_reading(const char *path, const char *reason, const char *expected,
                                struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected %s)", path, reason, expected);
 }
 
+/* Reports a table larger than `most` bytes. more: "more than ", or "" if its size is exact. Returns
+ * CML_E_INPUT. */
 static cml_status fail_large(const char *path, const char *more, unsigned long long size, size_t most,
                              struct cml_error *err)
 {
@@ -32,7 +36,7 @@ static cml_status fail_large(const char *path, const char *more, unsigned long l
     return fail_reading(cml_text_name(path), reason, expected, err);
 }
 
-/* A regular file that is too large is refused before it is read. */
+/* Refuses a regular file of more than `most` bytes before it is read. */
 static cml_status check_size(FILE *stream, const char *path, size_t most, struct cml_error *err)
 {
     struct stat about;
@@ -41,7 +45,8 @@ static cml_status check_size(FILE *stream, const char *path, size_t most, struct
     return fail_large(path, "", (unsigned long long)about.st_size, most, err);
 }
 
-/* In growing pieces: standard input has no length to ask for. One byte stays free for the final NUL. */
+/* Reads a stream to its end in growing pieces, because the length of standard input is unknown. One byte
+ * stays free for the final NUL. */
 static cml_status read_stream(FILE *stream, const char *path, size_t most, char **data, size_t *size,
                               struct cml_error *err)
 {
@@ -81,7 +86,7 @@ bool cml_file_ends_in(const char *path, const char *extension)
     return length >= end && strcasecmp(path + length - end, extension) == 0;
 }
 
-/* Devices may have no end, as /dev/zero has none. A terminal has one. */
+/* True for devices except terminals. A device such as /dev/zero may never end; a terminal does. */
 static bool is_device(int file)
 {
     struct stat about;
@@ -104,6 +109,7 @@ cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t
     return status;
 }
 
+/* Reads a file of at most `most` bytes from the source. On failure *text is cleared. */
 static cml_status read_bytes(const struct cml_text_source *source, const char *path, size_t most,
                              struct cml_text *text, struct cml_error *err)
 {
@@ -122,11 +128,14 @@ cml_status cml_text_read_bytes(const struct cml_text_source *source, const char 
     return read_bytes(source, path, SIZE_MAX, text, err);
 }
 
+/* Reads a text file of at most `most` bytes: skips a byte order mark and refuses UTF-16, HDF5 and NUL
+ * bytes. */
 static cml_status read_text(const struct cml_text_source *source, const char *path, size_t most,
                             struct cml_text *text, struct cml_error *err)
 {
     CML_TRY(read_bytes(source, path, most, text, err));
-    /* Editors on Windows write a byte order mark; before a comment it would make that line a number. */
+    /* Skip the byte order mark that editors on Windows write. In front of a comment it would hide the comment
+     * sign. */
     if (strncmp(text->data, "\xEF\xBB\xBF", 3) == 0) {
         text->size -= 3;
         memmove(text->data, text->data + 3, text->size + 1);
@@ -165,7 +174,7 @@ void cml_text_clear(struct cml_text *text)
     *text = (struct cml_text){0};
 }
 
-/* Lines are cut in place, so that a file of 1e8 numbers is in memory once. */
+/* Returns the next line. Lines are cut in place, so that a file of 1e8 numbers is in memory only once. */
 char *cml_text_next(struct cml_text *text)
 {
     if (text->cursor >= text->size) return NULL;
@@ -196,8 +205,8 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
-/* strtod takes more than a number in a file should be: the set of characters excludes hexadecimal, nan and
- * inf. */
+/* Parses a decimal number. The set of characters excludes hexadecimal numbers, nan and inf, which strtod
+ * would accept. */
 bool cml_parse_double(const char *word, double *value)
 {
     if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
@@ -208,7 +217,8 @@ bool cml_parse_double(const char *word, double *value)
     return true;
 }
 
-/* Up to 2^53, to which every whole number is a double. A double would round 2^53 + 1 to that. */
+/* Parses a whole number up to 2^53, below which doubles hold every whole number. long double is used because
+ * a double would round 2^53 + 1 to 2^53. */
 bool cml_parse_count(const char *word, uint64_t *value)
 {
     double rounded = 0;
@@ -272,21 +282,23 @@ cml_status cml_path_beside(const char *beside, const char *name, char **path, st
     return cml_text_format(path, "a path", err, "%.*s%s", (int)(slash - beside) + 1, beside, name);
 }
 
-/* ---- which name was meant? ---- */
+/* ---- guessing the name that was meant ---- */
 
 enum { LONGEST = 63 };
 
+/* Returns the smaller of two numbers. */
 static size_t least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
 
+/* True if two letters are equal, ignoring case. */
 static bool is_same(char a, char b)
 {
     return tolower((unsigned char)a) == tolower((unsigned char)b);
 }
 
-/* Levenshtein's distance, a row of its table at a time; capitals are as good as small letters. */
+/* Returns Levenshtein's distance of two words, ignoring case. One row of its table is kept at a time. */
 static size_t distance(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     size_t row[LONGEST + 1];

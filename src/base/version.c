@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* The version strings, made by CMake. SPDX-License-Identifier: MIT */
 #include "base/version.h"
 
 const char *cml_version(void)

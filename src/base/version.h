@@ -1,5 +1,8 @@
-/* Which program this is, for outputs and checkpoints. SPDX-License-Identifier: MIT */
+/* The program's version, for outputs and checkpoints. SPDX-License-Identifier: MIT */
 #pragma once
 
-const char *cml_version(void); /* "VERSION (git hash)"; without the hash where no repository was at hand */
-const char *cml_version_parts(void); /* "MPI no, HDF5 yes, OpenCL yes": what may be left out of a build */
+/* Returns "VERSION (git hash)"; no hash if built outside a repository. */
+const char *cml_version(void);
+
+/* Returns the optional parts of this build: "MPI no, HDF5 yes, OpenCL yes". */
+const char *cml_version_parts(void);

@@ -1,5 +1,5 @@
-/* A binary tree of axis-parallel boxes, as of a bounding volume hierarchy, without links: its shape follows
- * from the number of its leaves alone. SPDX-License-Identifier: MIT */
+/* A binary tree of axis-parallel boxes (a bounding volume hierarchy). The tree stores no links, because its
+ * shape follows from the number of leaves alone. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 
 #include "geometry/predicate.h"
@@ -8,22 +8,30 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* As double[2][3], by which boxes are given. */
+/* A box with the memory layout of double[2][3], the form in which callers give boxes. */
 struct box {
     double lower[3], upper[3];
 };
 
-/* Nodes in preorder, split at the middle of their range of `index`; a leaf is one triangle, or one of the
- * boxes. So neither links nor ranges are stored: see left_of and right_of. */
+/* A tree over n leaves; a leaf is one triangle or one of the given boxes. Nodes are stored in preorder, and
+ * each node splits its range of `index` in the middle. Numbers of the nodes of a tree of 5 leaves:
+ *
+ *           0
+ *         /   \
+ *        1     4
+ *       / \   / \
+ *      2   3 5   6
+ *               / \
+ *              7   8 */
 struct cml_boxtree {
     size_t n;
-    uint32_t *index;         /* [n] */
-    struct box *box;         /* [2 n - 1] */
-    uint32_t *least;         /* [2 n - 1] of a tree over boxes: the least index below a node */
-    const struct box *given; /* [n] of a tree over boxes */
+    uint32_t *index;         /* [n] numbers of triangles or boxes in the order of the leaves */
+    struct box *box;         /* [2 n - 1] box of each node */
+    uint32_t *least;         /* [2 n - 1] smallest index below each node; only in a tree over boxes */
+    const struct box *given; /* [n] the callers' boxes; only in a tree over boxes */
 };
 
-/* A node and the range of `index` below it. */
+/* A node: its number, and the range of `index` below it. */
 struct node {
     size_t at, first, count;
 };
@@ -33,33 +41,37 @@ static struct node root_of(const struct cml_boxtree *tree)
     return (struct node){0, 0, tree->n};
 }
 
-/* Preorder: the left child follows its parent, and its 2 count - 1 nodes come before the right one. */
+/* Returns the left child of a node. In preorder the left child follows its parent. */
 static struct node left_of(struct node node)
 {
     return (struct node){node.at + 1, node.first, node.count / 2};
 }
 
+/* Returns the right child of a node. The left child's 2 half - 1 nodes come before it. */
 static struct node right_of(struct node node)
 {
     const size_t half = node.count / 2;
     return (struct node){node.at + 2 * half, node.first + half, node.count - half};
 }
 
-/* What only building needs. */
+/* Data that only building needs. */
 struct builder {
     struct cml_boxtree *tree;
     const double (*vertex)[3];
     const uint32_t (*triangle)[3];
-    int num_keys;      /* of a leaf, by which nodes are split */
-    const double *key; /* [n][num_keys]: three times the centroid of a triangle; the six sides of a box */
+    int num_keys;      /* number of sort keys of a leaf */
+    const double *key; /* [n][num_keys] sort keys by which nodes are split: three times the centroid of a
+                          triangle, or the six sides of a box */
 };
 
+/* Returns sort key k of leaf i. */
 static double key_of(const struct builder *builder, uint32_t i, int k)
 {
     return builder->key[(size_t)i * (size_t)builder->num_keys + (size_t)k];
 }
 
-/* Closed boxes of the exact coordinates: triangles that touch have boxes that touch. */
+/* Returns the closed box of triangle i from its exact coordinates, so that triangles that touch have boxes
+ * that touch. */
 static struct box box_of_triangle(const struct builder *builder, uint32_t i)
 {
     const double *a = builder->vertex[builder->triangle[i][0]];
@@ -73,6 +85,7 @@ static struct box box_of_triangle(const struct builder *builder, uint32_t i)
     return box;
 }
 
+/* Returns the box around two boxes. */
 static struct box box_of_both(const struct box *a, const struct box *b)
 {
     struct box box;
@@ -83,8 +96,8 @@ static struct box box_of_both(const struct box *a, const struct box *b)
     return box;
 }
 
-/* Halving by the key that differs most keeps boxes compact. With both sides of a box as keys, boxes around
- * the same place are parted by their size. */
+/* Returns the key whose values differ most below the node: splitting by this key keeps boxes compact. Boxes
+ * have both of their sides as keys, so that boxes around the same place are separated by size. */
 static int widest_key(const struct builder *builder, struct node node)
 {
     double widest = -1;
@@ -109,8 +122,9 @@ static void swap_index(uint32_t *a, uint32_t *b)
     *b = keep;
 }
 
-/* Hoare's selection [Algorithm 65: Find, Comm. ACM 4 (1961) 321]: afterwards no key before `middle` is above
- * any key from it on. The pivot comes from the middle of the range, so that sorted input is no bad case. */
+/* Reorders `index` so that no key before `middle` is above any key from `middle` on: Hoare's selection
+ * [Algorithm 65: Find, Comm. ACM 4 (1961) 321]. The pivot comes from the middle of the range, so that sorted
+ * input is not slow. */
 static void select_middle(const struct builder *builder, size_t first, size_t count, size_t middle, int key)
 {
     uint32_t *index = builder->tree->index;
@@ -132,7 +146,8 @@ static void select_middle(const struct builder *builder, size_t first, size_t co
     }
 }
 
-/* Median split: the depth is log2 n whatever the triangles are. Boxes come from the children's. */
+/* Builds the tree below a node by median splits, so that the depth is log2 n for any triangles. A node's box
+ * is made from its children's boxes. */
 static void build(const struct builder *builder, struct node node)
 {
     struct cml_boxtree *tree = builder->tree;
@@ -152,6 +167,8 @@ static void build(const struct builder *builder, struct node node)
             tree->least[left.at] < tree->least[right.at] ? tree->least[left.at] : tree->least[right.at];
 }
 
+/* Allocates a tree of n leaves, with `least` if it is a tree over boxes. Returns CML_E_INPUT if memory runs
+ * out. */
 static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
     struct cml_boxtree *made = calloc(1, sizeof *made);
@@ -209,6 +226,7 @@ void cml_boxtree_free(struct cml_boxtree *tree)
     free(tree);
 }
 
+/* True if two boxes have a common point. */
 static bool boxes_touch(const struct box *a, const struct box *b)
 {
     for (int k = 0; k < 3; k++)
@@ -216,16 +234,16 @@ static bool boxes_touch(const struct box *a, const struct box *b)
     return true;
 }
 
-/* One search for pairs. */
+/* A search for pairs of leaves whose boxes touch. */
 struct search {
     const struct cml_boxtree *a, *b;
     cml_boxtree_pair *pair;
     void *context;
 };
 
-/* Both trees are gone down together, the one with more triangles first; pairs of nodes whose boxes are apart
- * end the search below them [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH 1996, 171, with
- * oriented boxes]. */
+/* Searches two trees for pairs, going down in the tree with more triangles first. A pair of nodes whose boxes
+ * do not touch ends the search below both nodes [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH
+ * 1996, 171, with oriented boxes]. */
 static bool search_two(const struct search *search, struct node a, struct node b)
 {
     if (!boxes_touch(&search->a->box[a.at], &search->b->box[b.at])) return false;
@@ -235,8 +253,8 @@ static bool search_two(const struct search *search, struct node a, struct node b
     return search_two(search, a, left_of(b)) || search_two(search, a, right_of(b));
 }
 
-/* Every pair of triangles of one tree is parted by exactly one node: where one is on its left, the other on
- * its right. */
+/* Searches one tree for pairs. Each pair of triangles is separated by exactly one node, which has one
+ * triangle on its left side and the other on its right side. */
 static bool search_own(const struct search *search, struct node node)
 {
     if (node.count == 1) return false;
@@ -251,14 +269,15 @@ bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b,
     return search_two(&search, root_of(a), root_of(b));
 }
 
-/* Shared vertices make neighbours' boxes touch, so that all neighbours are among the pairs. */
+/* Finds all pairs within one tree. Neighbours share vertices, so their boxes touch and all neighbours are
+ * among the pairs. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context)
 {
     const struct search search = {tree, tree, pair, context};
     return search_own(&search, root_of(tree));
 }
 
-/* One search for what touches a box. */
+/* A search for leaves whose boxes touch a given box. */
 struct touching {
     const struct cml_boxtree *tree;
     struct box box;
@@ -266,6 +285,7 @@ struct touching {
     void *context;
 };
 
+/* Calls `visit` for the leaves below a node whose boxes touch the searched box. */
 static void search_touching(const struct touching *touching, struct node node)
 {
     if (!boxes_touch(&touching->tree->box[node.at], &touching->box)) return;
@@ -292,16 +312,17 @@ struct through {
     struct cml_column column;
 };
 
-/* Does the edge, seen from above, pass the point on its right? Half open, and exact: a column through an edge
- * or a vertex counts exactly one of the triangles that meet there. */
+/* True if the edge from a to b, seen from above, passes the point on the point's right. The test is half open
+ * in y and exact, so that a column through an edge or vertex counts exactly one of the triangles that meet
+ * there. */
 static bool passes_right(const double *a, const double *b, const double *point)
 {
     if ((a[1] > point[1]) == (b[1] > point[1])) return false;
     return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
 }
 
-/* The depth of a triangle over a point, from barycentric coordinates; only for the message, so rounding does
- * not matter. */
+/* Returns the depth of a triangle over a point, from barycentric coordinates, cm. Only a message uses the
+ * depth, so rounding does not matter. */
 static double depth_in_column(const double *const v[3], const double *point)
 {
     double weight[3], sum = 0.0, z = 0.0;
@@ -314,8 +335,9 @@ static double depth_in_column(const double *const v[3], const double *point)
     return sum > 0.0 ? z / sum : v[0][2];
 }
 
-/* A cml_boxtree_visit. A triangle is above the point when the point is on its lower side: the exact 3D
- * orientation, with the sign that the triangle's turn seen from above gives it. */
+/* Counts triangle i if the vertical through the point meets it (a cml_boxtree_visit). The triangle is above
+ * the point if the point is on the triangle's lower side. The exact 3D orientation tells the side; its sign
+ * is corrected by the triangle's turn as seen from above. */
 static void visit_through(void *context, uint32_t i)
 {
     struct through *through = context;
@@ -345,7 +367,7 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
     return through.column;
 }
 
-/* One search for the closest triangle. */
+/* A search for the triangle closest to a point. */
 struct closest {
     const struct cml_boxtree *tree;
     const double *p;
@@ -355,7 +377,7 @@ struct closest {
     uint32_t best;
 };
 
-/* Square of the distance from p, 0 inside. */
+/* Returns the square of the distance from p to the box, 0 inside. */
 static double box_square(const struct box *box, const double p[3])
 {
     double sum = 0;
@@ -366,7 +388,7 @@ static double box_square(const struct box *box, const double p[3])
     return sum;
 }
 
-/* The closer side first, and no side that is further than the best so far. */
+/* Searches the closer child first, and skips a child that is further away than the best triangle so far. */
 static void search_closest(struct closest *closest, struct node node)
 {
     if (node.count == 1) {
@@ -393,7 +415,7 @@ double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cm
     return closest.least;
 }
 
-/* One search for what lies around a box. */
+/* A search for the smallest accepted box that contains a given box. */
 struct around {
     const struct cml_boxtree *tree;
     uint32_t inner, best;
@@ -401,6 +423,7 @@ struct around {
     void *context;
 };
 
+/* True if the box `outer` contains the box `inner`; equal sides count. */
 static bool holds(const struct box *outer, const struct box *inner)
 {
     for (int k = 0; k < 3; k++)
@@ -408,8 +431,9 @@ static bool holds(const struct box *outer, const struct box *inner)
     return true;
 }
 
-/* Branch and bound [A. H. Land, A. G. Doig, Econometrica 28 (1960) 497]: the side with the smaller box first,
- * and no side whose boxes are all larger than the best so far. */
+/* Searches for the smallest accepted box around box `inner` by branch and bound [A. H. Land, A. G. Doig,
+ * Econometrica 28 (1960) 497]. Boxes are sorted by size, so a smaller index means a smaller box. The child
+ * with the smaller box comes first; a child without a box smaller than the best so far is skipped. */
 static void search_around(struct around *around, struct node node)
 {
     const struct cml_boxtree *tree = around->tree;

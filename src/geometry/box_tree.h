@@ -1,7 +1,7 @@
-/* A tree of boxes, over a mesh's triangles or any boxes: which may meet, which stand in a vertical column,
- * and which lies around another. Exists because the overlap check must stay near linear whatever the
- * triangles' sizes and shapes (walls, needles, local refinement), and whatever bodies lie in each other.
- * Knows no scene. SPDX-License-Identifier: MIT */
+/* A tree of boxes over triangles or over given boxes. It finds boxes that touch, triangles in a vertical
+ * column, the closest triangle, and the smallest box around another box. With the tree, the check for
+ * overlaps needs nearly linear time, whatever the sizes and shapes of triangles (walls, needles, local
+ * refinement) and however bodies are nested. Knows no scene. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -12,29 +12,34 @@
 
 struct cml_boxtree;
 
-/* The arrays must outlive the tree. num_triangles >= 1. CML_E_INPUT only when memory runs out. */
+/* Builds a tree over triangles. The arrays must outlive the tree; num_triangles >= 1. Returns CML_E_INPUT if
+ * memory runs out. */
 CML_NODISCARD cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3],
                                             size_t num_triangles, struct cml_boxtree **tree,
                                             struct cml_error *err);
 
-/* Over boxes, given by their lower and upper corners, which must outlive the tree. n >= 1. CML_E_INPUT only
- * when memory runs out. */
+/* Builds a tree over n >= 1 boxes, given by their lower and upper corners. The boxes must outlive the tree.
+ * Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n,
                                                   struct cml_boxtree **tree, struct cml_error *err);
 
+/* Frees a tree; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree);
 
-/* Called with triangles whose boxes touch; true ends the search. */
+/* Is called with a pair of triangles whose boxes touch; returns true to end the search. */
 typedef bool cml_boxtree_pair(void *context, uint32_t i, uint32_t j);
 
-/* Every pair (i of a, j of b) whose boxes touch. True when `pair` ended the search. */
+/* Calls `pair` for each triangle i of a and j of b whose boxes touch. Returns true if `pair` ended the
+ * search. */
 bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b, cml_boxtree_pair *pair,
                        void *context);
 
-/* Every pair (i, j), i != j, within one tree, once. */
+/* Calls `pair` once for each two triangles of one tree whose boxes touch. Returns true if `pair` ended the
+ * search. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context);
 
-/* A mesh in a tree; all borrowed. part: of each triangle, NULL where all count. */
+/* A mesh and its tree; all pointers are borrowed. part: the part number of each triangle, or NULL if all
+ * triangles count. */
 struct cml_column_mesh {
     const double (*vertex)[3];
     const uint32_t (*triangle)[3];
@@ -43,34 +48,40 @@ struct cml_column_mesh {
 };
 
 struct cml_column {
-    int crossings, above; /* triangles in the column, and those above the point */
-    int winding;          /* of those above: facing up (mesh.h) less facing down */
-    bool touches;         /* the point lies on one */
-    double nearest;       /* cm to the next in the vertical, rounded; INFINITY: there is none */
+    int crossings, above; /* triangles in the column, and triangles above the point */
+    int winding;          /* among the triangles above: facing up (mesh.h) minus facing down */
+    bool touches;         /* the point lies on a triangle */
+    double nearest; /* vertical distance to the nearest triangle, cm, rounded; INFINITY if there is none */
 };
 
-/* What of a mesh stands over and under a point in the vertical, by exact signs (predicate.h): on which side
- * of a sheet, or in which part of a body it lies. Of all triangles but those of part `without`. A column
- * through an edge or a vertex counts one of the triangles on each of its sides. */
+/* Counts the triangles of a mesh above and below a point, in the vertical column through it. From the counts
+ * follows on which side of a sheet, or in which part of a body, the point lies. Triangles of part `without`
+ * are left out. Signs are exact (predicate.h); a column through an edge or vertex counts one triangle on each
+ * side. */
 struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
                                      const double point[3]);
 #define CML_WITHOUT_NONE UINT32_MAX
 
-/* Every triangle whose box touches this one. */
+/* Is called with the number of a triangle or box whose box touches the searched box. */
 typedef void cml_boxtree_visit(void *context, uint32_t i);
+
+/* Calls `visit` for each triangle or box whose box touches the box from `lower` to `upper`. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);
 
-/* Square of the distance of a triangle from p. */
+/* Returns the square of the distance of triangle i from p, for cml_boxtree_closest. */
 typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
 
-/* The square of the distance to the closest triangle, *i; who has a guess which it is puts that there, else
- * 0. */
+/* Finds the triangle closest to p: sets *i to its number and returns the square of its distance. On entry *i
+ * is a guess of that number, or 0. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i);
 
-/* In a tree over boxes that are sorted by size: the first box behind number i that holds the box i and that
- * `accept` takes; n where there is none. Called with i and few of the boxes that hold it, in any order. */
+/* Returns true if box j is acceptable as the box around box i. */
 typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
+
+/* Returns the first box behind number i that contains box i and that `accept` accepts; n if there is none.
+ * The tree's boxes must be sorted by size. `accept` is called with i and a few of the boxes that contain box
+ * i, in any order. */
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context);

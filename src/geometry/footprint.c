@@ -1,4 +1,4 @@
-/* Where a point lies to the border of a mesh, seen from above. SPDX-License-Identifier: MIT */
+/* Position of a point relative to a mesh's border, seen from above. SPDX-License-Identifier: MIT */
 #include "geometry/footprint.h"
 #include "geometry/polygon.h"
 
@@ -32,15 +32,15 @@ cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprin
     return status;
 }
 
-/* Whether the ray from (x, y) along +x meets the edge; half-open in y, so that it counts a vertex between two
- * edges once. */
+/* True if the ray from (x, y) along +x meets the edge. Half open in y, so that a vertex between two edges
+ * counts once. */
 static bool edge_is_right(const double p[2], const double q[2], double x, double y)
 {
     if ((p[1] > y) == (q[1] > y)) return false;
     return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
 }
 
-/* A ray from an inner point leaves the polygon an odd number of times (Jordan's curve theorem; the even-odd
+/* True if a ray from (x, y) meets the border an odd number of times (Jordan's curve theorem; the even-odd
  * rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434). */
 bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
 {
@@ -55,7 +55,8 @@ bool cml_footprint_contains(const struct cml_footprint *footprint, double x, dou
     return inside;
 }
 
-/* To the foot of the perpendicular, or to the end beyond which the foot lies. */
+/* Returns the distance of (x, y) from the edge: to the foot of the perpendicular, or to the nearer end if the
+ * foot lies beyond that end. */
 static double distance_to_edge(const double p[2], const double q[2], double x, double y)
 {
     const double ex = q[0] - p[0], ey = q[1] - p[1], px = x - p[0], py = y - p[1];
@@ -63,7 +64,8 @@ static double distance_to_edge(const double p[2], const double q[2], double x, d
     return hypot(px - s * ex, py - s * ey);
 }
 
-/* All edges that come within d in y stand in the rows from y - d to y + d. */
+/* True if the border comes within d of (x, y). All edges that come within d in y are listed in the rows from
+ * y - d to y + d. */
 bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -77,8 +79,9 @@ bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double 
     return false;
 }
 
-/* The part of the edge within the bounds of one axis after the other; none is left where it passes the box
- * [Y.-D. Liang, B. A. Barsky, ACM Trans. Graphics 3 (1984) 1]. */
+/* True if an edge meets a rectangle. The edge is clipped by the bounds of one axis after the other; if
+ * nothing is left, the edge passes beside the rectangle [Y.-D. Liang, B. A. Barsky, ACM Trans. Graphics 3
+ * (1984) 1]. */
 static bool edge_meets_box(const double p[2], const double q[2], const double box[2][2])
 {
     double from = 0, to = 1;
@@ -93,7 +96,8 @@ static bool edge_meets_box(const double p[2], const double q[2], const double bo
     return from <= to;
 }
 
-/* No edge passes the box, so it lies on one side of the border, as its middle does. */
+/* True if the rectangle lies inside the border. If no edge meets the rectangle, all of it lies on the same
+ * side as its middle. */
 bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
                                 const double upper[2])
 {

@@ -1,4 +1,4 @@
-/* Meshes as data, and the messages about them. SPDX-License-Identifier: MIT */
+/* Memory of meshes, and messages about them. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 
 #include "base/array.h"
@@ -63,7 +63,7 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
     const size_t length = strlen(message);
-    if (work->notes.degenerate > 0) /* a sliver that joined two faces leaves a slit behind */
+    if (work->notes.degenerate > 0) /* a dropped sliver that joined two faces leaves a slit in the mesh */
         snprintf(message + length, sizeof message - length, "; %zu faces of zero area were dropped",
                  work->notes.degenerate);
     if (!work->source || !work->source->path) return cml_fail(err, CML_E_INPUT, "%s", message);
@@ -71,14 +71,16 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);
 }
 
-/* Triangles may have been dropped before: `origin` leads back to the file's numbering. */
+/* Returns the line of triangle t in its file. work->origin leads back to the file's numbering, as triangles
+ * may have been dropped since. */
 int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
 {
     if (!work->source || !work->source->triangle_line) return 0;
     return work->source->triangle_line[work->origin ? work->origin[t] : t];
 }
 
-/* Heights, as in the file, not depths; 0.0 - z, because -z would print a height of zero as -0. */
+/* Prints heights, as in the file, and not depths. 0.0 - z is used because -z would print a height of zero as
+ * -0. */
 const char *cml_mesh_place(const double position[3], char text[112])
 {
     snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);

@@ -1,8 +1,18 @@
-/* Triangle meshes that serve as one boundary: data, orientation, border, footprint, diagnosis.
- * A boundary mesh is one orientable 2-manifold sheet with exactly one border loop, which lies on one
- * horizontal plane; outside the border's footprint the boundary goes on as that plane to infinity. It need
- * not be a height function. Coordinates are those of the boundary's frame: x, y of the scene, z down, z = 0
- * at the boundary's nominal depth, [cm]. Knows no files and no rays. SPDX-License-Identifier: MIT */
+/* Triangle meshes that serve as one boundary: data, orientation, border and statistics. Knows no files and no
+ * rays.
+ *
+ * A boundary mesh is one orientable sheet (2-manifold) with exactly one border loop, which lies on one
+ * horizontal plane. Outside the border the boundary continues as that plane to infinity. The sheet need not
+ * be a height function:
+ *
+ *             _
+ *            / /    /\/\           side view
+ *     ______/ /____/    \______
+ *           ^ border    ^            z_border: depth of the outer plane
+ *
+ * Coordinates are in the boundary's frame, in cm: x, y of the scene, z down, z = 0 at the boundary's nominal
+ * depth.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -11,99 +21,108 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Which normal the physics uses at a hit. The facet always decides on which side a packet is. */
+/* The normal that the physics uses at a hit. On which side of the mesh a packet is, the facet alone
+ * decides. */
 enum cml_normals {
     CML_NORMALS_FACET,
-    CML_NORMALS_VERTEX,   /* interpolated angle-weighted vertex normals */
-    CML_NORMALS_ANALYTIC, /* of the cone that the triangle stands for (tessellated heightfields only) */
+    CML_NORMALS_VERTEX,   /* vertex normals, weighted by angle and interpolated */
+    CML_NORMALS_ANALYTIC, /* normal of the cone that a tessellated heightfield's triangle approximates */
 };
 
+/* A mesh. Triangles run counter-clockwise seen from above: cross(b-a, c-a) points up (z < 0) wherever the
+ * sheet is a height function; see cml_mesh_prepare. */
 struct cml_mesh {
     size_t num_vertices, num_triangles;
-    double (*vertex)[3];     /* [num_vertices] cm */
-    uint32_t (*triangle)[3]; /* [num_triangles] counter-clockwise seen from above: cross(b-a, c-a) points up
-                              * (z < 0) wherever the sheet is a height function; see cml_mesh_prepare */
-    uint32_t *border;        /* [num_border] vertex indices of the border loop, from the lowest one on, along
-                              * the winding of the triangles: its signed area in (x, y) is negative */
+    double (*vertex)[3];     /* [num_vertices] positions, cm */
+    uint32_t (*triangle)[3]; /* [num_triangles] vertices of each, counter-clockwise */
+    uint32_t *border; /* [num_border] vertices of the border loop, from the lowest index on, in the winding of
+                         the triangles: the loop's signed area in (x, y) is negative */
     size_t num_border;
     double z_border;           /* depth of the border's plane in the boundary's frame, cm */
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
-    bool closed;          /* a body without a border, instead of a sheet: asked of cml_mesh_prepare */
-    bool unite;           /* of a body: inside is what is inside of any part; asked of cml_mesh_prepare, which
-                           * leaves it where there are several */
-    size_t num_parts;     /* of a body: closed surfaces without a common corner, or 0 */
-    uint32_t *part;       /* [num_triangles] which of them a triangle belongs to; of a sheet NULL */
-    uint32_t *part_start; /* [num_parts] the first triangle of each, rising; of a sheet NULL */
-    double skirt; /* cm: width of the skirt that cml_mesh_prepare adds to a border that is not level; 0: none,
-                   * such a border is refused */
-    double (*vertex_normal)[3]; /* [num_vertices] unit, angle-weighted, pointing up; at the border the outer
-                                 * plane counts with its own angle; always present after prepare */
-    double *slope; /* [num_triangles] dz/dr of the cone, only with CML_NORMALS_ANALYTIC, else NULL */
+    bool closed; /* set before cml_mesh_prepare: the mesh is a body without a border, not a sheet */
+    bool unite;  /* set before cml_mesh_prepare, for a body: its inside is the union of the insides of its
+                    parts; cleared if there is only one part */
+    size_t num_parts; /* number of parts of a body, which are closed surfaces without a common corner; 0 for a
+                         sheet */
+    uint32_t *part;   /* [num_triangles] part to which each triangle belongs; NULL for a sheet */
+    uint32_t *part_start; /* [num_parts] first triangle of each part, rising; NULL for a sheet */
+    double skirt; /* width of the skirt that cml_mesh_prepare adds to a border that is not level, cm; 0: such
+                     a border is refused */
+    double (*vertex_normal)[3]; /* [num_vertices] unit, up, weighted by angle; at the border the outer plane
+                                   counts with its own angle; present after cml_mesh_prepare */
+    double *slope;              /* [num_triangles] dz/dr of the cone for CML_NORMALS_ANALYTIC, else NULL */
 };
 
+/* Frees a mesh's arrays and zeroes it. */
 void cml_mesh_clear(struct cml_mesh *mesh);
 
-/* Room for vertices and triangles, of which there are none yet. The mesh is cleared when memory runs out. */
+/* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh if
+ * memory runs out. what: name of the mesh for the message. */
 CML_NODISCARD cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles,
                                            const char *what, struct cml_error *err);
 
-/* One more triangle, for which there is room. */
+/* Adds a triangle, for which cml_mesh_allocate has made room. */
 void cml_mesh_add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c);
 
-/* Copies into a new mesh; used where a boundary hands its mesh on. */
+/* Copies a mesh with all of its arrays. */
 CML_NODISCARD cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to,
                                        struct cml_error *err);
 
-/* What a loader knows of where things stand in its file, so that messages can point there. */
+/* Line numbers that a loader has noted, so that messages can point into its file. */
 struct cml_mesh_source {
     const char *path;
-    const int *vertex_line;   /* [num_vertices] or NULL */
-    const int *triangle_line; /* [num_triangles] or NULL */
+    const int *vertex_line;   /* [num_vertices] line of each vertex, or NULL */
+    const int *triangle_line; /* [num_triangles] line of each triangle, or NULL */
 };
 
-/* What cml_mesh_prepare changed; printed by `check`. */
+/* The changes that cml_mesh_prepare made; printed by `check`. */
 struct cml_mesh_notes {
-    size_t welded;     /* vertices that were bit-equal to another one */
+    size_t welded;     /* vertices joined with another vertex of the same coordinates */
     size_t degenerate; /* triangles of zero area that were dropped */
-    size_t unused;     /* vertices that no triangle uses, dropped */
-    size_t flipped;    /* triangles whose winding was turned */
-    size_t cavities;   /* of a body: parts that are one */
-    size_t bent;       /* polygons whose corners lie in no plane, cut into triangles by their reader */
-    double bend;       /* cm: largest distance of such a corner from its polygon's mean plane */
-    double levelled;   /* cm: span of the border's heights before it was levelled, where that is more than
-                        * rounding; else 0 */
-    size_t skirt;      /* triangles of the skirt, the last of the mesh */
-    double skirt_rise; /* cm: the largest height that it overcomes */
+    size_t unused;     /* dropped vertices that no triangle uses */
+    size_t flipped;    /* triangles whose winding was reversed */
+    size_t cavities;   /* parts of a body that are cavities */
+    size_t bent;     /* polygons whose corners do not lie in a plane; their reader cuts them into triangles */
+    double bend;     /* largest distance of such a corner from its polygon's mean plane, cm */
+    double levelled; /* range of the border's depths before it was levelled, cm, if larger than rounding; else
+                        0 */
+    size_t skirt;    /* triangles of the skirt, which are the last triangles of the mesh */
+    double skirt_rise; /* largest height difference between the old border and the skirt's outer edge, cm */
 };
 
-/* Makes a soup of vertices and triangles a boundary: welds bit-equal vertices, drops degenerate triangles and
- * unused vertices, checks that it is one connected orientable 2-manifold sheet with one border loop on one
- * horizontal plane (within 1e-6 of the box's largest extent; z_border becomes their mean and the border's
- * vertices are put exactly on it; beyond 1e-6, mesh->skirt > 0 leads from the border outwards to its mean
- * height: mesh_skirt.c), orients all triangles so that "up" is the side of the medium above (the
- * border's outer plane decides), computes box, border, vertex normals. Vertices and triangles keep their
- * order, so that a prepared mesh comes through unchanged; a coordinate of -0.0 becomes 0.0. `source` and
- * `notes` may be NULL. Errors (CML_E_INPUT) name path, line and place: x, y and height (-z) in cm. Crossings
- * of the sheet with itself or with its outer plane are not looked for. After an error *mesh can only be
- * cleared. */
+/* Makes a boundary mesh from loose vertices and triangles.
+ * - Joins vertices with equal coordinates; drops triangles of zero area and unused vertices.
+ * - Refuses anything but one connected, orientable 2-manifold sheet with one border loop.
+ * - Levels the border: if its depths differ by at most 1e-6 of the largest side of the mesh's box, its
+ * vertices move to their mean depth, z_border. For larger differences, mesh->skirt > 0 adds a skirt from the
+ * border to its mean height (mesh_skirt.c); without a skirt the mesh is refused.
+ * - Orients all triangles so that "up" is the side of the medium above, which the outer plane at the border
+ * defines.
+ * - Computes box, border and vertex normals.
+ * Vertices and triangles keep their order, so a prepared mesh passes unchanged; a coordinate of -0.0 becomes
+ * 0.0. Crossings of the sheet with itself or with its outer plane are not searched for. `source` and `notes`
+ * may be NULL. Errors (CML_E_INPUT) name path, line and place: x, y and height (-z) in cm. After an error
+ * *mesh can only be cleared. */
 CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                                           struct cml_mesh_notes *notes, struct cml_error *err);
 
-/* Prepares the mesh of a closed body (mesh->closed) as cml_mesh_prepare does, but it has no border, which is
- * refused with an edge of it; triangles turned so that their normals point outwards; num_border is 0 and
- * z_border the body's highest depth. It may have several parts: one inside another is a cavity, whose normals
- * point into it, one inside a cavity is solid again, and so on; but with mesh->unite each part is turned
- * outwards of itself. That parts cross is not looked for; one without a volume is refused. */
+/* A closed body (mesh->closed) is prepared by cml_mesh_prepare, too. A body with a border edge is refused.
+ * Triangles are turned so that normals point outwards; num_border is 0 and z_border the body's smallest
+ * depth. A body may have several parts: a part inside another is a cavity, whose normals point into it; a
+ * part inside a cavity is solid again, and so on. With mesh->unite, each part's normals point out of the
+ * part. Parts that cross each other are not searched for; a part without volume is refused. */
 
-/* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
+/* True if every vertex lies at the same depth: the boundary is then the plane at z = *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
 
-/* Height and spacing statistics for `check`. */
+/* Statistics of heights and edges, for `check`. */
 struct cml_mesh_summary {
-    double z_mean, z_rms, peak_to_valley; /* cm; weighted with the triangles' projected area; rms about the
-                                           * mean */
-    double slope_rms, slope_max;          /* [-], infinite where there are vertical walls */
-    double edge_median, edge_min;         /* cm; NaN when memory runs out */
+    double z_mean, z_rms, peak_to_valley; /* cm, weighted by projected area; z_rms about the mean */
+    double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
+    double edge_median, edge_min;         /* cm; NaN if memory runs out */
 };
+
+/* Computes the statistics of a prepared mesh. */
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary);

@@ -1,6 +1,6 @@
-/* The border of a mesh: one loop, horizontal, simple; and which side of the sheet is up. Of a body: that it
- * has none, which of its parts lie in which, and which side of each is outside of what it bounds.
- * SPDX-License-Identifier: MIT */
+/* Border and orientation of a mesh. A sheet must have a border of one simple, horizontal loop, which also
+ * tells the sheet's upper side. A body must have no border; this file finds which of its parts lie inside
+ * others, and turns each part outwards. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 #include "geometry/mesh_parts.h"
 #include "geometry/polygon.h"
@@ -17,16 +17,16 @@ static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
     return cml_fail_memory(err, 5.0 * (double)mesh->num_vertices, "the border of a mesh");
 }
 
-/* One loop of border half-edges. */
+/* A loop of border half-edges. */
 struct loop {
-    uint32_t start; /* vertex */
+    uint32_t start; /* vertex at which the loop begins */
     size_t count;
-    double area; /* signed, in (x, y), cm^2 */
+    double area; /* signed area in (x, y), cm2 */
 };
 
-/* Walks the loop from `start`; leaving[v] is the border half-edge that begins at v: only one does, as the
- * triangles around v are one fan. The area is a sum of triangles from `start` on [the shoelace formula].
- * `seen` and `border` may be NULL. */
+/* Walks the loop from vertex `start`. leaving[v] is the border half-edge that begins at v; there is only one,
+ * as the triangles around v are one fan. The area is a sum of triangles with a corner at `start` (shoelace
+ * formula). `seen` and `border` may be NULL. */
 static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leaving, uint32_t start,
                              uint8_t *seen, uint32_t *border)
 {
@@ -44,8 +44,7 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
     return loop;
 }
 
-/* The middle of the hole says more than one of its edges: a hole of three edges is hard to find in 1e6
- * triangles. */
+/* Refuses a hole and names its middle, since a hole of three edges is hard to find in 1e6 triangles. */
 static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *leaving, struct loop hole,
                               size_t num_holes, struct cml_error *err)
 {
@@ -63,9 +62,9 @@ static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *
                          hole.count, cml_mesh_place(center, place), others);
 }
 
-/* Takes the loop of the largest area for the border; any other one is a hole, and the largest is named. A
- * sheet without any border edge encloses something: it has no side to be called above
- * everywhere. */
+/* Makes the loop with the largest area the border. Any other loop is a hole; the largest hole is named in the
+ * message. A mesh without border edges encloses a body and has no side that is above everywhere, so it is
+ * refused. */
 static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving, uint8_t *seen,
                             struct loop *border, struct cml_error *err)
 {
@@ -91,7 +90,7 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     return CML_OK;
 }
 
-/* Border half-edges are those without an opposite one. *border becomes the loop of mesh->border. */
+/* Finds the border: half-edges without an opposite one. Sets *border to the loop of mesh->border. */
 static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struct loop *border,
                             struct cml_error *err)
 {
@@ -113,16 +112,17 @@ double cml_mesh_extent(const struct cml_mesh *mesh)
     return extent;
 }
 
-/* Shares of the mesh's extent. Up to the first, a border that is level in its file may span by rounding; up
- * to the second it is levelled all the same, as scanners and modelling tools write single precision. */
+/* Shares of the mesh's extent. A border that is level in its file may differ by err_level through rounding.
+ * Up to nearly_level a border is levelled, because scanners and modelling tools write single precision. */
 static const double err_level = 1e-9, nearly_level = 1e-6;
 
-/* The depths of the border. */
+/* Range and mean of the border's depths. */
 struct depths {
-    uint32_t highest; /* vertex */
+    uint32_t highest; /* highest vertex of the border */
     double span, mean;
 };
 
+/* Returns the range and the mean of the border's depths. */
 static struct depths measure_border(const struct cml_mesh *mesh)
 {
     const double z0 = mesh->vertex[mesh->border[0]][2];
@@ -139,14 +139,15 @@ static struct depths measure_border(const struct cml_mesh *mesh)
     return depths;
 }
 
-/* The outer plane goes on at exactly one depth, without a gap. */
+/* Moves all border vertices to their mean depth, so that the outer plane joins the mesh without a gap. */
 static cml_status level_border(struct cml_mesh_work *work, struct depths depths, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
     if (depths.span > err_level * cml_mesh_extent(mesh)) work->notes.levelled = depths.span;
     mesh->z_border = depths.mean;
     for (size_t i = 0; i < mesh->num_border; i++) mesh->vertex[mesh->border[i]][2] = mesh->z_border;
-    /* Only a mesh with faces smaller than that tolerance can lose one by it. */
+    /* Levelling moves vertices by less than the tolerance, so only a face smaller than that can lose its
+     * area. */
     for (size_t t = 0; t < mesh->num_triangles && depths.span > 0; t++)
         if (cml_mesh_is_degenerate(mesh, t))
             return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
@@ -156,7 +157,8 @@ static cml_status level_border(struct cml_mesh_work *work, struct depths depths,
     return CML_OK;
 }
 
-/* The axis but z along which the border is level, as that of a mesh whose y points up; 0: neither x nor y. */
+/* Returns the axis, 'x' or 'y', along which the border is level, as in a mesh whose y points up; 0 if there
+ * is none. */
 static char level_axis(const struct cml_mesh *mesh)
 {
     for (int axis = 0; axis < 2; axis++) {
@@ -170,6 +172,7 @@ static char level_axis(const struct cml_mesh *mesh)
     return 0;
 }
 
+/* Refuses a border that is not horizontal. Suggests another up= axis if the border is level along x or y. */
 static cml_status refuse_slope(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct depths depths, struct cml_error *err)
 {
@@ -182,7 +185,8 @@ static cml_status refuse_slope(const struct cml_mesh_work *work, const uint32_t 
                          depths.span, cml_mesh_place(work->mesh->vertex[depths.highest], place), hint);
 }
 
-/* Names the edge's first vertex: an edge number would mean nothing to whoever made the mesh. */
+/* Refuses a border that meets itself, and names the first vertex of the edge: an edge number would mean
+ * nothing to the mesh's author. */
 static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32_t *leaving, size_t edge,
                                   struct cml_error *err)
 {
@@ -199,7 +203,8 @@ static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32
                          cml_mesh_place(work->mesh->vertex[vertex], place));
 }
 
-/* A border that crosses itself has no inside in which the outer plane could end. */
+/* Refuses a border that crosses itself, because such a border has no inside, where the outer plane has its
+ * hole. */
 static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct cml_error *err)
 {
@@ -219,7 +224,7 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-/* All triangles and the border change their sense; depths and places stay. */
+/* Reverses the winding of all triangles and of the border. No vertex moves. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -236,8 +241,8 @@ static void flip_sheet(struct cml_mesh_work *work)
     work->notes.flipped = mesh->num_triangles - work->notes.flipped;
 }
 
-/* The border that the outer plane begins at, on one depth: the sheet's own, or that of a skirt. A skirt of a
- * border that crosses itself would only hide the fault. */
+/* Brings the border to one depth, by levelling it or by a skirt around it. A border that crosses itself is
+ * refused before it gets a skirt, which would only hide the fault. */
 static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leaving, struct cml_error *err)
 {
     const struct depths depths = measure_border(work->mesh);
@@ -258,9 +263,9 @@ cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *er
     struct loop border = {0};
     cml_status status = find_loop(work, leaving, &border, err);
     if (status == CML_OK) status = place_border(work, leaving, err);
-    /* Beyond the border the sheet goes on as the outer plane, whose up is -z. So the sheet is right side up
-     * when its loop runs around the footprint in the negative sense of (x, y), however the sheet leaves the
-     * plane. */
+    /* The outer plane continues the sheet beyond the border, and the plane's upper side faces -z. Therefore
+     * the sheet is right side up if its loop runs around the footprint in the negative sense of (x, y),
+     * whatever the sheet's slope at the border. */
     if (status == CML_OK && border.area > 0) flip_sheet(work);
     free(leaving);
     return status;
@@ -268,15 +273,16 @@ cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *er
 
 /* ---- bodies ---- */
 
-/* What is known of a part. */
+/* Properties of a part of a body. */
 struct part {
-    double volume; /* six times the signed one: above 0 when triangles turn counter-clockwise seen from
+    double volume; /* six times the signed volume, cm3; positive if triangles run counter-clockwise seen from
                       outside */
-    double size;   /* of the terms of that sum */
+    double size;   /* sum of the absolute sizes of the volume's terms, a bound for rounding */
     double terms;
     bool cavity;
 };
 
+/* Refuses a body with an edge that belongs to one face only. */
 static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -292,12 +298,14 @@ static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml
     return CML_OK;
 }
 
-/* A corner of the part: of a closed surface the volume is the same about any point. */
+/* Returns a corner of the part, the reference point of its volume. A closed surface has the same volume about
+ * any point. */
 static const double *start_of(const struct cml_mesh *mesh, uint32_t part)
 {
     return mesh->vertex[mesh->triangle[mesh->part_start[part]][0]];
 }
 
+/* Adds up the volume of each part, and the bound for the rounding of that sum. */
 static void sum_volumes(const struct cml_mesh *mesh, struct part *parts)
 {
     for (size_t t = 0; t < mesh->num_triangles; t++) {
@@ -314,9 +322,10 @@ static void sum_volumes(const struct cml_mesh *mesh, struct part *parts)
     }
 }
 
-/* The sign must be that of the volume itself. A determinant of three vectors rounds by at most 7 halves of an
- * epsilon of the product of their lengths, times 1.2 for its six terms without their signs, and 3 more for
- * the vectors; a sum of n by n halves of what it adds up. */
+/* Refuses parts whose volume is not certain to differ from 0. Bound of rounding: a determinant of three
+ * vectors rounds by at most 7 half epsilons of the product of their lengths, times 1.2 because its six terms
+ * are added without signs, plus 3 for the vectors; a sum of n terms rounds by n half epsilons of the sum of
+ * their sizes. */
 static cml_status check_volumes(const struct cml_mesh_work *work, const struct part *parts,
                                 struct cml_error *err)
 {
@@ -333,7 +342,8 @@ static cml_status check_volumes(const struct cml_mesh_work *work, const struct p
     return CML_OK;
 }
 
-/* A part lies in every other one that stands an odd number of times above one of its corners. */
+/* Finds the parts that are cavities. A part is a cavity if the other parts stand an odd number of times above
+ * one of its corners. */
 static cml_status find_cavities(struct cml_mesh_work *work, struct part *parts, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -352,6 +362,8 @@ static cml_status find_cavities(struct cml_mesh_work *work, struct part *parts, 
     return CML_OK;
 }
 
+/* Reverses the triangles of parts whose normals point the wrong way: outwards for a solid part, inwards for a
+ * cavity. */
 static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
 {
     struct cml_mesh *mesh = work->mesh;

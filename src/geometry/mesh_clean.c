@@ -1,4 +1,5 @@
-/* Makes a clean index list of a soup of vertices and triangles. SPDX-License-Identifier: MIT */
+/* Turns loose vertices and triangles into a clean indexed mesh: joins equal vertices and drops triangles
+ * without area and unused vertices. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 #include "geometry/vec3.h"
 
@@ -7,9 +8,10 @@
 #include <string.h>
 
 #define EMPTY UINT32_MAX
-#define LARGEST 1e30 /* cm, as for all lengths of .mci files */
+#define LARGEST 1e30 /* cm; the limit of all lengths in .mci files */
 
-/* Products of three lengths must stay within the range of double, for exact predicates too (predicate.h). */
+/* Refuses coordinates so large that a product of three lengths could overflow, which exact predicates rely
+ * on, too (predicate.h). */
 static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -23,7 +25,8 @@ static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_er
     return CML_OK;
 }
 
-/* Half-edges are numbered in 32 bits: 3 * 2^30 of them fit. */
+/* Refuses invalid vertex numbers and more than 2^30 triangles: half-edges are numbered in 32 bits, which hold
+ * 3 * 2^30. */
 static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -40,7 +43,8 @@ static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_e
     return CML_OK;
 }
 
-/* Mixes all bits into all others by multiplying and shifting: coordinates on a grid differ in few bits. */
+/* Returns a hash of a vertex. Multiplications and shifts mix all bits, because coordinates on a grid differ
+ * in few bits. */
 static size_t hash_vertex(const double p[3])
 {
     uint64_t bits[3];
@@ -51,8 +55,9 @@ static size_t hash_vertex(const double p[3])
     return (size_t)(h ^ h >> 31);
 }
 
-/* same[i] becomes the first vertex that is equal to vertex i. A table with open addressing and linear
- * probing, at least twice as long as the list: the time is linear in it. */
+/* Sets same[i] to the first vertex that is equal to vertex i, and returns the number of vertices that repeat
+ * an earlier one. The hash table has open addressing, linear probing and at least twice as many slots as
+ * vertices, so that the time is linear. */
 static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t mask, uint32_t *same)
 {
     size_t welded = 0;
@@ -68,12 +73,12 @@ static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t ma
     return welded;
 }
 
-/* Exporters write the corners of every face anew. Only equal coordinates are joined: a distance below which
- * vertices count as one could close a thin layer. */
+/* Joins vertices with equal coordinates, since some exporters write the corners of every face anew. Vertices
+ * that are merely close are not joined, because that could close a thin layer. */
 static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    /* -0.0 + 0.0 = 0.0: equal coordinates have equal bits from here on. */
+    /* -0.0 + 0.0 = 0.0: afterwards equal coordinates have equal bits. */
     for (size_t i = 0; i < mesh->num_vertices; i++)
         for (int k = 0; k < 3; k++) mesh->vertex[i][k] += 0.0;
     size_t size = 16;
@@ -92,7 +97,7 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
 }
 
-/* An area of exactly 0: a sliver that is merely thin is a surface like any other. */
+/* True if triangle t has an area of exactly 0. A sliver that is merely thin is a valid surface. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
@@ -101,11 +106,12 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
     double u[3], v[3];
     cml_vec3_subtract(b, a, u);
     cml_vec3_subtract(c, a, v);
-    /* Products are compared, not their differences with 0, which are no numbers where products overflow. */
+    /* Products are compared with each other. Their difference would be NaN where products overflow. */
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
 }
 
-/* In place and in order. `origin` remembers where each triangle stood, for messages with line numbers. */
+/* Drops triangles without area, in place and in order. work->origin keeps each triangle's old number, for
+ * messages with line numbers. */
 static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -124,7 +130,7 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
     return CML_OK;
 }
 
-/* Numbers the vertices that triangles use, in their old order, and packs them: a prepared mesh comes through
+/* Drops unused vertices and renumbers the others in their old order, so that a prepared mesh stays
  * unchanged. */
 static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
 {

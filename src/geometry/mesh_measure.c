@@ -8,14 +8,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The area of triangle t as a vector, which points up. */
+/* Computes the area of triangle t as a vector that points up, twice as long as the area. */
 static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
 {
     const uint32_t *corner = mesh->triangle[t];
     cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], out);
 }
 
-/* By atan2: the arc cosine loses half of the digits of small angles. */
+/* Returns the angle between u and v, rad. atan2 is used because the arc cosine loses half of the digits of
+ * small angles. */
 static double angle_between(const double u[3], const double v[3])
 {
     double normal[3];
@@ -23,11 +24,11 @@ static double angle_between(const double u[3], const double v[3])
     return atan2(cml_vec3_length(normal), cml_vec3_dot(u, v));
 }
 
-/* Weights by the angle at the corner: the normal then does not depend on how a face is cut into triangles
- * [G. Thuermer and C. A. Wuethrich, Computing vertex normals from polygonal facets, J. Graphics Tools 3
- * (1998) 43], and a point near the vertex is on the side that the normal says [J. A. Baerentzen and H.
- * Aanaes, Signed distance computation using the angle weighted pseudonormal, IEEE Trans. Vis. Comput. Graph.
- * 11 (2005) 243]. */
+/* Adds triangle t's normal to its vertices, weighted by the angle at each corner. With these weights a vertex
+ * normal does not depend on how a face is cut into triangles [G. Thuermer and C. A. Wuethrich, Computing
+ * vertex normals from polygonal facets, J. Graphics Tools 3 (1998) 43]. They also put a point near a vertex
+ * on the side that the normal says [J. A. Baerentzen and H. Aanaes, Signed distance computation using the
+ * angle weighted pseudonormal, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243]. */
 static void add_triangle(struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
@@ -43,7 +44,7 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
     }
 }
 
-/* The outer plane meets the sheet at the border with all of the angle outside the footprint. */
+/* Adds the outer plane's normal to border vertices, weighted by the angle outside the footprint. */
 static void add_outer_plane(struct cml_mesh *mesh)
 {
     const size_t n = mesh->num_border;
@@ -54,7 +55,7 @@ static void add_outer_plane(struct cml_mesh *mesh)
         const double u[2] = {here[0] - before[0], here[1] - before[1]};
         const double v[2] = {after[0] - here[0], after[1] - here[1]};
         const double turned = atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]);
-        /* The loop runs in the negative sense: a convex corner turns by less than 0. */
+        /* The loop runs in the negative sense, so a convex corner turns by a negative angle. */
         mesh->vertex_normal[mesh->border[i]][2] -= CML_PI - turned;
     }
 }
@@ -69,12 +70,13 @@ cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
     for (size_t i = 0; i < mesh->num_vertices; i++) {
         double *normal = mesh->vertex_normal[i];
         const double size = cml_vec3_length(normal);
-        if (!(size > 0)) normal[2] = -1; /* opposite facets cancel: any normal is as good */
+        if (!(size > 0)) normal[2] = -1; /* the facets' normals cancel: any unit normal will do */
         for (int k = 0; k < 3 && size > 0; k++) normal[k] /= size;
     }
     return CML_OK;
 }
 
+/* Returns the distance between two vertices, cm. */
 static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
 {
     double along[3];
@@ -82,7 +84,8 @@ static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
     return cml_vec3_length(along);
 }
 
-/* Lengths of all edges, each once: inner edges are met in both directions, border edges in one. */
+/* Lists the length of every edge once and returns their number. Inner edges occur in both directions, border
+ * edges in one. */
 static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
 {
     size_t count = 0;
@@ -97,7 +100,8 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
     return count;
 }
 
-/* The median, because a few needles must not hide how fine a mesh is. */
+/* Finds the median and the smallest edge. The median tells how fine a mesh is even if it has a few
+ * needles. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
@@ -110,8 +114,8 @@ static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary
     free(lengths);
 }
 
-/* Integral of z - reference, and of its square, over a triangle's projection of unit area: the mean of the
- * corners, and the mean of the products of all pairs of corners, equal ones included. */
+/* Computes the means of z - reference, and of its square, over a triangle's projection: the mean of the
+ * corners, and the mean of the products of all pairs of corners, equal pairs included. */
 static void height_moments(const struct cml_mesh *mesh, size_t t, double reference, double moment[2])
 {
     double z[3];
@@ -120,8 +124,8 @@ static void height_moments(const struct cml_mesh *mesh, size_t t, double referen
     moment[1] = (z[0] * (z[0] + z[1]) + z[1] * (z[1] + z[2]) + z[2] * (z[2] + z[0])) / 6;
 }
 
-/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. A vertical wall has
- * no projected area, and an infinite slope. */
+/* Adds up, weighted by the triangles' projected area: [0] area, [1] z, [2] z^2, [3] slope^2. A vertical wall
+ * has no projected area, and an infinite slope. */
 static void sum_heights(const struct cml_mesh *mesh, double reference, double sum[4],
                         struct cml_mesh_summary *summary)
 {
@@ -139,7 +143,8 @@ static void sum_heights(const struct cml_mesh *mesh, double reference, double su
     }
 }
 
-/* Twice over the triangles: squares about a far reference would lose the digits of a shallow relief. */
+/* Computes the statistics in two passes over the triangles, because squares about a distant reference would
+ * lose the digits of a shallow relief. */
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     *summary = (struct cml_mesh_summary){0};

@@ -1,31 +1,34 @@
-/* Corners that nearly meet, which keep faces apart that were meant to join: a refused mesh says so.
- * SPDX-License-Identifier: MIT */
+/* Finds corners that nearly meet. Small gaps between such corners separate faces that were meant to join, so
+ * the message of a refused mesh mentions them. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 #include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const double nearly = 1e-5; /* of the mesh's extent: exporters write five digits or more */
+static const double nearly = 1e-5; /* share of the mesh's extent; exporters write five digits or more */
 
-/* A corner of an edge that belongs to one face only. */
+/* A corner at an edge that belongs to one face only. */
 struct corner {
-    uint32_t vertex, next; /* the edge's other end */
-    double along;          /* its place on the line by which corners are sorted, cm */
-    double nearest;        /* cm: how far the nearest other corner is, up to `nearly` of the extent */
+    uint32_t vertex, next; /* `next`: the other end of the edge */
+    double along;          /* position along the line by which corners are sorted, cm */
+    double nearest; /* distance of the nearest other corner, cm; infinite if none is within `nearly` of the
+                       extent */
 };
 
+/* Orders two corners by their position along the line, for qsort. */
 static int compare_corners(const void *left, const void *right)
 {
     const struct corner *a = left, *b = right;
     return (a->along > b->along) - (a->along < b->along);
 }
 
-/* Points that are near each other are near each other on any line. This one is aslant to grids, so that few
- * of their points lie at the same place of it. */
+/* Lists the corners of edges with one face, sorted along a line, and returns their number. Points close to
+ * each other are also close along any line. The line is oblique to grids, so that few points of a grid lie at
+ * the same place along it. */
 static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, struct corner *corner)
 {
-    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector */
+    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector, oblique to grids */
     const struct cml_mesh *mesh = work->mesh;
     size_t count = 0;
     for (uint32_t e = 0; e < num_edges; e++) {
@@ -38,7 +41,7 @@ static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, s
     return count;
 }
 
-/* The ends of one edge may be as near as they are. */
+/* Notes the distance of two corners if it is at most `most`, cm. The two ends of one edge are exempt. */
 static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct corner *b, double most)
 {
     double way[3];

@@ -1,77 +1,89 @@
-/* The steps of cml_mesh_prepare, shared only by the mesh_*.c files. Each expects the ones above it to have
- * succeeded. SPDX-License-Identifier: MIT */
+/* The steps of cml_mesh_prepare, shared only by the mesh_*.c files. Each step expects the steps above it to
+ * have succeeded. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "geometry/mesh.h"
 
 #define CML_NO_OPPOSITE UINT32_MAX
 
-/* Half-edge 3t + k runs from vertex k to vertex k + 1 (mod 3) of triangle t; corner 3t + k is at vertex k. */
+/* The state of cml_mesh_prepare. Half-edge 3t + k runs from vertex k to vertex k + 1 (mod 3) of triangle t;
+ * corner 3t + k is at vertex k:
+ *
+ *            2
+ *      3t+2 / \ 3t+1
+ *          0---1
+ *           3t */
 struct cml_mesh_work {
     struct cml_mesh *mesh;
-    const struct cml_mesh_source *source; /* or NULL */
+    const struct cml_mesh_source *source; /* where the mesh stands in its file, or NULL */
     struct cml_mesh_notes notes;
-    uint32_t *origin;   /* [num_triangles] number of the triangle before any was dropped */
-    uint32_t *opposite; /* [3 num_triangles] half-edge on the other side, or CML_NO_OPPOSITE at the border */
-    uint8_t *turned;    /* [num_triangles] whether cml_mesh_orient has turned it */
+    uint32_t *origin;   /* [num_triangles] number that each triangle had before triangles were dropped */
+    uint32_t *opposite; /* [3 num_triangles] half-edge of the neighbour, or CML_NO_OPPOSITE at the border */
+    uint8_t *turned;    /* [num_triangles] true if cml_mesh_orient has reversed the triangle */
 };
 
-/* Refuses what is not finite or out of range; welds; drops degenerate triangles and unused vertices. */
+/* Refuses coordinates that are not finite or too large; joins equal vertices; drops degenerate triangles and
+ * unused vertices. */
 CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Whether triangle t uses a vertex twice or has an area of exactly zero. */
+/* True if triangle t uses a vertex twice or has an area of exactly zero. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 
-/* Finds the opposites; refuses an edge with more than two triangles. */
+/* Finds each half-edge's opposite. Refuses an edge with more than two triangles. */
 CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Turns triangles until all of a part agree with its first; refuses parts with one side, and several of a
- * sheet; of a body mesh->part and part_start. */
+/* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses one-sided
+ * parts, and a sheet of several parts. For a body sets mesh->part and part_start. */
 CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
 CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err);
 
-/* Finds the border loop, refuses holes, closed bodies, a border that is not horizontal (unless mesh->skirt is
- * given) or crosses itself; turns the whole sheet when its border says that it is upside down. */
+/* Finds the border loop. Refuses holes, closed bodies, a border that is not horizontal (unless mesh->skirt is
+ * set), and a border that crosses itself. Reverses the whole sheet if its border shows that it is upside
+ * down. */
 CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
 
-/* In a closed mesh: refuses an edge of one triangle only and a part without volume, turns all triangles
- * outwards of what they bound. */
+/* Checks and orients a closed mesh: refuses an edge of only one triangle and a part without volume, and turns
+ * all normals out of the solid. */
 CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Adds mesh->skirt around the simple loop mesh->border: two triangles per edge, wound like the sheet, and as
- * many new vertices, in the order of the loop, which become the border, at the border's mean depth. That
- * triangles cross is not looked for; one without area is refused. Of *work only the notes are kept up to
- * date. */
+/* Adds a skirt of width mesh->skirt around the simple loop mesh->border, ending at the border's mean depth.
+ * Each edge gets two triangles, wound like the sheet, and each vertex a new vertex; the new vertices become
+ * the border, in the loop's order. Triangles that cross are not searched for; a triangle without area is
+ * refused. In *work only the notes are updated. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Adds to the refusal in *err how many corners of edges with one face nearly meet others, and how far apart
- * these are; nothing where none do. num_triangles: as many as cml_mesh_pair_edges has seen. */
+/* Adds to the refusal in *err the number of corners of one-faced edges that nearly meet others, and their
+ * largest distance. Adds nothing if there are none. num_triangles: the number that cml_mesh_pair_edges has
+ * seen. */
 void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles,
                                 struct cml_error *err);
 
-/* The largest side of the mesh's box, cm. */
+/* Returns the largest side of the mesh's box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh);
 
-/* mesh->vertex_normal from triangles and border. */
+/* Computes mesh->vertex_normal from the triangles and the border. */
 CML_NODISCARD cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err);
 
-/* "PATH:LINE: MESSAGE" with the parts that `work` knows; line <= 0 is left out. */
+/* Refuses a mesh: "PATH:LINE: MESSAGE", as far as `work` knows path and line; line <= 0 is left out. Returns
+ * CML_E_INPUT. */
 CML_NODISCARD CML_PRINTF(4, 5) cml_status
     cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_error *err, const char *format, ...);
 
-/* Line of triangle t in its file, 0 when unknown. */
+/* Returns the line of triangle t in its file; 0 if unknown. */
 int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t);
 
-/* A position for a message, "(x, y, height h) cm"; returns `text`. */
+/* Prints a position for a message, "(x, y, height h) cm". Returns `text`. */
 const char *cml_mesh_place(const double position[3], char text[112]);
 
+/* Returns the vertex at which a half-edge begins. */
 static inline uint32_t cml_half_edge_from(const struct cml_mesh *mesh, uint32_t edge)
 {
     return mesh->triangle[edge / 3][edge % 3];
 }
 
+/* Returns the vertex at which a half-edge ends. */
 static inline uint32_t cml_half_edge_to(const struct cml_mesh *mesh, uint32_t edge)
 {
     return mesh->triangle[edge / 3][(edge % 3 + 1) % 3];

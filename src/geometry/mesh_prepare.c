@@ -1,11 +1,11 @@
-/* From a soup of triangles to a boundary mesh: the steps of mesh_parts.h, one after the other.
+/* Makes a boundary mesh from loose triangles: runs the steps of mesh_parts.h in order.
  * SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The box of all vertices: each belongs to a triangle by now. */
+/* Computes the box of all vertices, each of which belongs to a triangle by now. */
 static void find_box(struct cml_mesh *mesh)
 {
     for (int k = 0; k < 3; k++) mesh->lower[k] = mesh->upper[k] = mesh->vertex[0][k];
@@ -17,7 +17,7 @@ static void find_box(struct cml_mesh *mesh)
     }
 }
 
-/* The steps that ask for faces which hang together. */
+/* Runs the steps that need faces with common edges. */
 static cml_status join_faces(struct cml_mesh_work *work, struct cml_error *err)
 {
     CML_TRY(cml_mesh_orient(work, err));
@@ -25,7 +25,8 @@ static cml_status join_faces(struct cml_mesh_work *work, struct cml_error *err)
     return work->mesh->closed ? cml_mesh_turn_outwards(work, err) : cml_mesh_find_border(work, err);
 }
 
-/* The order matters: each step relies on what those before it have refused (mesh_parts.h). */
+/* Runs all steps. The order matters: each step relies on the refusals of the steps before it
+ * (mesh_parts.h). */
 static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -36,7 +37,7 @@ static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *er
     const cml_status status = join_faces(work, err);
     if (status != CML_OK) cml_mesh_tell_near_corners(work, num_triangles, err);
     CML_TRY(status);
-    find_box(mesh); /* the border has moved onto its plane */
+    find_box(mesh); /* the border may have moved to its plane */
     return cml_mesh_find_normals(mesh, err);
 }
 

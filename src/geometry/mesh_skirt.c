@@ -1,5 +1,6 @@
-/* A skirt around a mesh whose border is not level: triangles that lead from the border outwards to its mean
- * height. The border is taken as it is seen from above. SPDX-License-Identifier: MIT */
+/* Adds a skirt to a mesh whose border is not level: triangles that lead from the border outwards to its mean
+ * height. Lengths and directions along the border are measured as seen from above. SPDX-License-Identifier:
+ * MIT */
 #include "base/array.h"
 #include "geometry/mesh_parts.h"
 #include "geometry/vec3.h"
@@ -11,16 +12,20 @@
 struct rim {
     const struct cml_mesh *mesh;
     size_t count;
-    double *along; /* [count + 1] length of the border from its first vertex to each, and all of it */
-    double sense;  /* 1: counter-clockwise, -1: clockwise */
-    double reach;  /* how far along the border to look for what is outward */
+    double *along; /* [count + 1] length of the border from its first vertex to each vertex, cm; the last
+                      value is the whole length */
+    double sense;  /* 1 if the border runs counter-clockwise, -1 if clockwise */
+    double reach;  /* length along the border, before and behind a vertex, from which the outward direction is
+                      taken, cm */
 };
 
+/* Returns vertex i of the border, counted cyclically. */
 static const double *vertex_of(const struct rim *rim, size_t i)
 {
     return rim->mesh->vertex[rim->mesh->border[i % rim->count]];
 }
 
+/* Computes lengths along the border, its sense of rotation, and the reach for outward directions. */
 static void measure(struct rim *rim)
 {
     double area = 0;
@@ -34,7 +39,7 @@ static void measure(struct rim *rim)
     rim->reach = fmin(2 * rim->mesh->skirt, rim->along[rim->count] / 8);
 }
 
-/* By the trapezoidal rule, because vertices may stand more densely in one place than in another. */
+/* Returns the border's mean depth by the trapezoidal rule, because its vertices may be spaced unevenly. */
 static double mean_depth(const struct rim *rim)
 {
     double sum = 0;
@@ -43,7 +48,7 @@ static double mean_depth(const struct rim *rim)
     return sum / rim->along[rim->count];
 }
 
-/* The point of the border at this length from its first vertex, once around in either direction at most. */
+/* Finds the border's point at a length from its first vertex, from -1 to 2 times the border's length. */
 static void point_at(const struct rim *rim, double length, double point[2])
 {
     const double whole = rim->along[rim->count];
@@ -55,8 +60,8 @@ static void point_at(const struct rim *rim, double length, double point[2])
     for (int k = 0; k < 2; k++) point[k] = p[k] + t * (q[k] - p[k]);
 }
 
-/* The unit vector to the right of the way from p to q, to the left where the border runs clockwise: outwards.
- * 0 for p = q. */
+/* Computes the unit vector that points outwards from the step from p to q: to its right, or to its left if
+ * the border runs clockwise. 0 if p = q. */
 static void outward_of(const struct rim *rim, const double *p, const double *q, double out[2])
 {
     const double x = q[0] - p[0], y = q[1] - p[1], length = hypot(x, y);
@@ -64,9 +69,10 @@ static void outward_of(const struct rim *rim, const double *p, const double *q, 
     out[1] = length > 0 ? -rim->sense * x / length : 0;
 }
 
-/* Outwards is at right angles to the chord from a little before the vertex to a little behind it: so
- * neighbours agree where the border is wavy, and open like a fan around a corner. The step is longer where it
- * leaves an edge at a slant, so that straight sides have a skirt of even width; at most twice as long. */
+/* Computes the step from border vertex i to its new vertex on the skirt's edge. The step is perpendicular to
+ * the chord from a little before the vertex to a little behind it. Neighbouring steps then agree where the
+ * border is wavy, and open like a fan around a corner. Where the step is oblique to an edge it is longer, at
+ * most twice, so that straight sides have a skirt of even width. */
 static void step_out(const struct rim *rim, size_t i, double step[2])
 {
     double before[2], behind[2], edge[2], least = 1;
@@ -81,8 +87,14 @@ static void step_out(const struct rim *rim, size_t i, double step[2])
     for (int k = 0; k < 2; k++) step[k] *= rim->mesh->skirt / fmax(least, 0.5);
 }
 
-/* The outer vertices follow those of the mesh, in the order of the border; two triangles stand on every edge,
- * which they pass against the triangle inside. */
+/* Adds the skirt's vertices and triangles. The new vertices follow the mesh's vertices, in the order of the
+ * border. Each border edge gets two triangles, which run along it in the direction opposite to the sheet's
+ * triangle:
+ *
+ *     first + i    o-------o    first + next
+ *                  | \     |
+ *                  |   \   |
+ *     border[i]    o-------o    border[next] */
 static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
 {
     const size_t first = mesh->num_vertices, n = rim->count;
@@ -103,6 +115,8 @@ static void add(const struct rim *rim, struct cml_mesh *mesh, double level)
     mesh->z_border = level;
 }
 
+/* Enlarges the mesh's arrays by `more` vertices and twice as many triangles. Returns false if memory runs
+ * out. */
 static bool make_room(struct cml_mesh_work *work, size_t more)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -114,7 +128,7 @@ static bool make_room(struct cml_mesh_work *work, size_t more)
     return vertex && triangle;
 }
 
-/* All that follows relies on faces with an area. */
+/* Refuses a skirt with a face without area, on which later steps could not rely. */
 static cml_status check_faces(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;

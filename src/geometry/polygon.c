@@ -1,5 +1,5 @@
-/* Edges in rows, and the sweep that looks for crossings: two edges can meet only in a row in which both are.
- * SPDX-License-Identifier: MIT */
+/* Sorts a polygon's edges into rows of y, and searches for crossings by a sweep along each row. Two edges can
+ * meet only in a row that lists both. SPDX-License-Identifier: MIT */
 #include "geometry/polygon.h"
 
 #include "geometry/predicate.h"
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rounding may put a y beside its row, but edges and points alike: the row never decreases with y, so that
- * every edge stands in the rows of all its points. */
+/* Returns the row of y. Rounding may put y into the row beside its own, but does so for edges and points
+ * alike: the row never decreases with y. Each edge is therefore listed in the rows of all its points. */
 size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
 {
     const double row = (y - rows->y_low) * rows->rows_per_length;
@@ -18,7 +18,7 @@ size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
     return row < (double)(rows->num_rows - 1) ? (size_t)row : rows->num_rows - 1;
 }
 
-/* The rows that an edge overlaps, both ends included. */
+/* Finds the lowest and the highest row that an edge overlaps, both ends included. */
 static void edge_rows(const struct cml_polygon_rows *rows, size_t edge, size_t *low, size_t *high)
 {
     const size_t next = edge + 1 < rows->num_points ? edge + 1 : 0;
@@ -27,7 +27,8 @@ static void edge_rows(const struct cml_polygon_rows *rows, size_t edge, size_t *
     *high = cml_polygon_row(rows, fmax(y0, y1));
 }
 
-/* As many rows as points, but so few that the edges, cut into rows, are not more than twice as many. */
+/* Chooses the number of rows: at most the number of points, and so few that cutting the edges into rows at
+ * most doubles their number. */
 static void choose_rows(struct cml_polygon_rows *rows)
 {
     double sum = 0;
@@ -45,7 +46,8 @@ static void choose_rows(struct cml_polygon_rows *rows)
     if (!isfinite(rows->rows_per_length)) rows->rows_per_length = 0;
 }
 
-/* Counting sort; first[r] is the end of row r's list while it is being filled from behind. */
+/* Lists the edges of each row by a counting sort. While row r is filled from its end, first[r] is the begin
+ * of its filled part. */
 static cml_status fill_rows(struct cml_polygon_rows *rows, struct cml_error *err)
 {
     size_t low, high;
@@ -91,14 +93,14 @@ void cml_polygon_rows_clear(struct cml_polygon_rows *rows)
     *rows = (struct cml_polygon_rows){0};
 }
 
-/* For a point that is on the segment's line already: is it between the ends? */
+/* True if p, which must lie on the line through a and b, lies between them. */
 static bool in_box(const double a[2], const double b[2], const double p[2])
 {
     return p[0] >= fmin(a[0], b[0]) && p[0] <= fmax(a[0], b[0]) && p[1] >= fmin(a[1], b[1]) &&
            p[1] <= fmax(a[1], b[1]);
 }
 
-/* Whether the segments a b and c d have a point in common. */
+/* True if the segments a b and c d have a common point. */
 static bool segments_intersect(const double a[2], const double b[2], const double c[2], const double d[2])
 {
     const int abc = cml_orient2d(a, b, c), abd = cml_orient2d(a, b, d), cda = cml_orient2d(c, d, a),
@@ -108,14 +110,16 @@ static bool segments_intersect(const double a[2], const double b[2], const doubl
            (cdb == 0 && in_box(c, d, b));
 }
 
-/* Neighbours share a point by right; they only meet elsewhere when one folds back onto the other. */
+/* True if neighbouring edges a b and b c fold back onto each other. Otherwise they meet only in their common
+ * point b. */
 static bool neighbours_fold(const double a[2], const double b[2], const double c[2])
 {
     if (cml_orient2d(a, b, c) != 0) return false;
     return (a[0] - b[0]) * (c[0] - b[0]) + (a[1] - b[1]) * (c[1] - b[1]) >= 0;
 }
 
-/* A polygon is simple when no two edges meet but neighbours, and these at their common point only. */
+/* True if edges i and j meet where they should not. In a simple polygon only neighbours meet, and only in
+ * their common point. */
 static bool edges_cross(const struct cml_polygon_rows *rows, size_t i, size_t j)
 {
     const size_t n = rows->num_points, i_next = i + 1 < n ? i + 1 : 0, j_next = j + 1 < n ? j + 1 : 0;
@@ -129,14 +133,15 @@ struct span {
     uint32_t edge;
 };
 
+/* Orders two spans by their left ends, for qsort. */
 static int compare_spans(const void *left, const void *right)
 {
     const struct span *a = left, *b = right;
     return (a->x_low > b->x_low) - (a->x_low < b->x_low);
 }
 
-/* Sweeps one row along x, edges by their left ends: only those whose spans of x overlap are compared. Returns
- * an edge that meets another one, or CML_POLYGON_SIMPLE. */
+/* Compares the edges of one row, sorted by their left ends; only edges whose ranges of x overlap are
+ * compared. Returns an edge that meets another one, or CML_POLYGON_SIMPLE. */
 static size_t sweep_row(const struct cml_polygon_rows *rows, size_t row, struct span *spans)
 {
     const size_t count = rows->first[row + 1] - rows->first[row];

@@ -1,5 +1,5 @@
-/* The filters are those of J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust
- * geometric predicates" (1997). SPDX-License-Identifier: MIT */
+/* Exact signs of determinants. The filters and expansions are those of J. R. Shewchuk, "Adaptive precision
+ * floating-point arithmetic and fast robust geometric predicates" (1997). SPDX-License-Identifier: MIT */
 #include "geometry/predicate.h"
 
 #include <float.h>
@@ -7,19 +7,21 @@
 
 #define HALF_ULP (DBL_EPSILON / 2)
 
-/* An exact number: non-overlapping doubles, rising in size. 192 is the longest sum made below. */
+/* An exact number: the sum of doubles that do not overlap, rising in size. 192 parts suffice for the longest
+ * sum in this file. */
 struct exact {
     int n;
     double part[192];
 };
 
+/* Returns the sign of a number: 1, 0 or -1. */
 static int sign_of(double x)
 {
     return (x > 0.0) - (x < 0.0);
 }
 
-/* a + b without error, as the rounded sum and what rounding took from it [D. E. Knuth, The art of computer
- * programming 2, 4.2.2]. */
+/* Returns a + b rounded, and the rounding error in *rest [D. E. Knuth, The art of computer programming 2,
+ * 4.2.2]. */
 static double two_sum(double a, double b, double *rest)
 {
     const double sum = a + b;
@@ -28,7 +30,7 @@ static double two_sum(double a, double b, double *rest)
     return sum;
 }
 
-/* The product a * b rounded, and the rest: fma rounds once, so that what it gives is the rest exactly. */
+/* Returns a * b rounded, and the rounding error in *rest. fma rounds only once, so *rest is exact. */
 static double two_product(double a, double b, double *rest)
 {
     const double product = a * b;
@@ -36,8 +38,9 @@ static double two_product(double a, double b, double *rest)
     return product;
 }
 
-/* Shewchuk's Grow-Expansion: the value is carried through all parts, the smallest first, and what rounding
- * leaves at each stays there. Zeros are left out, so that the last part has the sign of the whole. */
+/* Adds a double to an exact number (Shewchuk's Grow-Expansion). The value passes all parts, the smallest
+ * first, and leaves its rounding error at each. Zero parts are dropped, so that the last part has the sign of
+ * the sum. */
 static void exact_add(struct exact *x, double value)
 {
     int n = 0;
@@ -50,16 +53,18 @@ static void exact_add(struct exact *x, double value)
     x->n = n;
 }
 
+/* Returns the sign of an exact number: that of its last part, which is the largest. */
 static int exact_sign(const struct exact *x)
 {
     return x->n == 0 ? 0 : sign_of(x->part[x->n - 1]);
 }
 
-/* a - b as two doubles. */
+/* The exact difference a - b as two doubles. */
 struct difference {
     double part[2];
 };
 
+/* Returns the exact difference a - b. */
 static struct difference subtract(double a, double b)
 {
     struct difference d;
@@ -67,7 +72,7 @@ static struct difference subtract(double a, double b)
     return d;
 }
 
-/* Each difference is two doubles, so that a product of two is four exact products. */
+/* Adds sign * a * b exactly. Each difference is two doubles, so their product is four exact products. */
 static void exact_add_product(struct exact *x, struct difference a, struct difference b, double sign)
 {
     for (int i = 0; i < 4; i++) {
@@ -79,6 +84,7 @@ static void exact_add_product(struct exact *x, struct difference a, struct diffe
     }
 }
 
+/* Adds product * factor exactly. */
 static void exact_add_scaled(struct exact *x, double product, double factor)
 {
     double rest;
@@ -88,6 +94,7 @@ static void exact_add_scaled(struct exact *x, double product, double factor)
     exact_add(x, scaled);
 }
 
+/* Adds the product a b c of three differences exactly: eight products of three doubles. */
 static void exact_add_triple(struct exact *x, struct difference a, struct difference b, struct difference c)
 {
     for (int i = 0; i < 8; i++) {
@@ -98,13 +105,14 @@ static void exact_add_triple(struct exact *x, struct difference a, struct differ
     }
 }
 
+/* Returns the exact negative of a difference. */
 static struct difference negate(struct difference d)
 {
     return (struct difference){{-d.part[0], -d.part[1]}};
 }
 
-/* The sign of the determinant of cml_orient2d where its filter cannot tell: every difference is exact, too.
- */
+/* Returns the sign of cml_orient2d's determinant from exact differences and products, for cases in which the
+ * filter is unsure. */
 static int orient2d_exact(const double a[2], const double b[2], const double c[2])
 {
     struct exact det = {0};
@@ -113,7 +121,8 @@ static int orient2d_exact(const double a[2], const double b[2], const double c[2
     return exact_sign(&det);
 }
 
-/* *sure is false when rounding may have decided the sign. The bound is Shewchuk's ccwerrboundA. */
+/* Returns the sign of the rounded determinant. *sure is false if rounding may have changed the sign; the
+ * bound is Shewchuk's ccwerrboundA. */
 static int orient2d_filter(const double a[2], const double b[2], const double c[2], int *sure)
 {
     const double left = (a[0] - c[0]) * (b[1] - c[1]);
@@ -138,6 +147,7 @@ int cml_orient2d(const double a[2], const double b[2], const double c[2])
     return sure ? sign : orient2d_exact(a, b, c);
 }
 
+/* Returns the sign of cml_orient3d's determinant from exact differences and products. */
 static int orient3d_exact(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     struct difference p[3][3];
@@ -153,8 +163,9 @@ static int orient3d_exact(const double a[3], const double b[3], const double c[3
     return exact_sign(&det);
 }
 
-/* The bound is Shewchuk's o3derrboundA; `size` is the sum of the absolute values of what the determinant adds
- * up. A bound of exactly 0 means that all products are exactly 0, as in a plane of the axes. */
+/* Returns the sign of the determinant; uses exact arithmetic if the filter is unsure. The filter's bound is
+ * Shewchuk's o3derrboundA; `size` is the sum of the terms' absolute values. A bound of exactly 0 means that
+ * all products are exactly 0, as for points in a plane of the axes. */
 int cml_orient3d(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     const double adx = a[0] - d[0], ady = a[1] - d[1], adz = a[2] - d[2];
@@ -171,6 +182,7 @@ int cml_orient3d(const double a[3], const double b[3], const double c[3], const 
     return orient3d_exact(a, b, c, d);
 }
 
+/* Returns the sign of cml_line_side's determinant from exact differences and products; u is exact already. */
 static int line_side_exact(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     struct exact det = {0};
@@ -183,7 +195,8 @@ static int line_side_exact(const double a[3], const double b[3], const double o[
     return exact_sign(&det);
 }
 
-/* Sign of the first component of (a - b) x u that is not 0: what the line's move changes. */
+/* Returns the sign of the first non-zero component of (a - b) x u. It decides cml_line_side when the
+ * determinant is 0 and the line is moved by (e, e^2, e^3). */
 static int line_side_moved(const double a[3], const double b[3], const double u[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -197,8 +210,8 @@ static int line_side_moved(const double a[3], const double b[3], const double u[
     return 0;
 }
 
-/* A determinant of the shape of that of cml_orient3d, with one difference less, so that its bound holds.
- * The direction u is taken as it is. */
+/* Returns the side on which the line passes the edge. The determinant has the form of cml_orient3d's with one
+ * difference fewer, because the direction u is exact, so the same bound holds. */
 int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     const double ax = a[0] - o[0], ay = a[1] - o[1], az = a[2] - o[2];
@@ -212,9 +225,10 @@ int cml_line_side(const double a[3], const double b[3], const double o[3], const
     return sign != 0 ? sign : line_side_moved(a, b, u);
 }
 
-/* A point in the plane, moved by (e, e^2, e^3): the first coordinate in which the triangle's normal is not 0
- * decides [the idea is that of H. Edelsbrunner and E. P. Muecke, Simulation of simplicity, ACM Trans.
- * Graphics 9 (1990) 66]. Those coordinates are the areas of its projections. */
+/* Returns the side of the triangle's plane on which o lies. A point in the plane counts as moved by (e, e^2,
+ * e^3), so the first non-zero coordinate of the triangle's normal decides [the idea is that of H.
+ * Edelsbrunner and E. P. Muecke, Simulation of simplicity, ACM Trans. Graphics 9 (1990) 66]. These
+ * coordinates are areas of the triangle's projections. */
 int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3])
 {
     int sign = cml_orient3d(a, b, c, o);

@@ -1,5 +1,5 @@
-/* Triangle against triangle by signs of exact determinants only, so that no tolerance decides; rounded
- * arithmetic says at most where the contact is. SPDX-License-Identifier: MIT */
+/* Contact of two triangles, decided by signs of exact determinants and without tolerances. Rounded arithmetic
+ * only gives the place of the contact. SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 
 #include "geometry/predicate.h"
@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Does the line p-q, an edge of the triangle whose third vertex is `own`, separate it from the other one as
- * seen from above? The quick way out, which decides for nearly all neighbours in sheets that are height
- * functions. Only sure signs count. */
+/* True if, seen from above, the line p-q separates its own triangle from the other one. p-q is an edge of the
+ * triangle whose third vertex is `own`. This quick test settles nearly all pairs of neighbours in sheets that
+ * are height functions. Only sure signs count. */
 static bool edge_separates(const double *p, const double *q, const double *own, const double *const other[3])
 {
     const int side = cml_orient2d_fast(p, q, own);
@@ -21,7 +21,7 @@ static bool edge_separates(const double *p, const double *q, const double *own, 
     return true;
 }
 
-/* Whether a vertical plane through an edge of either surely has one triangle on each side. */
+/* True if a vertical plane through an edge of either triangle surely separates the two triangles. */
 static bool apart_from_above(const double *const a[3], const double *const b[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -31,7 +31,7 @@ static bool apart_from_above(const double *const a[3], const double *const b[3])
     return false;
 }
 
-/* Seen from above, is `p` surely outside the wedge that opens at v between its sides through s and t? */
+/* True if, seen from above, p is surely outside the wedge at v between the directions to s and t. */
 static bool outside_wedge(const double *v, const double *s, const double *t, const double *p)
 {
     const int orientation = cml_orient2d_fast(v, s, t);
@@ -39,14 +39,16 @@ static bool outside_wedge(const double *v, const double *s, const double *t, con
            (cml_orient2d_fast(v, s, p) == -orientation || cml_orient2d_fast(v, p, t) == -orientation);
 }
 
-/* Two wedges at one corner meet elsewhere only if a side of one lies within the other. */
+/* True if two triangles with the common corner a[0] surely meet nowhere else, seen from above. Two wedges at
+ * one corner meet elsewhere only if a side of one lies inside the other. */
 static bool wedges_apart_from_above(const double *const a[3], const double *const b[3])
 {
     return outside_wedge(a[0], a[1], a[2], b[1]) && outside_wedge(a[0], a[1], a[2], b[2]) &&
            outside_wedge(b[0], b[1], b[2], a[1]) && outside_wedge(b[0], b[1], b[2], a[2]);
 }
 
-/* Rounded: where on a segment the plane is met. That it is met was decided by exact signs before. */
+/* Returns the rounded determinant det(a - d, b - d, c - d), from which the place on a segment follows where
+ * it meets a plane. Exact signs have decided before that it does. */
 static double determinant(const double *a, const double *b, const double *c, const double *d)
 {
     double m[3][3];
@@ -60,7 +62,7 @@ static double determinant(const double *a, const double *b, const double *c, con
            m[2][2] * (m[0][0] * m[1][1] - m[1][0] * m[0][1]);
 }
 
-/* The point of p-q where a quantity that is `at_p` and `at_q` at its ends vanishes. */
+/* Computes the point of p-q where a quantity vanishes that is at_p at p and at_q at q. */
 static void put_between(const double *p, const double *q, double at_p, double at_q, double place[3])
 {
     const double span = at_p - at_q;
@@ -69,12 +71,12 @@ static void put_between(const double *p, const double *q, double at_p, double at
     for (int k = 0; k < 3; k++) place[k] = p[k] + t * (q[k] - p[k]);
 }
 
-/* The two coordinates that are kept when the triangle's plane is looked at along an axis. */
+/* A projection of a triangle along an axis: the two coordinates that remain. */
 struct view {
     int x, y;
 };
 
-/* The exact orientation of three points as the view shows them. */
+/* Returns the exact orientation of three points in the projection. */
 static int orientation(struct view view, const double *a, const double *b, const double *c)
 {
     const double p[2] = {a[view.x], a[view.y]};
@@ -83,7 +85,8 @@ static int orientation(struct view view, const double *a, const double *b, const
     return cml_orient2d(p, q, r);
 }
 
-/* The view in which the triangle is largest; false when it has no area in any. */
+/* Chooses the projection in which the triangle is largest. Returns false if the triangle has no area in any
+ * projection. */
 static bool choose_view(const double *const t[3], struct view *view)
 {
     double area[3];
@@ -94,8 +97,8 @@ static bool choose_view(const double *const t[3], struct view *view)
     return orientation(*view, t[0], t[1], t[2]) != 0;
 }
 
-/* Whether a point in the triangle's plane lies in the triangle: no edge has it on its outer side; points on
- * the border count. */
+/* True if p, a point in the triangle's plane, lies in the triangle or on its border: no edge has p on its
+ * outer side. */
 static bool contains(struct view view, const double *const t[3], const double *p)
 {
     const int whole = orientation(view, t[0], t[1], t[2]);
@@ -104,9 +107,9 @@ static bool contains(struct view view, const double *const t[3], const double *p
     return true;
 }
 
-/* Two segments in one plane meet when each has the other's ends on both sides of it, or an end on it.
- * Segments on one line do not count here: an end of p-q then lies in the triangle, or p-q passes through a
- * corner, where another edge begins. */
+/* True if two segments in one plane meet: each has the other's ends on both sides, or an end lies on it.
+ * Segments on one line do not count here, because other tests find their contact: an end of p-q then lies in
+ * the triangle, or p-q passes through a corner, where another edge begins. */
 static bool edges_intersect(struct view view, const double *p, const double *q, const double *a,
                             const double *b, double place[3])
 {
@@ -119,7 +122,7 @@ static bool edges_intersect(struct view view, const double *p, const double *q, 
     return true;
 }
 
-/* A segment in the triangle's plane. */
+/* Returns the contact of a segment that lies in the triangle's plane. */
 static enum cml_contact flat_segment_contact(const double *p, const double *q, const double *const t[3],
                                              double place[3])
 {
@@ -136,8 +139,9 @@ static enum cml_contact flat_segment_contact(const double *p, const double *q, c
     return CML_APART;
 }
 
-/* Signs of volumes of tetrahedra: the ends must be on both sides of the plane, and the line must pass the
- * three edges on the same side. It is a crossing only when it passes strictly inside; all else is a touch. */
+/* Returns the contact of a segment and a triangle, from signs of tetrahedra's volumes. The segment's ends
+ * must lie on both sides of the plane, and its line must pass the three edges on the same side. Contact is a
+ * crossing only if the line passes strictly inside; everything else is a touch. */
 static enum cml_contact segment_contact(const double *p, const double *q, const double *const t[3],
                                         double place[3])
 {
@@ -156,8 +160,8 @@ static enum cml_contact segment_contact(const double *p, const double *q, const 
     return at_p && at_q && left + right == 3 ? CML_CROSS : CML_TOUCH;
 }
 
-/* The stronger of what was found and what this segment shows. A crossing cannot be beaten, so the search is
- * over. */
+/* Returns the stronger of `found` and the contact of one more segment. Nothing is stronger than a crossing,
+ * so no search follows one. */
 static enum cml_contact stronger(enum cml_contact found, const double *p, const double *q,
                                  const double *const t[3], double place[3])
 {
@@ -169,8 +173,8 @@ static enum cml_contact stronger(enum cml_contact found, const double *p, const 
     return now;
 }
 
-/* A whole triangle strictly on one side of the other's plane: the cheap exact test, before six segments are
- * tried. */
+/* True if one triangle lies strictly on one side of the other's plane: a cheap exact test, done before six
+ * segments are tried. */
 static bool on_one_side(const double *const t[3], const double *const other[3])
 {
     const int side = cml_orient3d(t[0], t[1], t[2], other[0]);
@@ -178,7 +182,8 @@ static bool on_one_side(const double *const t[3], const double *const other[3])
            cml_orient3d(t[0], t[1], t[2], other[2]) == side;
 }
 
-/* Triangles without a common vertex meet exactly when an edge of one meets the other. */
+/* Returns the contact of two triangles without a common vertex. They meet exactly if an edge of one meets the
+ * other. */
 static enum cml_contact contact_of_separate(const double *const a[3], const double *const b[3],
                                             double place[3])
 {
@@ -191,8 +196,8 @@ static enum cml_contact contact_of_separate(const double *const a[3], const doub
     return found;
 }
 
-/* What they have in common beyond the corner a[0] is a segment that begins there and ends on the edge
- * opposite the corner in one of them. */
+/* Returns the contact of two triangles with the common corner a[0]. A common segment that begins at the
+ * corner ends on the edge opposite to it, in one of the two triangles. */
 static enum cml_contact contact_at_corner(const double *const a[3], const double *const b[3], double place[3])
 {
     if (wedges_apart_from_above(a, b)) return CML_APART;
@@ -200,7 +205,8 @@ static enum cml_contact contact_at_corner(const double *const a[3], const double
     return stronger(found, b[1], b[2], a, place);
 }
 
-/* Neighbours at an edge overlap only when one is folded flat onto the other. */
+/* Returns the contact of two triangles with a common edge. They overlap only if one is folded flat onto the
+ * other. */
 static enum cml_contact contact_at_edge(const double *const a[3], const double *const b[3], double place[3])
 {
     if (cml_orient2d_fast(a[0], a[1], a[2]) * cml_orient2d_fast(a[0], a[1], b[2]) < 0) return CML_APART;

@@ -1,5 +1,4 @@
-/* Whether and how two triangles meet, decided exactly (predicate.h).
- * Exists apart from the overlap check because it is pure geometry: it knows neither meshes nor scenes.
+/* Contact of two triangles, decided exactly (predicate.h). Pure geometry: knows no meshes and no scenes.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -9,9 +8,9 @@ enum cml_contact {
     CML_CROSS,
 };
 
-/* Do triangles a and b have points in common? The first `shared` vertices are the same in both (same corner
- * of one mesh: a[i] and b[i] for i < shared, 0..3) and their common corner or edge does not count as contact;
- * anything beyond it does. Writes a common point into `place` (rounded) unless they are apart. Triangles of
- * zero area are apart from everything in their own plane. */
+/* Returns how triangles a and b meet. The first `shared` vertices (0..3) are the same corners of one mesh,
+ * a[i] and b[i] for i < shared. A common corner or edge alone is no contact; anything beyond it is. Sets
+ * `place` to a common point (rounded) unless the triangles are apart. A triangle of zero area has no contact
+ * with anything in its own plane. */
 enum cml_contact cml_triangle_contact(const double *const a[3], const double *const b[3], int shared,
                                       double place[3]);

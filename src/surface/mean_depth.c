@@ -1,10 +1,11 @@
-/* SPDX-License-Identifier: MIT */
+/* Computes mean depths of boundaries and mean thicknesses of layers. SPDX-License-Identifier: MIT */
 #include "surface/mean_depth.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Volume between the cones and the plane beyond them, cm3, below 0 above it: rings of a linear depth. */
+/* Returns the volume between the cones and the plane around them, cm3; negative where the cones lie above the
+ * plane. Between two rings the depth is linear in r. */
 static double cones_volume(const struct cml_radial *radial)
 {
     const double pi = 3.14159265358979323846, outer = radial->h[radial->n - 1];
@@ -17,8 +18,9 @@ static double cones_volume(const struct cml_radial *radial)
     return volume;
 }
 
-/* Adds the area of a sheet from above, and the volume between it and the plane at z: prisms, whose areas
- * count below 0 where the sheet overhangs. */
+/* Adds a mesh's area, seen from above, to *area (cm2), and the volume between the mesh and the plane at z to
+ * *volume (cm3). The volume is a sum of prisms. A facet that faces down, as in an overhang, counts with a
+ * negative area. */
 static void add_sheet(const struct cml_mesh *mesh, double z, double *area, double *volume)
 {
     for (size_t t = 0; t < mesh->num_triangles; t++) {
@@ -30,14 +32,16 @@ static void add_sheet(const struct cml_mesh *mesh, double z, double *area, doubl
     }
 }
 
-/* What of a boundary is not level. */
+/* The part of a boundary that is not level. */
 struct relief {
-    bool endless;        /* a tile */
-    double outer;        /* depth of the plane around it, cm; of a tile that which heights count from */
-    double area, volume; /* cm2 of it, of a tile a period; cm3 between it and that plane, below 0 above it */
+    bool endless;        /* true for a tile, which repeats for ever */
+    double outer;        /* depth of the plane around it, cm; for a tile the zero of its heights */
+    double area, volume; /* cm2, for a tile of one period; cm3 between the part and that plane, negative above
+                            the plane */
 };
 
-/* A representation that is a plane has no area. */
+/* Measures the part of boundary b that is not level. A boundary represented by a plane has no such part: area
+ * 0. */
 static cml_status find_relief(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                               const struct cml_surface_options *options, struct relief *relief,
                               struct cml_error *err)
@@ -70,7 +74,7 @@ static cml_status find_relief(const struct cml_scene *scene, const struct cml_su
     return CML_OK;
 }
 
-/* Over a level area; of a tile over whole periods. */
+/* Returns the boundary's mean depth over a level area, cm; over whole periods for a tile. */
 static double depth_over(const struct relief *relief, double area)
 {
     if (relief->endless) area = relief->area;
@@ -87,6 +91,8 @@ cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surfac
     return CML_OK;
 }
 
+/* Fills the means of all boundaries and layers. A layer's mean is taken over the larger area of its two
+ * boundaries. */
 static cml_status measure(const struct cml_scene *scene, const struct cml_surface_set *set,
                           const struct cml_surface_options *options, struct cml_mean_shapes *mean,
                           struct cml_error *err)

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Represents each boundary of a scene: plane, cones, mesh or repeated mesh. SPDX-License-Identifier: MIT */
 #include "surface/surface.h"
 
 #include "base/clock.h"
@@ -16,6 +16,7 @@ const char *cml_surface_kind_name(enum cml_surface_kind kind)
     return names[kind];
 }
 
+/* Makes *def a plane at a scene depth, cm. */
 static void make_plane(double depth, const char *reason, struct cml_surface_def *def)
 {
     def->kind = CML_SURFACE_PLANE;
@@ -24,7 +25,8 @@ static void make_plane(double depth, const char *reason, struct cml_surface_def 
     snprintf(def->reason, sizeof def->reason, "%s", reason);
 }
 
-/* Rings of cones: z = -h, dz/dr to the next ring, 0 behind the last one. */
+/* Makes rings of cones from a radial heightfield: z = -h at each ring, and the slope dz/dr to the next ring,
+ * 0 behind the last one. */
 static cml_status make_cones(const struct cml_radial *field, int given, double depth,
                              struct cml_surface_def *def, struct cml_error *err)
 {
@@ -55,7 +57,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
     return cml_depth_map_of_rings(def->r, def->z, def->num_rings, &def->depths, err);
 }
 
-/* Largest slope of all facets; infinite when one is upright or faces down. */
+/* Returns the largest slope of all facets; infinite if a facet is upright or faces down. */
 static double steepest_facet(const struct cml_mesh *mesh)
 {
     double steepest = 0;
@@ -71,13 +73,14 @@ static double steepest_facet(const struct cml_mesh *mesh)
     return steepest;
 }
 
-/* The reason, and that the mesh is a sheet, whose cells are walked. */
+/* Writes the reason for the representation, and adds ", a sheet" if rays walk the mesh's grid of cells. */
 static void give_reason(const char *reason, struct cml_surface_def *def)
 {
     snprintf(def->reason, sizeof def->reason, "%s%s", reason,
              cml_mesh_surface_is_sheet(def->mesh) ? ", a sheet" : "");
 }
 
+/* Makes *def a mesh that queries search. On success the mesh's arrays are taken over. */
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_surface_options *options,
                             const char *reason, struct cml_surface_def *def, struct cml_error *err)
 {
@@ -94,6 +97,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     return CML_OK;
 }
 
+/* Tessellates the boundary's radial heightfield within the budget of triangles. */
 static cml_status tessellate(const struct cml_scene *scene, const struct cml_boundary *boundary,
                              const struct cml_surface_options *options, struct cml_mesh *mesh,
                              struct cml_error *err)
@@ -106,6 +110,7 @@ static cml_status tessellate(const struct cml_scene *scene, const struct cml_bou
     return cml_tessellate(&boundary->radial, &tessellation, &budget, mesh, err);
 }
 
+/* Represents a radial heightfield as a mesh. */
 static cml_status make_tessellated(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                    const struct cml_surface_options *options, struct cml_surface_def *def,
                                    struct cml_error *err)
@@ -119,9 +124,8 @@ static cml_status make_tessellated(const struct cml_scene *scene, const struct c
     return status;
 }
 
-/* Rings on one line are merged for cones that the program chose; whoever asks for cones gets those of the
- * file.
- */
+/* Represents a radial heightfield. In cones that the program chooses, rings on a straight line are merged.
+ * Cones that the user asks for keep every ring of the file. */
 static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
@@ -141,6 +145,7 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     return status;
 }
 
+/* Refuses to represent a mesh or a tile by cones. */
 static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                struct cml_error *err)
 {
@@ -149,6 +154,7 @@ static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_b
                     boundary->line);
 }
 
+/* Represents a mesh: as a plane if it is flat and nothing is forced, else as a searched mesh. */
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -172,7 +178,7 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* One period and a margin, as the mesh that is asked for crossings. */
+/* Makes the mesh that is searched for a tile: one period and a margin around it. */
 static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cml_mesh *mesh,
                                      const struct cml_surface_options *options, struct cml_surface_def *def,
                                      struct cml_error *err)
@@ -193,6 +199,7 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
     return CML_OK;
 }
 
+/* Represents a tile: as a plane if it is flat and nothing is forced, else as the mesh of one period. */
 static cml_status represent_tile(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -217,6 +224,7 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     return status;
 }
 
+/* Represents a boundary in the kind that is forced, or in the one that suits it best. */
 static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
                             const struct cml_surface_options *options, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -234,7 +242,8 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
     return CML_OK;
 }
 
-/* The surface of the same shape. Planes are made anew, as their depth depends on heights. */
+/* Returns the surface of `options->shared` that has the same shape as the boundary, or NULL. Planes are not
+ * shared, because their depth depends on the boundary's heights. */
 static const struct cml_surface_def *shared_surface(const struct cml_boundary *boundary, size_t b,
                                                     const struct cml_surface_options *options)
 {
@@ -242,7 +251,8 @@ static const struct cml_surface_def *shared_surface(const struct cml_boundary *b
     return shared && shared->shape && shared->shape == boundary->users ? shared : NULL;
 }
 
-/* The shape at another depth: it counts heights from the boundary's own. */
+/* Makes *def share a surface at another depth. The shape can be shared because its z counts from the
+ * boundary's nominal depth. */
 static void share(const struct cml_surface_def *shared, double depth, struct cml_surface_def *def)
 {
     *def = *shared;
@@ -251,6 +261,7 @@ static void share(const struct cml_surface_def *shared, double depth, struct cml
     cml_share(def->users);
 }
 
+/* Represents a boundary and notes the time and the memory that this takes. */
 static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
@@ -265,7 +276,8 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     return CML_OK;
 }
 
-/* Bodies are the same, and so are the frames of their layers. */
+/* True if the scene can share the bodies of `options->shared`: the bodies are the same, and so are the depths
+ * of all boundaries. */
 static bool shares_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
                           const struct cml_surface_set *set)
 {
@@ -276,7 +288,8 @@ static bool shares_bodies(const struct cml_scene *scene, const struct cml_surfac
     return true;
 }
 
-/* In the frames that their layers have by now; as meshes where those are forced. */
+/* Represents the bodies, after the boundaries: each body counts z from the depth of its layer's boundary.
+ * Bodies become meshes if --boundaries forces meshes. */
 static cml_status represent_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
                                    struct cml_surface_set *set, struct cml_error *err)
 {
@@ -324,7 +337,8 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     return status;
 }
 
-/* Height above the boundary's depth of the plane in which it goes on outside. */
+/* Returns the height, above the boundary's nominal depth, of the plane in which the boundary continues
+ * outside; for a tile its mean height. cm. */
 static double outer_height(const struct cml_boundary *boundary)
 {
     if (boundary->form == CML_FORM_MESH) return -boundary->mesh.z_border;
@@ -342,7 +356,7 @@ void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cm
                def);
 }
 
-/* The radius of the level part has no effect. */
+/* Makes a boundary of two level rings of cones. The ring radius 1 cm is arbitrary and has no effect. */
 cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
                                         struct cml_error *err)
 {
@@ -386,14 +400,15 @@ bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
     return cml_surfaces_are_planes(set);
 }
 
-/* One period, up to the first samples of the next. */
+/* Makes the mesh of one period of a tile, up to the first samples of the next period. */
 static cml_status one_period(const struct cml_heightmap *tile, struct cml_mesh *mesh, struct cml_error *err)
 {
     const struct cml_tile_cells cells = {{0, 0}, {tile->nx, tile->ny}};
     return cml_tile_sheet(tile, &cells, CML_NORMALS_FACET, mesh, err);
 }
 
-/* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
+/* Makes the mesh to show for boundary b. A heightfield of equal heights has a mesh, too; a heightfield of one
+ * sample and a plane have none. */
 cml_status cml_boundary_mesh(const struct cml_scene *scene, int b, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {

@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: MIT */
+/* Chooses tessellations, and estimates the bias and cost of representations. SPDX-License-Identifier: MIT */
 #include "surface/surface_choice.h"
 
 #include <math.h>
 
-/* Bias per radial deviation, the larger of totals and profile, rounded up from the worst scene of
- * bench/accuracy/accuracy.py ("bias / deviation" of its reading). Vertex normals smooth the edges between
- * rings: their bias does not shrink with the triangles, so that only the facets' is asked of the
- * tessellation. */
+/* Returns the relative bias per radial deviation: the larger one of totals and profiles. The table is rounded
+ * up from the worst scene of bench/accuracy/accuracy.py ("bias / deviation" in its output). Vertex normals
+ * smooth the edges between rings, and this smoothing causes a bias that more triangles do not reduce. For
+ * vertex normals the table therefore holds the bias of the facets alone. */
 static double bias_per_deviation(const struct cml_tessellation *tessellation)
 {
     static const double of[3][2] = {[CML_NORMALS_FACET] = {8.0, 9.0},
@@ -15,8 +15,9 @@ static double bias_per_deviation(const struct cml_tessellation *tessellation)
     return of[tessellation->normals][tessellation->inscribed];
 }
 
-/* Time, from the same reading ("a query costs"). Cones cost less than their tessellation from one ring to
- * 1e4, and have no bias to pay for: a radial field is a mesh only where it is forced to be one. */
+/* Time per query in ns, from the same benchmark ("a query costs"). From one ring to 1e4 rings, cones cost
+ * less than their tessellation and have no bias. A radial heightfield is therefore a mesh only if the user
+ * forces it. */
 #define CONE_NS 77.0
 #define RING_NS 0.02
 #define MESH_NS 436.0

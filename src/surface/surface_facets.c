@@ -1,11 +1,12 @@
-/* SPDX-License-Identifier: MIT */
+/* Number and areas of the facets of a represented boundary. SPDX-License-Identifier: MIT */
 #include "surface/surface_facets.h"
 
 #include "base/constants.h"
 
 #include <math.h>
 
-/* The last ring of cones is the outer plane already. */
+/* Returns the number of facets. The last ring of cones is the outer plane already; a mesh's outer plane is
+ * one facet more. */
 size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_map_def *map)
 {
     if (def->kind == CML_SURFACE_PLANE) return map->nx > 0 ? (size_t)map->nx * (size_t)map->ny + 1 : 0;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Finds the origin of x and y from which single precision resolves the whole scene. SPDX-License-Identifier:
+ * MIT */
 #include "surface/surface_origin.h"
 
 #include "scene/body/body_shape.h"
@@ -6,29 +7,34 @@
 #include <float.h>
 #include <math.h>
 
-/* Steps of single precision in the smallest length of a part: the widths of rings, whose roots are found in
- * single precision, the sides of facets, and bodies, detectors, bins and the spacing of tiles. */
+/* Required resolution: so many steps of single precision must fit into the smallest length of a part. Rings
+ * need the most, since crossings with cones are roots found in single precision; their length is the width of
+ * a ring. FACET is for the sides of facets. LENGTH is for bodies, detectors, bins and the spacing of a tile's
+ * heights. */
 enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
 
-/* How far the origin may be. */
+/* Returns the largest allowed distance of a part from the origin, cm, for which `steps` steps of single
+ * precision fit into `length` (cm). */
 static double distance_for(double length, int steps)
 {
     return length / (steps * (double)FLT_EPSILON);
 }
 
-/* Where the origin may lie. */
+/* The rectangle in which the origin may lie, cm. */
 struct range {
     double low[2], high[2];
 };
 
 static const struct range anywhere = {{-INFINITY, -INFINITY}, {INFINITY, INFINITY}};
 
-static struct range about(const double at[2], double distance)
+/* Returns the square around a place that reaches as far as `distance`, cm. */
+static struct range range_about(const double at[2], double distance)
 {
     return (struct range){{at[0] - distance, at[1] - distance}, {at[0] + distance, at[1] + distance}};
 }
 
-static struct range common(struct range a, struct range b)
+/* Returns the intersection of two ranges; it may be empty. */
+static struct range intersection(struct range a, struct range b)
 {
     for (int k = 0; k < 2; k++) {
         a.low[k] = fmax(a.low[k], b.low[k]);
@@ -37,18 +43,20 @@ static struct range common(struct range a, struct range b)
     return a;
 }
 
+/* True if the range contains no place. */
 static bool is_empty(struct range range)
 {
     return !(range.low[0] <= range.high[0] && range.low[1] <= range.high[1]);
 }
 
+/* True if the place lies in the range. */
 static bool holds(struct range range, const double at[2])
 {
     return at[0] >= range.low[0] && at[0] <= range.high[0] && at[1] >= range.low[1] && at[1] <= range.high[1];
 }
 
-/* Where the axis of a beam that starts outside meets the first or the last nominal plane; elsewhere its own
- * place. */
+/* Finds the place where the axis of a beam that starts outside the scene meets the first or the last nominal
+ * plane. For any other beam it is the beam's own position. */
 static void find_anchor(const struct cml_scene *scene, const struct cml_beam *beam, double at[2])
 {
     const double bottom = scene->boundaries[scene->num_layers].z, down = cml_beam_descent(beam);
@@ -58,17 +66,18 @@ static void find_anchor(const struct cml_scene *scene, const struct cml_beam *be
     at[1] = beam->y + way * sin(beam->azimuth);
 }
 
-/* ---- what must be told apart ---- */
+/* ---- required resolution ---- */
 
-/* What has been asked so far. */
-struct demands {
+/* The requirements on the origin collected so far. */
+struct requirements {
     const struct cml_scene *scene;
     struct range range;
-    double distance; /* the smallest of all */
-    double flight;   /* the same for light that comes from elsewhere, which meets rings as it meets facets */
+    double distance; /* smallest allowed distance from the origin over all parts, cm */
+    double flight; /* as `distance`, but rings count like facets, because light from elsewhere meets rings as
+                      it meets facets */
 };
 
-/* A part at a place; length: of its parts. */
+/* A part of the scene: its position and its smallest length, cm. */
 struct part {
     const char *file;
     int line;
@@ -78,10 +87,12 @@ struct part {
     int steps;
 };
 
-static cml_status ask(struct demands *all, const struct part *part, struct cml_error *err)
+/* Narrows the range of the origin so that single precision resolves a part. Refuses the scene, with the
+ * part's name, if the range would be empty. */
+static cml_status require_part(struct requirements *all, const struct part *part, struct cml_error *err)
 {
     const double distance = distance_for(part->length, part->steps);
-    const struct range range = common(all->range, about(part->at, distance));
+    const struct range range = intersection(all->range, range_about(part->at, distance));
     double away = 0;
     if (!is_empty(range)) {
         all->range = range;
@@ -100,9 +111,10 @@ static cml_status ask(struct demands *all, const struct part *part, struct cml_e
                     part->length, part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
 }
 
-/* Light meets a tile wherever it is, and spreads over it away from any origin: coarser steps do than for a
- * mesh, which lies in one place. */
-static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
+/* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.
+ * Light spreads over a tile away from any origin, and meets the tile wherever it is. Coarser steps than for a
+ * mesh, which lies in one place, are therefore enough. */
+static cml_status require_tile(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const struct cml_heightmap *tile = &scene->boundaries[b].tile;
@@ -114,19 +126,20 @@ static cml_status ask_of_tile(struct demands *all, int b, struct cml_error *err)
                             .steps = STEPS_OF_LENGTH};
         find_anchor(scene, &scene->beams[k], part.at);
         snprintf(part.name, sizeof part.name, "beam %d meets the tile of boundary %d", k + 1, b);
-        CML_TRY(ask(all, &part, err));
+        CML_TRY(require_part(all, &part, err));
     }
     return CML_OK;
 }
 
-/* The mean side of its facets, or the mean width of its rings. */
-static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *err)
+/* Requires that single precision resolves a boundary: the mean side of its facets, or the mean width of its
+ * rings. */
+static cml_status require_boundary(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &all->scene->boundaries[b];
     const struct cml_mesh *mesh = &boundary->mesh;
     const struct cml_radial *radial = &boundary->radial;
     struct part part = {.file = all->scene->file, .line = boundary->line, .steps = STEPS_OF_FACET};
-    if (boundary->form == CML_FORM_TILE) return ask_of_tile(all, b, err);
+    if (boundary->form == CML_FORM_TILE) return require_tile(all, b, err);
     if (boundary->form == CML_FORM_PLANE || (boundary->form == CML_FORM_RADIAL && radial->n < 2))
         return CML_OK;
     if (boundary->form == CML_FORM_RADIAL) {
@@ -141,10 +154,11 @@ static cml_status ask_of_boundary(struct demands *all, int b, struct cml_error *
         snprintf(part.name, sizeof part.name, "boundary %d: mesh", b);
         for (int k = 0; k < 2; k++) part.at[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
     }
-    return ask(all, &part, err);
+    return require_part(all, &part, err);
 }
 
-static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *err)
+/* Requires that single precision resolves a detector: its half width, or half a pixel of its map. */
+static cml_status require_detector(struct requirements *all, int k, struct cml_error *err)
 {
     const struct cml_detector_def *def = &all->scene->detectors[k];
     const bool ring = def->shape == CML_DETECTOR_RING, disk = ring && def->size[0] == 0;
@@ -158,11 +172,12 @@ static cml_status ask_of_detector(struct demands *all, int k, struct cml_error *
                         .steps = STEPS_OF_LENGTH};
     if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
     snprintf(part.name, sizeof part.name, "detector %s", def->name);
-    return ask(all, &part, err);
+    return require_part(all, &part, err);
 }
 
-/* A body that is too far from the rest is refused where its surface is made, by the steps there. */
-static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
+/* Adds a body's requirement. A body too far from the rest is not refused here but when its surface is made,
+ * since the steps of single precision at its place are known then. */
+static void require_body(struct requirements *all, const struct cml_scene_body *body)
 {
     double lower[3], upper[3], extent = 0, size = INFINITY;
     cml_body_box(body, lower, upper);
@@ -171,23 +186,24 @@ static void ask_of_body(struct demands *all, const struct cml_scene_body *body)
     if (body->form != CML_BODY_MESH) size = fmin(size, body->radius);
     const double middle[2] = {0.5 * (lower[0] + upper[0]), 0.5 * (lower[1] + upper[1])};
     const double distance = distance_for(size, STEPS_OF_LENGTH);
-    const struct range range = common(all->range, about(middle, distance - extent));
+    const struct range range = intersection(all->range, range_about(middle, distance - extent));
     all->distance = fmin(all->distance, distance);
     all->flight = fmin(all->flight, distance);
     if (!is_empty(range)) all->range = range;
 }
 
-static cml_status ask_of_all(struct demands *all, struct cml_error *err)
+/* Collects the requirements of all boundaries, detectors and bodies. */
+static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
-    for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(ask_of_boundary(all, b, err));
-    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(ask_of_detector(all, k, err));
-    for (int k = 0; k < all->scene->num_bodies; k++) ask_of_body(all, &all->scene->bodies[k]);
+    for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));
+    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(require_detector(all, k, err));
+    for (int k = 0; k < all->scene->num_bodies; k++) require_body(all, &all->scene->bodies[k]);
     return CML_OK;
 }
 
-/* ---- bins, which may lie where no light is ---- */
+/* ---- bins, which may lie where there is no light ---- */
 
-/* The number of a beam whose axis meets the scene in the range, from 1; 0: none does. */
+/* Returns the number, from 1, of a beam whose axis meets the scene inside the range; 0 if there is none. */
 static int beam_in(const struct cml_scene *scene, struct range range)
 {
     double at[2];
@@ -198,14 +214,15 @@ static int beam_in(const struct cml_scene *scene, struct range range)
     return 0;
 }
 
-/* Bins that shapes, bodies and detectors leave no place for: nothing is lost where no light is, but where a
- * beam shines all results near it would be smeared. */
-static cml_status ask_of_bins(const double at[2], double length, double extent, struct demands *all,
-                              struct cml_error *err)
+/* Adds the requirement of bins about a place. Shapes, bodies and detectors may leave no origin from which the
+ * bins are resolved. Bins without light then lose nothing, so they are accepted. Bins on which a beam shines
+ * are refused, because single precision would smear all results near the beam. */
+static cml_status require_bins(const double at[2], double length, double extent, struct requirements *all,
+                               struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const double distance = distance_for(length, STEPS_OF_LENGTH);
-    const struct range own = about(at, distance - extent), range = common(all->range, own);
+    const struct range own = range_about(at, distance - extent), range = intersection(all->range, own);
     double away = 0;
     all->distance = fmin(all->distance, distance);
     if (!is_empty(range)) {
@@ -225,20 +242,22 @@ static cml_status ask_of_bins(const double at[2], double length, double extent, 
         at[0], at[1], FLT_EPSILON * away, length / STEPS_OF_LENGTH);
 }
 
-static cml_status add_bins(struct demands *all, struct cml_error *err)
+/* Adds the requirements of the bins of results: the radial bins and the pixels of the map. */
+static cml_status require_all_bins(struct requirements *all, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
     const struct cml_map_def *map = &scene->map;
     const double zero[2] = {0, 0}, own[2] = {scene->beams[0].x, scene->beams[0].y};
-    CML_TRY(ask_of_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, all, err));
+    CML_TRY(require_bins(scene->beams[0].radial ? own : zero, scene->dr, scene->nr * scene->dr, all, err));
     if (map->nx == 0) return CML_OK;
-    return ask_of_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), all,
-                       err);
+    return require_bins(zero, fmin(map->dx, map->dy), 0.5 * fmax(map->nx * map->dx, map->ny * map->dy), all,
+                        err);
 }
 
 /* ---- the origin ---- */
 
-/* The first beam's place where that serves, else where the first beam that does meets the scene. */
+/* Sets `at` to the first beam's position if it lies in the range; else to the place where a beam meets the
+ * scene, for the first beam for which that place lies in the range. Returns false if there is none. */
 static bool find_beam(const struct cml_scene *scene, struct range range, double at[2])
 {
     at[0] = scene->beams[0].x;
@@ -251,20 +270,22 @@ static bool find_beam(const struct cml_scene *scene, struct range range, double 
     return false;
 }
 
-/* Where no beam serves: as near to where the first one meets the scene as the rest allows. */
+/* Sets `at` to the point of the range that is nearest to the place where the first beam meets the scene. Used
+ * if no beam meets the scene inside the range. */
 static void find_nearest(const struct cml_scene *scene, struct range range, double at[2])
 {
     find_anchor(scene, &scene->beams[0], at);
     for (int k = 0; k < 2; k++) at[k] = fmin(fmax(at[k], range.low[k]), range.high[k]);
 }
 
-/* Far from x = y = 0 the origin itself is a number of single precision, so that all agree on it. */
+/* Finds the origin. Far from x = y = 0 the origin is rounded to single precision, so that host and devices
+ * have the same number. */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
-    struct demands parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};
-    CML_TRY(ask_of_all(&parts, err));
-    struct demands all = parts;
-    CML_TRY(add_bins(&all, err));
+    struct requirements parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};
+    CML_TRY(require_all(&parts, err));
+    struct requirements all = parts;
+    CML_TRY(require_all_bins(&all, err));
     origin->flight = parts.flight;
     origin->all = all.distance;
     if (!find_beam(scene, all.range, origin->at) && !find_beam(scene, parts.range, origin->at))

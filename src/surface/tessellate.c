@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Turns a radial heightfield into a triangle mesh, ring by ring. SPDX-License-Identifier: MIT */
 #include "surface/tessellate.h"
 
 #include "base/constants.h"
@@ -7,29 +7,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FEWEST_SEGMENTS 8.0  /* eighths of a turn are mirrored bit for bit */
-#define MOST_SEGMENTS 0x1p40 /* ends the search for absurd tolerances; far beyond CML_MESH_MOST */
-#define NEEDLE_BUDGET 4e6    /* triangles; the needle rule is relaxed to stay below */
+#define FEWEST_SEGMENTS 8.0  /* a multiple of 8, because one eighth of a turn is mirrored bit for bit */
+#define MOST_SEGMENTS 0x1p40 /* ends the search for absurd tolerances; far above CML_MESH_MOST */
+#define NEEDLE_BUDGET 4e6    /* triangles; above this number the rule against needles is relaxed */
 #define NEEDLE 16.0          /* an arc longer than this many ring widths makes needles */
 
-/* One tessellation in progress; the counts are whole numbers, in double because absurd requests must not
- * wrap. */
+/* A tessellation in progress. Counts are whole numbers stored as doubles, so that absurd requests cannot
+ * overflow. */
 struct rings {
     const struct cml_radial *radial;
     const struct cml_tessellation *options;
-    double *segments; /* [n], 1 for the tip */
-    size_t *first;    /* [n], index of the ring's vertex at azimuth 0 */
+    double *segments; /* [n] vertices of each ring; 1 for the tip */
+    size_t *first;    /* [n] index of each ring's vertex at azimuth 0 */
 };
 
-/* Radius of a ring's vertices over that of its circle. */
+/* Returns the radius of a ring's vertices divided by the radius of its circle. */
 static double vertex_factor(const struct cml_tessellation *options, double segments)
 {
     const double step = 2.0 * CML_PI / segments;
     return options->inscribed ? 1.0 : sqrt(step / sin(step));
 }
 
-/* Largest radial distance between a circle of radius 1 and its polygon. Series where the closed form would
- * cancel; the area-preserving vertex is further out than the middle of an edge is inside. */
+/* Returns the largest radial distance between a circle of radius 1 and its polygon. The area-preserving
+ * polygon deviates most at its vertices. For small steps a series is used, because the closed form would
+ * cancel. */
 static double deviation(const struct cml_tessellation *options, double segments)
 {
     const double step = 2.0 * CML_PI / segments;
@@ -38,13 +39,15 @@ static double deviation(const struct cml_tessellation *options, double segments)
     return vertex_factor(options, segments) - 1.0;
 }
 
+/* Returns the length of the profile between rings i and i + 1, cm. */
 static double slant(const struct cml_radial *radial, int i)
 {
     return hypot(radial->r[i + 1] - radial->r[i], radial->h[i + 1] - radial->h[i]);
 }
 
-/* The longest arc a ring may have with the needle rule. A strip far narrower than its neighbour would fill
- * that one with needles in the other direction: there the two are balanced. */
+/* Returns the longest arc that ring i may have under the rule against needles, cm. Beside a strip far
+ * narrower than its neighbour, the rule alone would fill the wide strip with needles in the other direction.
+ * There the geometric mean of both widths is allowed. */
 static double longest_arc(const struct cml_radial *radial, int i, double needle)
 {
     const double inner = slant(radial, i - 1);
@@ -52,6 +55,8 @@ static double longest_arc(const struct cml_radial *radial, int i, double needle)
     return fmax(needle * fmin(inner, outer), sqrt(inner * outer));
 }
 
+/* Returns the number of vertices of ring i: the smallest that keeps the tolerance, raised until no arc makes
+ * needles. */
 static double segments_of_ring(const struct rings *rings, int i, double needle)
 {
     const struct cml_radial *radial = rings->radial;
@@ -64,8 +69,9 @@ static double segments_of_ring(const struct rings *rings, int i, double needle)
     return segments;
 }
 
-/* Seen from above, do the polygons of rings i and i+1 keep half of their circles' distance wherever they come
- * closest? Polygons of different kind bulge differently: without this, narrow rings would fold over. */
+/* True if, seen from above, the polygons of rings i and i + 1 keep half of the distance of their circles
+ * wherever they come closest. Polygons with different numbers of vertices bulge differently, so narrow rings
+ * could otherwise fold over. */
 static bool strip_is_open(const struct rings *rings, int i)
 {
     const double *r = rings->radial->r, *n = rings->segments;
@@ -76,7 +82,8 @@ static bool strip_is_open(const struct rings *rings, int i)
     return outer - inner >= 0.5 * (r[i + 1] - r[i]);
 }
 
-/* Doubles the coarser ring of a strip until the strip is open; true when something changed. */
+/* Doubles the vertices of the coarser ring of a strip until the strip is open. Returns true if a ring
+ * changed. */
 static bool open_strip(const struct rings *rings, int i)
 {
     bool changed = false;
@@ -88,6 +95,7 @@ static bool open_strip(const struct rings *rings, int i)
     return changed;
 }
 
+/* Opens all strips, from the outside in and back, until no ring changes. */
 static void open_strips(const struct rings *rings)
 {
     bool changed = true;
@@ -98,7 +106,7 @@ static void open_strips(const struct rings *rings)
     }
 }
 
-/* Chooses all counts with one needle rule and returns how many triangles that makes. */
+/* Chooses the vertices of every ring under one rule against needles. Returns the number of triangles. */
 static double choose_segments(const struct rings *rings, double needle)
 {
     const int n = rings->radial->n;
@@ -110,8 +118,9 @@ static double choose_segments(const struct rings *rings, double needle)
     return triangles;
 }
 
-/* The tolerance is kept at any price within the budget, good shape only within NEEDLE_BUDGET, which no
- * machine changes: the same tolerance makes the same mesh everywhere, or none. */
+/* Chooses the vertices of every ring within the budget. The tolerance is always kept. The rule against
+ * needles is relaxed beyond NEEDLE_BUDGET triangles. NEEDLE_BUDGET is the same on every machine, so that the
+ * same tolerance gives the same mesh everywhere, or none. */
 static cml_status plan(const struct rings *rings, const struct cml_mesh_budget *budget, double *triangles,
                        struct cml_error *err)
 {
@@ -126,8 +135,8 @@ static cml_status plan(const struct rings *rings, const struct cml_mesh_budget *
                                  "a larger --tolerance or --mesh-budget, or --boundaries cone", err);
 }
 
-/* Points of the unit circle, mirrored from one eighth of it so that symmetric vertices have symmetric bits.
- */
+/* Computes vertex k of `segments` on the unit circle. All vertices are mirrored from one eighth of the
+ * circle, so that symmetric vertices have symmetric bits. */
 static void unit_point(size_t k, size_t segments, double point[2])
 {
     const size_t quarter = segments / 4, turn = k / quarter, rest = k % quarter;
@@ -141,6 +150,7 @@ static void unit_point(size_t k, size_t segments, double point[2])
     point[1] = turn == 0 ? y : turn == 1 ? x : turn == 2 ? -y : -x;
 }
 
+/* Places the vertices of ring i on its polygon. */
 static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[i];
@@ -154,7 +164,8 @@ static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
     }
 }
 
-/* Appends a triangle of the strip that ends at ring `ring`; a, b, c counter-clockwise in x, y. */
+/* Appends a triangle to the strip that ends at ring `ring`. Vertices a, b, c run counter-clockwise in x,
+ * y. */
 static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b, size_t c,
                          struct cml_mesh *mesh)
 {
@@ -169,6 +180,7 @@ static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b
     mesh->num_triangles++;
 }
 
+/* Fills the disk between the tip and the first ring. */
 static void put_tip(const struct rings *rings, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[1], first = rings->first[1];
@@ -177,8 +189,13 @@ static void put_tip(const struct rings *rings, struct cml_mesh *mesh)
         put_triangle(rings, 1, 0, first + k, first + (k + 1) % segments, mesh);
 }
 
-/* The strip between two rings: every edge of the coarse ring spans `many` edges of the fine one, whose ends
- * are joined half to the one and half to the other end of the coarse edge. */
+/* Fills the strip between rings i and i + 1. Each edge of the coarse ring spans `many` edges of the fine
+ * ring. One half of these edges is joined to the one end of the coarse edge, the other half to the other end:
+ *
+ *     fine      a-----b-----c
+ *                \   / \   /       many = 2
+ *                 \ /   \ /
+ *     coarse     here---next */
 static void put_strip(const struct rings *rings, int i, struct cml_mesh *mesh)
 {
     const bool outward = rings->segments[i] <= rings->segments[i + 1];
@@ -197,6 +214,7 @@ static void put_strip(const struct rings *rings, int i, struct cml_mesh *mesh)
     }
 }
 
+/* Numbers the vertices ring by ring and counts them. */
 static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
 {
     for (int i = 0; i < rings->radial->n; i++) {
@@ -205,6 +223,7 @@ static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
     }
 }
 
+/* Allocates the mesh's arrays for so many triangles. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_error *err)
 {
     const size_t vertex_bytes = mesh->num_vertices * sizeof *mesh->vertex;
@@ -217,6 +236,7 @@ static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_e
     return cml_fail_memory(err, (double)(vertex_bytes + triangle_bytes), "the mesh of a radial heightfield");
 }
 
+/* Fills the mesh with the vertices of all rings and the triangles of all strips. */
 static void put_all(const struct rings *rings, struct cml_mesh *mesh)
 {
     for (int i = 1; i < rings->radial->n; i++) put_ring(rings, i, mesh);
@@ -224,6 +244,7 @@ static void put_all(const struct rings *rings, struct cml_mesh *mesh)
     for (int i = 1; i + 1 < rings->radial->n; i++) put_strip(rings, i, mesh);
 }
 
+/* Tessellates a heightfield: chooses the vertices of rings, fills the mesh and prepares it. */
 static cml_status make(struct rings *rings, const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                        struct cml_error *err)
 {
@@ -240,9 +261,10 @@ static cml_status make(struct rings *rings, const struct cml_mesh_budget *budget
     put_all(rings, mesh);
     const struct cml_mesh_source source = {.path = "radial heightfield"};
     struct cml_mesh_notes notes;
-    return cml_mesh_prepare(mesh, &source, &notes, err); /* keeps the slopes with their triangles */
+    return cml_mesh_prepare(mesh, &source, &notes, err); /* keeps each slope with its triangle */
 }
 
+/* Refuses a heightfield of one sample and a tolerance that is not positive. */
 static cml_status check_options(const struct cml_radial *radial, const struct cml_tessellation *options,
                                 struct cml_error *err)
 {

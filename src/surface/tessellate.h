@@ -1,12 +1,18 @@
-/* Radial heightfields as triangle meshes.
- * Rings as given (cml_radial_merge drops those that the surface does not need), one vertex at the tip. Every
- * ring is a polygon of 8 * 2^k vertices, one of them at azimuth 0, placed so that it has the area of its
- * circle (r sqrt(a / sin a), a = 2 pi / N): area is preserved everywhere, volume exactly between rings of
- * equal N. Strips between rings of different N fan out. Bound: the mesh's radius differs from the cone's by
- * at most tolerance * r_last; the vertices take r (sqrt(a / sin a) - 1) = pi^2 r / (3 N^2) + O(N^-4) of it.
- * N is the least that keeps the bound, raised so that narrow rings make no needles (no arc beyond 16 ring
- * widths; beside a ring over 256 times wider the arc is the geometric mean of both widths, since a finer one
- * would only move the needles there) and never fold over. Beyond 4e6 triangles the needle rule is relaxed.
+/* Turns radial heightfields into triangle meshes.
+ *
+ * Rings: every ring of the heightfield becomes a polygon of N = 8 * 2^k vertices, one of them at azimuth 0;
+ * the tip is one vertex. (cml_radial_merge removes needless rings before.) The polygon has the area of its
+ * circle: its vertices lie at r sqrt(a / sin a), a = 2 pi / N. The area is therefore preserved everywhere,
+ * and the volume exactly between rings of equal N. Strips between rings of different N fan out (drawing in
+ * tessellate.c).
+ *
+ * Bound: the mesh's radius differs from the cone's by at most tolerance * r_last. A vertex takes r (sqrt(a /
+ * sin a) - 1) = pi^2 r / (3 N^2) + O(N^-4) of that.
+ *
+ * Shape: N is the smallest number that keeps the bound. N is raised until no ring makes needles (an arc
+ * longer than 16 ring widths) and no strip folds over. Beside a ring over 256 times wider, the longest arc is
+ * the geometric mean of both widths, since a finer ring would only move the needles into the neighbour.
+ * Beyond 4e6 triangles the rule against needles is relaxed.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -15,13 +21,15 @@
 #include "scene/scene.h"
 
 struct cml_tessellation {
-    double tolerance;         /* largest radial deviation as a share of the last radius; 1e-3 by default */
-    enum cml_normals normals; /* CML_NORMALS_ANALYTIC by default */
-    bool inscribed; /* vertices on the circle instead of area-preserving: the textbook rule, for comparison */
+    double tolerance;         /* largest radial deviation as a share of the last radius; default 1e-3 */
+    enum cml_normals normals; /* normals of the mesh; default CML_NORMALS_ANALYTIC */
+    bool inscribed; /* true: vertices on the circle, the textbook rule, for comparison; false: polygons that
+                       preserve the area */
 };
 
-/* A prepared mesh (cml_mesh_prepare has run) in the boundary's frame, z = -h(r). radial->n >= 2.
- * CML_E_INPUT when it would need more triangles than the budget (NULL: CML_MESH_MOST) has. */
+/* Makes a prepared mesh (cml_mesh_prepare has run) in the boundary's frame, z = -h(r). radial->n must be at
+ * least 2. Returns CML_E_INPUT if the mesh needs more triangles than the budget allows (NULL:
+ * CML_MESH_MOST). */
 CML_NODISCARD cml_status cml_tessellate(const struct cml_radial *radial,
                                         const struct cml_tessellation *options,
                                         const struct cml_mesh_budget *budget, struct cml_mesh *mesh,

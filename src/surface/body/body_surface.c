@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes the surfaces, trees and grids of a scene's bodies. SPDX-License-Identifier: MIT */
 #include "surface/body/body_surface.h"
 
 #include "base/constants.h"
@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A copy of the mesh in the frame of its layer, for its queries to take over. */
+/* Makes a copy of the body's mesh in the frame of its layer, and the surface for its queries. */
 static cml_status make_mesh(const double origin[2], const struct cml_scene_body *body, double depth,
                             enum cml_mesh_search search, struct cml_body_surface *surface,
                             struct cml_error *err)
@@ -28,11 +28,12 @@ static cml_status make_mesh(const double origin[2], const struct cml_scene_body 
     return status;
 }
 
-/* Spheres and cylinders of this many roundings of their largest coordinate fly as exact ones do
- * (cross.small_bodies). Meshes were seen to from 30 on. */
+/* Smallest half width of a body, in steps of single precision at its largest coordinate. From this size on,
+ * spheres and cylinders give the results of exact ones (cross.small_bodies); meshes did so from 30 steps
+ * on. */
 #define LEAST_ROUNDINGS 32
 
-/* Half the smallest width of the boxes around the parts of a mesh. */
+/* Finds half the smallest width of the boxes around the parts of a mesh, cm. */
 static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struct cml_error *err)
 {
     double(*box)[2][3] = malloc(mesh->num_parts * sizeof *box);
@@ -54,7 +55,8 @@ static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struc
     return CML_OK;
 }
 
-/* Below that no body is flown. Roundings are those of single precision, for all engines alike. */
+/* Refuses a body smaller than LEAST_ROUNDINGS steps of single precision. All engines refuse the same bodies,
+ * also those that compute in double. */
 static cml_status check_size(const struct cml_scene *scene, const double origin[2], int k,
                              const struct cml_body_surface *surface, struct cml_error *err)
 {
@@ -81,7 +83,7 @@ static cml_status check_size(const struct cml_scene *scene, const double origin[
         scene->file, body->line, k + 1, what, size, least, step, farthest, LEAST_ROUNDINGS);
 }
 
-/* Depths from the frame of the body's layer, as the kernels count them. */
+/* Makes the surface of body k. Depths count from the frame of the body's layer, as in the kernels. */
 static cml_status make_surface(const struct cml_scene *scene, const double origin[2], int k, double depth,
                                enum cml_mesh_search search, struct cml_body_surface *surface,
                                struct cml_error *err)
@@ -100,8 +102,8 @@ static cml_status make_surface(const struct cml_scene *scene, const double origi
     return body->form == CML_BODY_MESH ? make_mesh(origin, body, depth, search, surface, err) : CML_OK;
 }
 
-/* A tree for every medium that bodies lie in, their host. A packet meets the bodies whose host it is in; in a
- * body also that body, which needs no tree. */
+/* Makes a tree for every medium in which bodies lie, their host. A packet in a medium meets the bodies of
+ * which the medium is the host. Inside a body it also meets that body itself, which needs no tree. */
 static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfaces *surfaces,
                             struct cml_error *err)
 {
@@ -125,7 +127,8 @@ static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfa
     return status;
 }
 
-/* depths is by layer, the grids' is by medium: a body has the frame of its layer. */
+/* Makes the grids. `depths` is indexed by layer, but the grids need depths by medium: a body has the frame of
+ * its layer. */
 static cml_status make_grids(const struct cml_scene *scene, const double origin[2], const double *depths,
                              struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
@@ -140,6 +143,8 @@ static cml_status make_grids(const struct cml_scene *scene, const double origin[
     return status;
 }
 
+/* Makes the surfaces, the trees and the grids of the scene's bodies. After a failure *surfaces must be
+ * freed. */
 static cml_status create(const struct cml_scene *scene, const double origin[2], const double *depths,
                          enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
                          struct cml_error *err)
@@ -151,7 +156,7 @@ static cml_status create(const struct cml_scene *scene, const double origin[2], 
     return make_grids(scene, origin, depths, surfaces, err);
 }
 
-/* All bodies of the scene as meshes. */
+/* Makes a mesh of each body of the scene. */
 static cml_status tessellate(const struct cml_scene *scene, double tolerance, struct cml_scene_body *bodies,
                              struct cml_error *err)
 {
@@ -165,7 +170,8 @@ static cml_status tessellate(const struct cml_scene *scene, double tolerance, st
     return CML_OK;
 }
 
-/* Meshes in place of the bodies may meet where these do not, so they are placed and checked anew. */
+/* Makes the surfaces of tessellated bodies. Meshes may touch where the bodies themselves do not, so they are
+ * placed and checked anew. */
 static cml_status create_tessellated(const struct cml_scene *scene, const double origin[2],
                                      const double *depths, double tolerance, enum cml_mesh_search search,
                                      struct cml_body_surfaces *surfaces, struct cml_error *err)
@@ -206,6 +212,7 @@ void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_bo
     cml_share(surfaces->users);
 }
 
+/* Frees the surfaces, the trees and the grids. */
 static void free_own(struct cml_body_surfaces *surfaces)
 {
     for (int k = 0; surfaces->item && k < surfaces->count; k++) cml_mesh_surface_free(surfaces->item[k].mesh);

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds the trees of boxes over the bodies of each medium. SPDX-License-Identifier: MIT */
 #include "surface/body/body_tree.h"
 
 #include <math.h>
@@ -8,17 +8,18 @@
 struct builder {
     const double (*boxes)[2][3];
     const int *host;
-    int *index; /* bodies, sorted by host */
+    int *index; /* body numbers, sorted by host */
     struct cml_body_tree *tree;
 };
 
-/* Twice the middle of a box along an axis. Equal ones are told apart by number, so that the tree does not
- * depend on the C library's sort. */
+/* A body's sort key: twice the middle of its box along an axis. Equal keys are ordered by body number, so
+ * that the tree does not depend on the C library's sort. */
 struct key {
     double at;
     int body;
 };
 
+/* Orders two keys by position, then by body number, for qsort. */
 static int compare_keys(const void *left, const void *right)
 {
     const struct key *a = left, *b = right;
@@ -26,7 +27,7 @@ static int compare_keys(const void *left, const void *right)
     return a->body - b->body;
 }
 
-/* The box around the boxes of these bodies becomes the node's. */
+/* Sets the node's box to the box around the boxes of these bodies. */
 static void box_of(const struct builder *b, const int *bodies, int count, struct cml_body_tree_node *node)
 {
     for (int k = 0; k < 3; k++) {
@@ -39,7 +40,8 @@ static void box_of(const struct builder *b, const int *bodies, int count, struct
     }
 }
 
-/* By the middles of the boxes along the axis in which the node is widest. */
+/* Sorts bodies by the middles of their boxes along the axis in which the node is widest. Returns CML_E_INPUT
+ * if memory runs out. */
 static cml_status sort_bodies(const struct builder *b, const struct cml_body_tree_node *node, int *bodies,
                               int count, struct cml_error *err)
 {
@@ -56,8 +58,9 @@ static cml_status sort_bodies(const struct builder *b, const struct cml_body_tre
     return CML_OK;
 }
 
-/* Split at the median, so that the depth is log2 of the number. In preorder: the first half stands right
- * behind the node, and whoever misses the node's box skips both. */
+/* Adds the node of these bodies and all nodes below it. Bodies are split at the median, so that the depth is
+ * log2 of their number. Nodes are in preorder: the first half stands right behind the node, and a ray that
+ * misses the node's box skips both halves. */
 static cml_status build(const struct builder *b, int *bodies, int count, struct cml_error *err)
 {
     struct cml_body_tree *tree = b->tree;
@@ -74,7 +77,8 @@ static cml_status build(const struct builder *b, int *bodies, int count, struct 
     return CML_OK;
 }
 
-/* Counting sort: bodies of one host side by side in `index`, from first[host] on. */
+/* Sorts bodies by host (counting sort). Bodies of one host stand side by side in `index`, from first[host]
+ * on. */
 static void sort_by_host(const struct builder *b, int num_bodies, int num_media, int *first)
 {
     memset(first, 0, ((size_t)num_media + 1) * sizeof *first);
@@ -85,7 +89,8 @@ static void sort_by_host(const struct builder *b, int num_bodies, int num_media,
     first[0] = 0;
 }
 
-/* first[m] becomes the first node of medium m, where it was the place of its first body. */
+/* Builds the trees of all media. first[m] is the place of medium m's first body before, and its first node
+ * afterwards. */
 static cml_status build_all(const struct builder *b, int num_bodies, int num_media, struct cml_error *err)
 {
     struct cml_body_tree *tree = b->tree;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Fills the grids of cubes around bodies: distances, patches and balls. SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_grid.h"
 
 #include "geometry/vec3.h"
@@ -10,42 +10,44 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_CELLS 8192                /* of a layer: 256 KiB, which a core's cache holds beside all else */
-#define MOST_OF_ALL (512 * MOST_CELLS) /* of all layers: 128 MiB */
+#define MOST_CELLS 8192                /* cells of a layer: 256 KiB, for a core's cache beside all else */
+#define MOST_OF_ALL (512 * MOST_CELLS) /* cells of all layers: 128 MiB */
 #define CELLS_PER_MFP 8
-#define BAND 1      /* whole cells around the box of a triangle or a body that know their distance from it */
-#define BEYOND 1.5f /* cells: so far at least are the middles of all others */
+#define BAND 1      /* whole cells around the box of a body or triangle whose distances are computed */
+#define BEYOND 1.5f /* cells; the middles of all other cells are at least so far away */
 #define PAD 2       /* cells around the box of all bodies */
-/* A cell is at least so many roundings of the largest coordinate: then what it has to spare, CML_CELL_MARGIN,
- * is eight of them, of which a packet's place, its path and the corner take one or two each. */
+/* Smallest size of a cell, in roundings of the largest coordinate. CML_CELL_MARGIN of a cell is then eight
+ * roundings. A packet's place, its path and the grid's corner need one or two of these each. */
 #define LEAST_ROUNDINGS (8 / CML_CELL_MARGIN)
 
-/* One layer whose cells are being filled. In cells: */
+/* A layer whose cells are being filled. Lengths are in cells unless stated otherwise. */
 struct filling {
     const struct cml_scene *scene;
-    double depth; /* of its frame, cm */
+    double depth; /* depth of the layer's frame, cm */
     const struct cml_body_cells *cells;
-    float *closest; /* distance of the middle from the closest surface whose band it is in */
-    float *far;     /* a lower bound of it from all: between cells that surfaces pass; squared at first */
+    float *closest; /* distance of each cell's middle from the closest surface within BAND */
+    float *far;     /* lower bound of each middle's distance from all surfaces, from the cells that
+                       surfaces pass; squared at first */
     struct cml_body_patch *patch;
-    int *next;                /* as from cml_patch_rows */
-    struct cell_facet *facet; /* [num_facets], with room for more */
+    int *next;                /* next occupied cell in the row of each cell, from cml_patch_rows */
+    struct cell_facet *facet; /* [num_facets] facets near the cells, with room for more */
     size_t num_facets, room;
     bool out_of_memory;
 };
 
-/* A facet that comes within reach of a cell's middle. */
+/* A facet that comes within CML_CELL_REACH of a cell's middle. */
 struct cell_facet {
     size_t cell, triangle;
     int body;
 };
 
+/* Returns the number of cells of a layer. */
 static size_t cells_of(const struct cml_body_cells *cells)
 {
     return (size_t)cells->n[0] * (size_t)cells->n[1] * (size_t)cells->n[2];
 }
 
-/* The cells in and around a box, scene coordinates, as ranges. */
+/* Finds the range of cells in and around a box given in scene coordinates. */
 static void cell_range(const struct filling *f, const double lower[3], const double upper[3], int from[3],
                        int to[3])
 {
@@ -58,13 +60,13 @@ static void cell_range(const struct filling *f, const double lower[3], const dou
     }
 }
 
-/* The number of a cell among those of its layer, x fastest. */
+/* Returns the number of a cell in its layer, x fastest. */
 static size_t cell_at(const struct filling *f, int x, int y, int z)
 {
     return ((size_t)z * (size_t)f->cells->n[1] + (size_t)y) * (size_t)f->cells->n[0] + (size_t)x;
 }
 
-/* The middle of a cell in scene coordinates. */
+/* Computes the middle of a cell in scene coordinates, cm. */
 static void cell_middle(const struct filling *f, int x, int y, int z, double middle[3])
 {
     const int at[3] = {x, y, z};
@@ -72,8 +74,8 @@ static void cell_middle(const struct filling *f, int x, int y, int z, double mid
     middle[2] += f->depth;
 }
 
-/* Kept for later: a patch of several facets needs their mean normal before it can measure heights along it.
- */
+/* Keeps a facet for later, because a patch of several facets needs their mean normal before it can measure
+ * heights along this normal. */
 static void add_facet(struct filling *f, size_t cell, int body, size_t triangle)
 {
     if (f->num_facets == f->room) {
@@ -95,7 +97,7 @@ struct part {
     size_t triangle;
 };
 
-/* From a place to the surface of a part, cm. */
+/* Returns the distance of p from the surface of a part, cm. */
 static double distance_to(const struct part *part, const double p[3])
 {
     double closest[3];
@@ -105,8 +107,8 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
-/* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there.
- */
+/* Notes a part's distance from the middle of a cell and, if the part may pass the cell, adds it to the cell's
+ * patch. */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];
@@ -121,6 +123,7 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
+/* Adds a part to all cells in its band. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
@@ -130,7 +133,7 @@ static void fill_band(struct filling *f, const struct part *part)
             for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
-/* A part for every triangle, with a box of its own. */
+/* Adds each triangle of a mesh as a part with a box of its own. */
 static void add_mesh(struct filling *f, int body)
 {
     const struct cml_mesh *mesh = &f->scene->bodies[body].mesh;
@@ -147,6 +150,7 @@ static void add_mesh(struct filling *f, int body)
     }
 }
 
+/* Adds a body, or each triangle of a body's mesh, to the cells in its band. */
 static void add_body(struct filling *f, int body)
 {
     const struct cml_scene_body *from = &f->scene->bodies[body];
@@ -160,7 +164,7 @@ static void add_body(struct filling *f, int body)
     fill_band(f, &part);
 }
 
-/* Seen from the middle of its cell, in cells. */
+/* Computes the corners of a facet relative to the middle of its cell, in cells. */
 static void facet_corners(const struct filling *f, const struct cell_facet *facet, double corner[3][3])
 {
     const struct cml_mesh *mesh = &f->scene->bodies[facet->body].mesh;
@@ -173,7 +177,8 @@ static void facet_corners(const struct filling *f, const struct cell_facet *face
             corner[k][i] = (mesh->vertex[mesh->triangle[facet->triangle][k]][i] - middle[i]) / f->cells->cell;
 }
 
-/* Mean normals first; made unit afterwards, of a patch's facets as often as there are. */
+/* Makes the patches of meshes: first the mean normals, then the heights along them, then unit normals. A
+ * patch of several facets is normalised several times, which changes nothing. */
 static void make_mesh_patches(const struct filling *f)
 {
     double corner[3][3];
@@ -188,10 +193,10 @@ static void make_mesh_patches(const struct filling *f)
     for (size_t i = 0; i < f->num_facets; i++) cml_vec3_normalise(f->patch[f->facet[i].cell].normal);
 }
 
-/* Least square of the distance along one axis from every middle of a row to another cell, and on from there.
- * Axis after axis this is the least over all cells, as squares add up [P. F. Felzenszwalb, D. P.
- * Huttenlocher, Theory of Computing 8 (2012) 415, without its envelope: rows are short]. row: [n], step
- * elements apart. */
+/* Sets each element of a row to the least square of the distance from its middle to another cell, plus that
+ * cell's value, along one axis. Done for all three axes in turn, this gives the least squared distance over
+ * all cells, because squares add up [P. F. Felzenszwalb, D. P. Huttenlocher, Theory of Computing 8 (2012)
+ * 415, without its envelope: rows are short]. row: [n], step elements apart. */
 static void spread_row(float *row, size_t step, int n, float *scratch)
 {
     for (int i = 0; i < n; i++) {
@@ -206,7 +211,7 @@ static void spread_row(float *row, size_t step, int n, float *scratch)
     for (int i = 0; i < n; i++) row[(size_t)i * step] = scratch[i];
 }
 
-/* Rows along x, then y, then z. scratch: as long as the longest row. */
+/* Spreads distances along x, then y, then z. scratch: as long as the longest row. */
 static void spread(const struct filling *f, float *scratch)
 {
     const int *n = f->cells->n;
@@ -219,8 +224,9 @@ static void spread(const struct filling *f, float *scratch)
             spread_row(f->far + cell_at(f, x, y, 0), (size_t)n[0] * (size_t)n[1], n[2], scratch);
 }
 
-/* A surface passes only cells whose middle is within half a diagonal of it. Near ones are exact up to BEYOND:
- * what does not have a middle in its band is further away. */
+/* Finds the distance of every middle from all surfaces. A surface passes only cells whose middle is within
+ * half a diagonal of it. Distances up to BEYOND are exact, because a surface without the middle in its band
+ * is further away. */
 static void find_distances(struct filling *f)
 {
     const size_t count = cells_of(f->cells);
@@ -232,7 +238,7 @@ static void find_distances(struct filling *f)
             fmaxf(0, fmaxf(fminf(f->closest[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
 }
 
-/* The last step, as a ball takes in the patches of many cells. */
+/* Makes the ball of each cell. This is the last step, because a ball includes the patches of many cells. */
 static void make_balls(const struct filling *f, struct cml_body_ball *ball)
 {
     const int *n = f->cells->n;
@@ -246,6 +252,7 @@ static void make_balls(const struct filling *f, struct cml_body_ball *ball)
             }
 }
 
+/* Marks all cells as empty and far from any surface. */
 static void prepare_cells(struct filling *f)
 {
     for (size_t i = 0; i < cells_of(f->cells); i++) {
@@ -254,7 +261,8 @@ static void prepare_cells(struct filling *f)
     }
 }
 
-/* All cells of a layer: distances and patches of every body in it, then what follows from them. */
+/* Fills all cells of a layer: distances and patches of every body in it, then the balls that follow from
+ * them. Returns CML_E_INPUT if memory runs out. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball, struct cml_error *err)
 {
     const int *n = f->cells->n;
@@ -283,7 +291,7 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
     return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the bounds of bodies");
 }
 
-/* The mean free path of the thickest medium of a layer, its bodies among them. */
+/* Returns the shortest mean free path in a layer and its bodies, cm. */
 static double shortest_path(const struct cml_scene *scene, int layer)
 {
     double mut = cml_medium_mut(&scene->media[layer]);
@@ -295,6 +303,7 @@ static double shortest_path(const struct cml_scene *scene, int layer)
     return 1 / mut;
 }
 
+/* Computes the box around all bodies of a layer, in scene coordinates, cm. */
 static void box_of_bodies(const struct cml_scene *scene, int layer, double lower[3], double upper[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -312,7 +321,7 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
     }
 }
 
-/* The box around all bodies of the layer and a little more; cubes, about `most` of them. */
+/* Chooses cubes, about `most` of them, over the box around all bodies of the layer and a little more. */
 static void lay_out(const struct cml_scene *scene, const double origin[2], int layer, double depth,
                     double most, struct cml_body_cells *cells)
 {
@@ -334,8 +343,8 @@ static void lay_out(const struct cml_scene *scene, const double origin[2], int l
     cells->corner[2] -= depth;
 }
 
-/* Which layers have a grid: those that hold bodies. A body's own medium has the grid of its layer, for light
- * inside meets the same surfaces. */
+/* Finds the layers that hold bodies; each of them gets a grid. A body's medium uses the grid of its layer,
+ * because light inside the body meets the same surfaces. */
 static cml_status find_media(const struct cml_scene *scene, struct cml_body_grids *grids,
                              struct cml_error *err)
 {

@@ -1,6 +1,6 @@
-/* What surfaces of bodies there are around the places of a layer: cubes that know balls without any, or where
- * in a ball they are, by which most steps need no query (kernels/body.h, cml_may_hit_body).
- * SPDX-License-Identifier: MIT */
+/* Grids of cubes around the bodies of each layer. Each cube knows a ball around its middle that is free of
+ * surfaces, or in which they lie between two planes, so that most steps need no query (kernels/body.h,
+ * cml_may_hit_body). SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -12,23 +12,27 @@
 /* The cells of one layer, over all of its bodies. */
 struct cml_body_cells {
     int n[3];
-    size_t first;           /* of its cells among all, x fastest */
-    double corner[3], cell; /* frame of the layer, scene x and y; width of a cell; cm */
+    size_t first;           /* index of the layer's first cell among all cells; x fastest */
+    double corner[3], cell; /* lower corner, in the frame of the layer, x and y of the scene; width of a
+                               cell; cm */
 };
 
 struct cml_body_grids {
     int count;
-    struct cml_body_cells *item; /* [count] */
-    int *of_medium;              /* [num_media]: that of the layer, for bodies too; -1 none */
+    struct cml_body_cells *item; /* [count], one per layer with bodies */
+    int *of_medium;              /* [num_media] grid of each medium; a body's medium has its layer's grid;
+                                    -1: none */
     size_t num_cells;
-    struct cml_body_ball *ball; /* [num_cells] */
+    struct cml_body_ball *ball; /* [num_cells] balls of all cells */
 };
 
-/* Makes the cells of all layers with bodies. origin: scene position of x and y in kernels; depths:
- * [num_media] of the frames. Cells are an eighth of the shortest mean free path wide, or as small as a
- * bounded number of them can be. CML_E_INPUT when memory runs out; then the grids hold what
- * cml_body_grids_clear frees. */
+/* Makes the cells of all layers with bodies. origin: scene position where x and y in kernels are 0. depths:
+ * [num_media] depth of each medium's frame, cm. A cell is an eighth of the shortest mean free path wide, or
+ * wider if there would be too many cells. Returns CML_E_INPUT if memory runs out; cml_body_grids_clear then
+ * still frees the grids. */
 CML_NODISCARD cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2],
                                                const double *depths, struct cml_body_grids *grids,
                                                struct cml_error *err);
+
+/* Frees the grids' memory and zeroes the structure. */
 void cml_body_grids_clear(struct cml_body_grids *grids);

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Makes the patches of cells, and from them the balls: two planes around the surfaces near a cell.
+ * SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_patch.h"
 
 #include "geometry/vec3.h"
@@ -6,13 +7,14 @@
 
 #include <math.h>
 
-#define WORTH 3 /* cells of radius that one of thickness between the planes is worth */
-#define CUBE 11 /* cells: those within the largest radius and CML_CELL_REACH of the one in its middle */
+#define WORTH 3 /* cells of radius that one cell of distance between the planes costs */
+#define CUBE 11 /* cells along an edge of the cube that covers the largest radius and CML_CELL_REACH */
 
-static const double radii[] = {1.25, 1.75, 2.5, 4}; /* cells, rising */
+static const double radii[] = {1.25, 1.75, 2.5, 4}; /* radii of balls to try, in cells, rising */
 #define NUM_RADII (sizeof radii / sizeof *radii)
 
-/* Adds a sphere or the side of a cylinder: r its radius, d the way from its centre or axis, D its length. */
+/* Adds a sphere or the side of a cylinder of radius r. d: vector from its centre or axis to the cell's
+ * middle, D: its length. */
 static void add_round(int body, const double d[3], double r, struct cml_body_patch *patch)
 {
     const double D = cml_vec3_length(d), h = CML_CELL_REACH;
@@ -25,7 +27,8 @@ static void add_round(int body, const double d[3], double r, struct cml_body_pat
     patch->upper = r - D;
 }
 
-/* An end of a cylinder, from which the axis times `sign` leads outwards. height: of it over the middle. */
+/* Adds an end face of a cylinder; `sign` times the axis points outwards. height: of the face over the
+ * middle. */
 static void add_plane(int body, const double axis[3], double sign, double height,
                       struct cml_body_patch *patch)
 {
@@ -35,7 +38,8 @@ static void add_plane(int body, const double axis[3], double sign, double height
     patch->cosine = 1;
 }
 
-/* One of its three faces; where two come close, planes are of no use. */
+/* Adds a face of a cylinder. If two of its three faces come close, two planes are of no use, and the patch is
+ * mixed. */
 static void add_cylinder(int body, const struct cml_convex *cylinder, const double from_end[3], double cell,
                          struct cml_body_patch *patch)
 {
@@ -73,7 +77,7 @@ void cml_patch_add_convex(int body, const struct cml_convex *convex, const doubl
     add_round(body, d, convex->radius / cell, patch);
 }
 
-/* Large facets count no more than what of them a cell can hold. */
+/* Adds a facet to the mean normal, weighted by its area, but at most by the area that a cell can hold. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3];
@@ -89,15 +93,16 @@ void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_p
     cml_vec3_add_scaled(patch->normal, fmin(area, 1) / area, normal, patch->normal);
 }
 
-/* The other leg of a right triangle; 0 where rounding leaves none. */
+/* Returns the other leg of a right triangle; 0 if rounding leaves none. */
 static inline double leg(double hypotenuse, double other)
 {
     return sqrt(cml_larger(0, hypotenuse * hypotenuse - other * other));
 }
 
-/* Heights over a plane of what of another lies within a distance of the origin: that other's normal makes
- * an angle of this cosine with the plane's, and from lower to upper are its heights along its own. */
-static inline void tilt(double cosine, double distance, double lower, double upper, double range[2])
+/* Computes the range of heights, over a plane through the origin, of the part of a second surface within
+ * `distance` of the origin. cosine: of the angle between the two normals. lower, upper: heights of the second
+ * surface along its own normal. */
+static inline void heights_over(double cosine, double distance, double lower, double upper, double range[2])
 {
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
     const double aside = leg(1, cosine) * leg(distance, nearest);
@@ -105,7 +110,8 @@ static inline void tilt(double cosine, double distance, double lower, double upp
     range[1] = cml_larger(cosine * lower, cosine * upper) + aside;
 }
 
-/* Adds the heights of the whole facet, or, if that is less, of what its plane has within reach. */
+/* Adds the heights of the whole facet or, if that range is smaller, of the part of the facet's plane within
+ * reach. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3], range[2], low = INFINITY, high = -INFINITY;
@@ -124,13 +130,14 @@ void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *pat
         low = fmin(low, h);
         high = fmax(high, h);
     }
-    tilt(cosine, CML_CELL_REACH, height, height, range);
+    heights_over(cosine, CML_CELL_REACH, height, height, range);
     patch->lower = fmin(patch->lower, fmax(low, range[0]));
     patch->upper = fmax(patch->upper, fmin(high, range[1]));
     patch->cosine = fmin(patch->cosine, cosine);
 }
 
-/* A patch seen from the middle of a cell nearby: the way to its own, and the square of that. */
+/* A patch seen from the middle of a nearby cell: the vector to the patch's own middle, and the square of its
+ * length. */
 struct neighbour {
     const struct cml_body_patch *patch;
     double way[3], square;
@@ -146,7 +153,8 @@ void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const fl
         }
 }
 
-/* All cells that a surface may pass, and that a ball of the largest radius can reach. Returns how many. */
+/* Finds all cells that a surface may pass and that a ball of the largest radius can reach. Returns their
+ * number. */
 static int find_neighbours(const int n[3], const struct cml_body_patch *patch, const int *next_in_row,
                            const int at[3], struct neighbour found[CUBE * CUBE * CUBE])
 {
@@ -170,20 +178,21 @@ static int find_neighbours(const int n[3], const struct cml_body_patch *patch, c
     return count;
 }
 
-/* What is made of those that can reach into a ball. */
+/* The joint surface of all patches that can reach into a ball: one normal and two planes. */
 struct view {
-    int body; /* as of a patch */
+    int body; /* body number, or CML_PATCH_NONE or CML_PATCH_MIXED */
     double normal[3], lower, upper, cosine;
 };
 
-/* Whether a surface within the neighbour's cell can come into the ball. */
+/* True if a surface in the neighbour's cell can reach into the ball. */
 static bool reaches_into(const struct neighbour *neighbour, double radius)
 {
     return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
 }
 
-/* Two bounds of the patch's heights: from what is known within its own cell, and within the ball. */
-static void see_heights(const struct neighbour *neighbour, double radius, struct view *view)
+/* Widens the planes of a view by a neighbour's patch. Two bounds of the patch's heights are intersected: from
+ * its range within its own cell, and within the ball. */
+static void add_heights(const struct neighbour *neighbour, double radius, struct view *view)
 {
     const struct cml_body_patch *patch = neighbour->patch;
     const double cosine = cml_vec3_dot(view->normal, patch->normal);
@@ -192,22 +201,24 @@ static void see_heights(const struct neighbour *neighbour, double radius, struct
     const double lower = patch->lower + up, upper = patch->upper + up;
     double own[2], within[2];
     if (lower > radius || upper < -radius) return;
-    tilt(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
-    tilt(cosine, radius, lower, upper, within);
+    heights_over(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
+    heights_over(cosine, radius, lower, upper, within);
     view->lower = cml_smaller(view->lower, cml_larger(own[0] + there, within[0]));
     view->upper = cml_larger(view->upper, cml_smaller(own[1] + there, within[1]));
     const double both = cosine * patch->cosine - leg(1, cosine) * leg(1, patch->cosine);
     view->cosine = cml_smaller(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
 }
 
-/* What the ball is worth, in cells: less with every patch that the planes make room for. */
+/* Returns the value of a ball, in cells: its radius, less a multiple of the distance between its planes. */
 static double worth_of(const struct view *view, double radius)
 {
     return radius - WORTH * (view->upper - view->lower);
 }
 
-/* False where there is nothing, or more than two planes can bound, or the ball is worth less than `most`. */
-static bool look(const struct neighbour *neighbour, int count, double radius, double most, struct view *view)
+/* Computes the view of a ball. Returns false if no surface reaches into the ball, if two planes cannot bound
+ * the surfaces, or if the ball's value is below `most`. */
+static bool make_view(const struct neighbour *neighbour, int count, double radius, double most,
+                      struct view *view)
 {
     *view = (struct view){.body = CML_PATCH_NONE, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
     for (int i = 0; i < count; i++) {
@@ -222,13 +233,14 @@ static bool look(const struct neighbour *neighbour, int count, double radius, do
     cml_vec3_normalise(view->normal);
     for (int i = 0; i < count; i++) {
         if (!reaches_into(&neighbour[i], radius)) continue;
-        see_heights(&neighbour[i], radius, view);
+        add_heights(&neighbour[i], radius, view);
         if (worth_of(view, radius) < most) return false;
     }
     return view->lower <= view->upper;
 }
 
-/* The planes moved apart by the margin, the ball made smaller by it. 2: no direction is steep enough. */
+/* Returns the ball of a view. The planes are moved apart by the margin, and the ball is shrunk by it.
+ * steepest = 2 means that no direction is steep enough to cross the surface only once. */
 static struct cml_body_ball ball_of_view(const struct view *view, double radius)
 {
     const double sine = leg(1, view->cosine) + 1e-3;
@@ -243,8 +255,9 @@ static struct cml_body_ball ball_of_view(const struct view *view, double radius)
     return ball;
 }
 
-/* Chooses, of balls with a surface, the one that is large and leaves it little room; none if the largest
- * without one is as good. Large ones first: few are then worth a look. */
+/* Returns the best ball around the middle of cell `at`. Among balls with a surface, the best is large and has
+ * its planes close together. A ball without a surface is chosen if it is as good. Large balls are tried
+ * first, because then few others need to be computed. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3])
 {
@@ -256,7 +269,7 @@ struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patc
     double most = nextafter(distance[i], INFINITY);
     for (size_t r = NUM_RADII; r-- > 0 && count > 0;) {
         struct view view;
-        if (radii[r] < most || !look(neighbour, count, radii[r], most, &view)) continue;
+        if (radii[r] < most || !make_view(neighbour, count, radii[r], most, &view)) continue;
         most = worth_of(&view, radii[r]);
         best = ball_of_view(&view, radii[r]);
     }

@@ -1,45 +1,58 @@
-/* What the surfaces of bodies look like around the middles of a grid's cells: in each cell that they pass,
- * two planes between which they lie there; and from those of its neighbours two for a ball that is larger
- * than a cell. SPDX-License-Identifier: MIT */
+/* Shapes of bodies' surfaces near the middles of a grid's cells. Each cell that surfaces pass has a patch:
+ * two planes between which the surfaces lie. The patches of neighbours give two planes for a ball larger than
+ * a cell.
+ *
+ *     - - - - - - - - - -  upper
+ *        _.-~~~~~-._
+ *     _.~           ~-._   surface of a body
+ *     - - - - - - - - - -  lower
+ *              +           middle of the cell
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "scene/body/convex.h"
 
 #include <stddef.h>
 
-/* How far a cell reaches from its middle, in cells: half its diagonal, sqrt(3) / 2. */
+/* Distance from a cell's middle to its corners, in cells: half its diagonal, sqrt(3) / 2. */
 #define CML_CELL_REACH 0.8661
 
 /* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
 struct cml_body_patch {
-    int body;            /* whose surface it is, or: */
-    double normal[3];    /* unit, outwards: the mean of the surface's normals */
+    int body;            /* number of the only body there, CML_PATCH_NONE or CML_PATCH_MIXED */
+    double normal[3];    /* unit vector, outwards: the mean of the surface's normals */
     double lower, upper; /* heights of the two planes over the middle, along `normal`, cells */
-    double cosine;       /* of the greatest angle between `normal` and a normal of the surface */
+    double cosine;       /* cosine of the greatest angle between `normal` and a normal of the surface */
 };
-enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* of several bodies, or turned too much for planes */ };
+enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* several bodies, or a surface too bent for planes */ };
 
-/* A sphere or cylinder comes within CML_CELL_REACH of p, the middle of a cell of this width (cm), of which
- * the patch tells what other bodies are there. */
+/* Adds a sphere or cylinder that comes within CML_CELL_REACH of p to the patch. p: the middle of a cell of
+ * width `cell`, cm. */
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch);
 
-/* A facet of a mesh does: first all of them, then all of them again. corner: from the middle, in cells. */
+/* Adds a facet of a mesh that comes within CML_CELL_REACH of the middle to the mean normal. All facets must
+ * be added so before cml_patch_add_heights is called for the first. corner: relative to the middle, in
+ * cells. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch);
+
+/* Widens the two planes by a facet of a mesh, after the normals of all facets have been added. corner:
+ * relative to the middle, in cells. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
 
-/* As struct cml_body_cell of kernels/types.h. body: whose surface alone is in the ball, -1: none is. */
+/* The ball of a cell, with the members of struct cml_body_cell in kernels/types.h. body: the only body whose
+ * surface is in the ball; -1: no surface is. */
 struct cml_body_ball {
     float radius, normal[3], lower, upper, steepest;
     int body;
 };
 
-/* For every cell of the grid the x of the first cell in its row, from itself on, that a surface may pass;
- * n[0] where there is none. patch, distance: as below. */
+/* Sets next[] for every cell of the grid to the x of the first cell in its row, from the cell itself on, that
+ * a surface may pass; n[0] if there is none. patch, distance: as for cml_body_ball_of. */
 void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next);
 
-/* What is known of the ball around the middle of cell `at` (x, y, z). distance: of all middles, from all
- * surfaces, cells: a surface may be in those cells only where it is less than CML_CELL_REACH. patch: of all
- * n[0] n[1] n[2] cells of the grid, x fastest. next: as from cml_patch_rows. */
+/* Returns the best ball around the middle of cell `at` (x, y, z). patch: of all n[0] n[1] n[2] cells, x
+ * fastest. distance: of every cell's middle from all surfaces, in cells; a surface can pass only cells where
+ * it is below CML_CELL_REACH. next: from cml_patch_rows. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3]);

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Computes the horizons of cells over a mesh, level by level of a pyramid. SPDX-License-Identifier: MIT */
 #include "surface/bounds/cell_horizon.h"
 
 #include "bounds.h"
@@ -7,37 +7,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a packet on one side of the mesh sees of a level of the pyramid: how far each cell reaches towards it,
- * cm, and of the cells that do not touch a cell, but whose parents touch its parent, the furthest of those
- * one cell away, and of those two cells away. With those of all coarser levels they are all that do not touch
- * it [the interaction list of Greengard and Rokhlin, Journal of Computational Physics 73 (2), 1987]. */
+/* A level of the pyramid, as a packet on one side of the mesh sees it. The packet sees the interaction list
+ * of its cell x: cells that do not touch x (t), although their parents touch its parent. far_one holds the
+ * furthest reach towards the packet of those one cell away (1), far_two of those two cells away (2):
+ *
+ *     1 1 1 1 1 2
+ *     1 t t t 1 2
+ *     1 t x t 1 2        the 6 x 6 children of
+ *     1 t t t 1 2        3 x 3 parents
+ *     1 1 1 1 1 2
+ *     2 2 2 2 2 2
+ *
+ * Together with the lists of all coarser levels these are all cells that do not touch x [Greengard and
+ * Rokhlin, Journal of Computational Physics 73 (2), 1987]. */
 struct view {
     int size;    /* cells along an axis */
-    double cell; /* cm */
+    double cell; /* size of a cell, cm */
     bool repeats;
-    const float *reach;       /* [size][size] */
-    float *far_one, *far_two; /* [size][size] */
-    float *steepest, *nearby; /* [size][size] slope of the steepest facet above a cell; above those that touch
-                               * it, too */
+    const float *reach;       /* [size][size] how far the mesh reaches towards the packet above each cell,
+                                 cm */
+    float *far_one, *far_two; /* [size][size] furthest reach of cells one and two cells away, cm */
+    float *steepest, *nearby; /* [size][size] slope of the steepest facet above a cell; above the cell and
+                                 the cells that touch it */
 };
 
-/* The number of a cell of a level that has `size` rows and columns. */
+/* Returns the number of a cell in a level of `size` rows and columns. */
 static size_t cell_at(int size, int x, int y)
 {
     return (size_t)y * (size_t)size + (size_t)x;
 }
 
-/* The number of a cell along an axis, -1 where there is none. size is a power of two. */
+/* Returns the number of a cell along an axis, -1 if there is none. size is a power of two. */
 static int index_along(int x, int size, bool repeats)
 {
     if (repeats) return x & (size - 1);
     return x >= 0 && x < size ? x : -1;
 }
 
-/* The horizon of one cell, from the cells around its parent. Those at the rim reach outwards for ever, but
- * that brings no two closer. Of what repeats, the coarsest level has one cell, and its copies one cell away
- * stand for all that are further. */
-static void look_from(const struct view *view, int x, int y)
+/* Finds far_one and far_two of a cell from the children of its parent's neighbours. Cells at the rim extend
+ * outwards for ever, but that brings no two cells closer. In a mesh that repeats, the coarsest level has one
+ * cell, and its copies one cell away stand for all copies further away. */
+static void find_far(const struct view *view, int x, int y)
 {
     const int size = view->size, x0 = (x / 2 - 1) * 2, y0 = (y / 2 - 1) * 2;
     float far[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -53,14 +63,15 @@ static void look_from(const struct view *view, int x, int y)
     view->far_two[cell_at(size, x, y)] = far[2];
 }
 
-static void look_around(const struct view *view)
+/* Finds far_one and far_two of all cells of a level. */
+static void find_all_far(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
-        for (int x = 0; x < view->size; x++) look_from(view, x, y);
+        for (int x = 0; x < view->size; x++) find_far(view, x, y);
 }
 
-/* The slope of the steepest facet above a cell and those that touch it. What lies between two places of these
- * cells lies above them, so that neither is seen more steeply from the other. */
+/* Returns the slope of the steepest facet above a cell and the cells that touch it. Between two places of
+ * these cells lie only these facets, so neither place is seen more steeply from the other. */
 static float steepest_nearby(const struct view *view, int x, int y)
 {
     const int size = view->size;
@@ -74,16 +85,18 @@ static float steepest_nearby(const struct view *view, int x, int y)
     return most;
 }
 
-static void look_nearby(const struct view *view)
+/* Finds `nearby` of all cells of a level. */
+static void find_nearby(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
         for (int x = 0; x < view->size; x++)
             view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
 }
 
-/* The greatest slope at which any place of a cell of the finest view sees another place. ground: what a
- * packet in the cell is beyond. What it sees of a level lies above the cells that touch its parent, and is
- * seen no more steeply than their steepest facet. */
+/* Returns the greatest slope at which any place of a cell of the finest view sees another place. ground: a
+ * depth beyond which every packet in the cell lies, cm, positive towards its side. The slope of a level's
+ * view is bounded by the steepest facet above the cells that touch the cell's parent, as all that it sees
+ * lies there. */
 static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
 {
     float most = view[0].nearby[cell_at(view[0].size, x, y)];
@@ -92,19 +105,21 @@ static float steepest_view(const struct view *view, int levels, int x, int y, fl
         const float cell = (float)view[l].cell;
         const float far =
             fmaxf((view[l].far_one[at] - ground) / cell, (view[l].far_two[at] - ground) / (2 * cell));
-        const int up = l + 1 < levels ? l + 1 : l; /* the last has a single cell */
+        const int up = l + 1 < levels ? l + 1 : l; /* the last level has a single cell */
         const float steepest = view[up].nearby[cell_at(view[up].size, x >> up, y >> up)];
         most = fmaxf(most, fminf(far, steepest));
     }
     return most;
 }
 
+/* Returns the number of cells of one level. */
 static size_t level_cells(const struct cml_depth_pyramid *pyramid, int level)
 {
     const size_t side = (size_t)(pyramid->size >> level);
     return side * side;
 }
 
+/* Returns the number of cells of all levels. */
 static size_t all_cells(const struct cml_depth_pyramid *pyramid)
 {
     size_t cells = 0;
@@ -112,7 +127,7 @@ static size_t all_cells(const struct cml_depth_pyramid *pyramid)
     return cells;
 }
 
-/* The steepest slope of each cell, from the 2 x 2 cells of the level below. */
+/* Finds the steepest slope of each cell from the 2 x 2 cells of the level below. */
 static void join_steepest(const struct view *below, const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
@@ -124,8 +139,9 @@ static void join_steepest(const struct view *below, const struct view *view)
         }
 }
 
-/* From the level of the horizons on, whose steepest facets are given: reach is where the mesh is deepest,
- * seen from below, or highest. scratch [5][all cells]. Returns how many levels. */
+/* Makes the views of all levels, beginning at the level of the horizons. Sets reach to the mesh's greatest
+ * depth seen from below, or its greatest height seen from above. steepest: slopes of the first level.
+ * scratch: [5][all cells]. Returns the number of views. */
 static int make_views(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
                       float *scratch, struct view *view)
 {
@@ -143,13 +159,14 @@ static int make_views(const struct cml_depth_pyramid *pyramid, const float *stee
             memcpy(made->steepest, steepest, level_cells(pyramid, l) * sizeof *steepest);
         else
             join_steepest(made - 1, made);
-        look_nearby(made);
-        look_around(made);
+        find_nearby(made);
+        find_all_far(made);
     }
     return pyramid->levels - CML_HORIZON_LEVEL;
 }
 
-/* More by what rounding may turn, and by the share of a cell by which positions are off (depth_map.c). */
+/* Finds the horizons on one side. They are raised by more than rounding can turn a direction, and by the
+ * share of a cell by which positions are off (depth_map.c). */
 static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
                           float *scratch, float *horizon)
 {

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds pyramids of least and greatest depth for meshes, tiles and rings. SPDX-License-Identifier: MIT */
 #include "surface/bounds/depth_map.h"
 
 #include "base/array.h"
@@ -8,14 +8,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 x 16 to 512 x 512 cells */
-enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
+enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 to 512 cells a side */
+enum { MOST_RADIAL_LEVELS = 11 }; /* levels of rows: up to 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
-/* Share of a cell by which shapes are widened before their cells are found: floats of cell numbers up to 1024
- * are off by 3e-5. */
+/* Share of a cell by which shapes are widened before their cells are found. Cell numbers up to 1024, computed
+ * in float, are off by 3e-5. */
 static const double err_cell = 1e-3;
 
-/* Share of a map's extent by which bounds are widened: floats of positions in it are off by 6e-8 each. */
+/* Share of a map's extent by which depths are widened. Positions in the map, in float, are off by 6e-8
+ * each. */
 static const double err_depth = 1e-5;
 
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
@@ -24,6 +25,7 @@ size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
     return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
+/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {
@@ -48,6 +50,7 @@ void cml_depth_map_clear(struct cml_depth_map *map)
     *map = (struct cml_depth_map){0};
 }
 
+/* Widens the bounds of a cell of level 0 to include the depths least..most, cm. */
 static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, double most)
 {
     const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;
@@ -55,14 +58,15 @@ static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, 
     map->highest[cell] = fminf(map->highest[cell], (float)least);
 }
 
+/* Returns the cell of level 0 at position x along an axis; the nearest cell if x is outside the map. */
 static int cell_index(const struct cml_depth_map *map, double x, int axis)
 {
     const double cell = floor((x - map->corner[axis]) / map->cell[axis]);
     return (int)fmin(fmax(cell, 0), map->size - 1);
 }
 
-/* Bounds of level 0 widened by err, cm, for rounding; then every level from the one below it: a min/max
- * pyramid, as maximum mipmaps are [Tevs, Ihrke and Seidel, I3D 2008]. */
+/* Completes a map: widens the bounds of level 0 by err (cm) for rounding, then computes every level from the
+ * level below. The result is a min/max pyramid, like maximum mipmaps [Tevs, Ihrke and Seidel, I3D 2008]. */
 static void finish(struct cml_depth_map *map, double err)
 {
     const size_t base = cml_depth_map_level_cells(map, 0);
@@ -74,7 +78,7 @@ static void finish(struct cml_depth_map *map, double err)
     for (int l = 0; l + 1 < map->levels; l++) {
         const size_t below = cml_depth_map_level_cells(map, l), width = (size_t)(map->size >> l);
         for (size_t i = 0; i < below; i++) {
-            const size_t x = i % width / 2, y = i / width / 2; /* a row has y = 0 */
+            const size_t x = i % width / 2, y = i / width / 2; /* cells of a row (radii) have y = 0 */
             const size_t cell = to + y * (width / 2) + x;
             map->deepest[cell] = fmaxf(map->deepest[cell], map->deepest[from + i]);
             map->highest[cell] = fminf(map->highest[cell], map->highest[from + i]);
@@ -84,8 +88,9 @@ static void finish(struct cml_depth_map *map, double err)
     }
 }
 
-/* A square over x, y .. x + width, y + width; one more cell on each side stands for everything outside. A
- * level more doubles the cells along each axis: about one cell per two triangles. */
+/* Allocates a square map over x, y .. x + width, y + width. One more cell on each side stands for everything
+ * outside. Each further level doubles the cells along each axis; there is about one cell per two
+ * triangles. */
 static cml_status allocate_square(double triangles, double x, double y, double width,
                                   struct cml_depth_map *map, struct cml_error *err)
 {
@@ -99,14 +104,15 @@ static cml_status allocate_square(double triangles, double x, double y, double w
 }
 
 struct triangle_plane {
-    double lower[3], upper[3]; /* box */
-    double a, b, c;            /* z = a x + b y + c; steep is set when the triangle is (nearly) upright */
+    double lower[3], upper[3]; /* corners of the triangle's box, cm */
+    double a, b, c;            /* plane z = a x + b y + c; not set if `steep`: the triangle is upright or
+                                  nearly so */
     bool steep;
-    float slope; /* infinite when it is upright or faces down */
+    float slope; /* infinite if the triangle is upright or faces down */
 };
 
-/* Nearly upright triangles have no plane, as its slopes would magnify the rounding of their corners: they are
- * bounded by their boxes. */
+/* Returns the plane of a triangle. Nearly upright triangles have none, because the plane's slopes would
+ * magnify the rounding of the corners; their box bounds them. */
 static struct triangle_plane plane_of(const double p[3], const double q[3], const double r[3])
 {
     struct triangle_plane t = {.steep = false};
@@ -125,7 +131,8 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
     return t;
 }
 
-/* The triangle's depth over one cell: that of its plane there, within that of its box. And its slope. */
+/* Widens a cell by the depths of a triangle over it: depths of its plane there, limited to its box. Notes the
+ * triangle's slope, too. */
 static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t, int ix, int iy,
                        float *steepest)
 {
@@ -144,7 +151,7 @@ static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t
     *slope = fmaxf(*slope, t->slope);
 }
 
-/* Widens *lower..*upper by the part of the edge from p to q that lies in from <= y <= to. */
+/* Widens *lower..*upper by the x range of the part of the edge from p to q that lies in from <= y <= to. */
 static void clip_edge(const double *p, const double *q, double from, double to, double *lower, double *upper)
 {
     const double *low = p[1] < q[1] ? p : q, *high = low == p ? q : p, ends[2] = {from, to};
@@ -157,8 +164,8 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
     }
 }
 
-/* Row by row, only the cells that the triangle reaches: the box of a needle that lies aslant has a thousand
- * times as many as the needle. */
+/* Widens all cells that a triangle reaches, row by row. The cells of its box would be a thousand times as
+ * many for an oblique needle. */
 static void cover_triangle(struct cml_depth_map *map, const struct triangle_plane *t, const double *corner[3],
                            float *steepest)
 {
@@ -173,7 +180,8 @@ static void cover_triangle(struct cml_depth_map *map, const struct triangle_plan
     }
 }
 
-/* The outer plane lies over every cell that is not all inside the rectangle; NULL: over all of them. */
+/* Widens every cell that is not entirely inside the rectangle by the outer plane at z; all cells if `lower`
+ * is NULL. */
 static void cover_outside(struct cml_depth_map *map, double z, const double lower[2], const double upper[2])
 {
     for (int iy = 0; iy < map->size; iy++)
@@ -186,8 +194,8 @@ static void cover_outside(struct cml_depth_map *map, double z, const double lowe
         }
 }
 
-/* A footprint that is its own bounding rectangle leaves nothing of the outer plane inside it. Its area by the
- * shoelace formula. */
+/* True if the footprint is its own bounding rectangle, so that nothing of the outer plane lies inside that
+ * rectangle. The area comes from the shoelace formula. */
 static bool fills_its_box(const struct cml_mesh *mesh)
 {
     double area = 0;
@@ -200,7 +208,8 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-/* steepest [cells of the level of horizons]: zeros, becomes the slope of the steepest facet above each. */
+/* Widens the cells by a mesh and its outer plane. steepest: [cells of the horizons' level] zeros on entry;
+ * becomes the slope of the steepest facet above each cell. */
 static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {
@@ -212,6 +221,7 @@ static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, f
     cover_outside(map, mesh->z_border, fills_its_box(mesh) ? mesh->lower : NULL, mesh->upper);
 }
 
+/* Allocates the horizons on both sides, and slopes of 0, for the cells of the horizons' level. */
 static cml_status allocate_horizons(struct cml_depth_map *map, float **steepest, struct cml_error *err)
 {
     const size_t cells = cml_depth_map_level_cells(map, CML_HORIZON_LEVEL);
@@ -224,6 +234,7 @@ static cml_status allocate_horizons(struct cml_depth_map *map, float **steepest,
     return CML_OK;
 }
 
+/* Computes the map's horizons from its depths and the steepest facet above each cell. */
 static cml_status find_horizons(struct cml_depth_map *map, const float *steepest, struct cml_error *err)
 {
     const struct cml_depth_pyramid pyramid = {.levels = map->levels,
@@ -253,10 +264,10 @@ cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_m
     return status;
 }
 
-/* ---- of a tile ---- */
+/* ---- tiles ---- */
 
-/* How many periods along the axis make it about as long as the other one; fewer where that would be very many
- * cells of the tile. */
+/* Returns how many periods along the axis are about as long as the other axis's period; fewer if that would
+ * be too many cells of the tile. */
 static int periods_along(const struct cml_heightmap *tile, int axis)
 {
     const double most_cells = 4194304, ratio = cml_tile_period(tile, 1 - axis) / cml_tile_period(tile, axis);
@@ -264,7 +275,7 @@ static int periods_along(const struct cml_heightmap *tile, int axis)
     return (int)fmax(1, fmin(rint(ratio), most));
 }
 
-/* Levels as of a square, but no cells around it. */
+/* Allocates the map of a tile: levels as for a square, but without cells around it. */
 static cml_status allocate_period(const struct cml_heightmap *tile, const int periods[2],
                                   struct cml_depth_map *map, struct cml_error *err)
 {
@@ -277,8 +288,8 @@ static cml_status allocate_period(const struct cml_heightmap *tile, const int pe
     return CML_OK;
 }
 
-/* Covers the cells below a triangle; one that lies beside the map has nothing to say, but within rounding of
- * its ends. */
+/* Widens the cells below a triangle. A triangle beside the map is skipped unless it is within rounding of the
+ * map's ends. */
 static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], float *steepest)
 {
     const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
@@ -289,8 +300,8 @@ static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], 
     cover_triangle(map, &t, corner, steepest);
 }
 
-/* All cells of the tile in the map, and one more on each side: row by row, so that no more than a row has
- * triangles at a time. */
+/* Widens the map by all cells of the tile in it, and one more cell on each side. Only one row at a time has
+ * triangles, to save memory. */
 static cml_status cover_tile(const struct cml_heightmap *tile, const int periods[2],
                              struct cml_depth_map *map, float *steepest, struct cml_error *err)
 {
@@ -328,15 +339,17 @@ cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_de
     return status;
 }
 
-/* ---- of rings ---- */
+/* ---- rings ---- */
 
+/* Returns the depth of the profile at radius `at`, which lies between rings i and i + 1, or behind the last
+ * ring. */
 static double profile_depth(const double *r, const double *z, int n, int i, double at)
 {
     if (i + 1 >= n) return z[n - 1];
     return z[i] + (z[i + 1] - z[i]) * ((at - r[i]) / (r[i + 1] - r[i]));
 }
 
-/* Depth of the profile over a range of radii: at its ends and at the samples within. */
+/* Widens a cell by the depths of the profile over a range of radii: at its ends and at the samples inside. */
 static void cover_radii(struct cml_depth_map *map, const double *r, const double *z, int n, double from,
                         double to, int cell)
 {
@@ -358,7 +371,8 @@ cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struc
         least = fmin(least, z[i]);
         most = fmax(most, z[i]);
     }
-    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
+    /* Levels for about four cells per ring. */
+    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++;
     CML_TRY(allocate(levels, CML_BOUNDS_RADII, map, err));
     map->cell[0] = map->cell[1] = last / (map->size - 1);
     for (int i = 0; i < map->size; i++) {

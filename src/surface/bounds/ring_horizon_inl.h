@@ -1,8 +1,11 @@
-/* Code, included by engine/world.c in each precision. The horizon angle of every ring of a heightfield, as
- * its tangent: how steeply a packet on the ring must rise, or fall, to leave the heightfield for good. The
- * term is that of terrain rendering [Max, Horizon mapping: shadows for bump-mapped surfaces, The Visual
- * Computer 4 (2), 1988]. Exists because light that has gone through a surface would else be followed past all
- * its rings, and a single wall in it would make that so for all of them. SPDX-License-Identifier: MIT */
+/* Code, included by engine/world.c in each precision: computes the horizon of every ring of a heightfield.
+ * The horizon is the tangent of the angle above which a packet that rises (or falls) from the ring leaves the
+ * heightfield for good.
+ *
+ * Without horizons, light that has passed a surface would be followed past all rings. One horizon for all
+ * rings would not do, since a single wall would set it. The term comes from terrain rendering [Max, Horizon
+ * mapping: shadows for bump-mapped surfaces, The Visual Computer 4 (2), 1988].
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "bounds.h"
@@ -10,19 +13,19 @@
 
 #include <math.h>
 
-/* Slope at which sample k of the profile is seen from sample j, cm per cm; positive to the side (+1 below the
- * surface, -1 above). An upright step hides all: infinite. */
+/* Returns the slope at which sample k of the profile is seen from sample j, cm per cm; positive towards the
+ * side (+1 below the surface, -1 above). Behind an upright step nothing is seen: infinite. */
 static inline double cml_profile_slope(const real *r, const real *z, real side, int j, int k)
 {
     const double run = fabs((double)r[k] - (double)r[j]);
     return run > 0 ? (double)side * ((double)z[k] - (double)z[j]) / run : INFINITY;
 }
 
-/* Raises horizon[j] to the slope of the steepest sample from j on, inwards (step -1) or outwards (1), in time
- * proportional to n: from j the steepest is a corner of the convex hull over the samples beyond, and j's own
- * hull is what is left of it [Timonen and Westerholm, Scalable height field self-shadowing, Computer Graphics
- * Forum 29 (2), 2010; Andrew's monotone chain]. hull, int [n] of the caller's: hull[j] is the corner that
- * follows j. */
+/* Raises horizon[j] to the slope of the steepest sample from j on, inwards (step -1) or outwards (step 1), in
+ * time proportional to n. The steepest sample is a corner of the convex hull over the samples beyond j; the
+ * hull of j is the rest of that hull [Timonen and Westerholm, Scalable height field self-shadowing, Computer
+ * Graphics Forum 29 (2), 2010; Andrew's monotone chain]. hull: int [n], scratch; hull[j] becomes the corner
+ * that follows j. */
 static inline void cml_raise_horizon(const real *r, const real *z, int n, real side, int step, int *hull,
                                      real *horizon)
 {
@@ -38,11 +41,11 @@ static inline void cml_raise_horizon(const real *r, const real *z, int n, real s
     }
 }
 
-/* The horizons of n rings, real [n], for packets on the side: the largest slope, at least 0, at which any
- * place of the surface is seen from any place of the ring, and more by what rounding may turn: a thousandth,
- * where float turns a direction by 1e-7. From within a ring nothing is seen more steeply than from its ends,
- * which see each other too; across the axis nothing more steeply than its radius tells. r, z: real [n], cm.
- * scratch: int [n]. */
+/* Computes the horizons of n rings, real [n], for packets on one side: the largest slope, at least 0, at
+ * which any place of the surface is seen from any place of the ring. They are raised by a thousandth, more
+ * than rounding can turn a direction (1e-7 in float). Places inside a ring see nothing more steeply than its
+ * ends do, and the ends see each other. Across the axis nothing is seen more steeply than along the same
+ * radius. r, z: real [n], cm. scratch: int [n]. */
 static inline void cml_ring_horizons(const real *r, const real *z, int n, real side, int *scratch,
                                      real *horizon)
 {

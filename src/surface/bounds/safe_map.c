@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Fills a map of safe distances around a mesh that overhangs. SPDX-License-Identifier: MIT */
 #include "surface/bounds/safe_map.h"
 
 #include "geometry/box_tree.h"
@@ -8,25 +8,26 @@
 
 #include <stdlib.h>
 
-#define CELLS_PER_EDGE 6 /* of a mean facet */
-#define MOST_ALONG 64    /* cells along the longest side of the box, for a cache's sake */
-#define AROUND 2         /* cells on every side of the box */
-#define FAR 8            /* times a block's reach: there its middle speaks for all of its cells */
+#define CELLS_PER_EDGE 6 /* cells along the edge of a mean facet */
+#define MOST_ALONG 64    /* cells along the longest side of the box, at most: a cache must hold the map */
+#define AROUND 2         /* cells added on every side of the box */
+#define FAR 8 /* times a block's reach: so far from the surface, the block's middle decides for its cells */
 
 struct filling {
     const struct cml_centred_mesh *centred;
-    struct cml_flat_facet *flat; /* [num_triangles] */
+    struct cml_flat_facet *flat; /* [num_triangles] the facets, for distances */
     struct cml_boxtree *tree;
     const struct cml_safe_map *map;
 };
 
 /* A cube of 2^level cells along an edge. */
 struct block {
-    int level, at[3]; /* its first cell */
-    double middle[3]; /* in cells */
-    uint32_t facet;   /* the closest to that */
+    int level, at[3]; /* number of cells along an edge is 2^level; first cell */
+    double middle[3]; /* middle of the block, in cells */
+    uint32_t facet;   /* facet closest to the middle */
 };
 
+/* Returns the distance between two places. */
 static double distance(const double a[3], const double b[3])
 {
     double way[3];
@@ -34,18 +35,20 @@ static double distance(const double a[3], const double b[3])
     return cml_vec3_length(way);
 }
 
+/* Returns the square of the distance of facet i from p, cm2 (a cml_boxtree_square). */
 static double facet_square(const void *context, uint32_t i, const double p[3])
 {
     return cml_flat_square((const struct cml_flat_facet *)context + i, p[0], p[1], p[2]);
 }
 
-/* A place of the map, in cells, in the centred frame, cm. */
+/* Converts a place of the map, in cells, to the centred frame, cm. */
 static void place_of(const struct filling *f, const double p[3], double at[3])
 {
     cml_vec3_add_scaled(f->map->corner, f->map->cell, p, at);
 }
 
-/* The distance from a place to the closest facet, in cells. */
+/* Returns the distance from a place to the closest facet, in cells. *facet: a guess of that facet; becomes
+ * its number. */
 static double closest_facet(const struct filling *f, const double p[3], uint32_t *facet)
 {
     double at[3];
@@ -53,8 +56,8 @@ static double closest_facet(const struct filling *f, const double p[3], uint32_t
     return sqrt(cml_boxtree_closest(f->tree, at, facet_square, f->flat, facet)) / f->map->cell;
 }
 
-/* Beyond the border the outer plane may be closer. Inside of it the closest place of that plane is on the
- * border, which the facets have. */
+/* Returns the smaller of the distances to the facets and to the outer plane, in cells. Inside the border the
+ * closest place of the outer plane is on the border, which belongs to facets, too. */
 static double with_outer_plane(const struct filling *f, const double p[3], double facets)
 {
     double at[3];
@@ -64,20 +67,21 @@ static double with_outer_plane(const struct filling *f, const double p[3], doubl
     return plane < facets && !cml_footprint_contains(f->centred->footprint, at[0], at[1]) ? plane : facets;
 }
 
-/* Rounded down by more than double and float round. */
+/* Returns a distance rounded down by more than the rounding of double and float. */
 static float rounded_down(double cells)
 {
     return (float)fmax(0, (1 - 1e-6) * cells - 1e-9);
 }
 
+/* Sets the safe distance of a cell, rounded down. */
 static void set_cell(const struct cml_safe_map *map, int x, int y, int z, double safe)
 {
     map->safe[((size_t)z * (size_t)map->n[1] + (size_t)y) * (size_t)map->n[0] + (size_t)x] =
         rounded_down(safe);
 }
 
-/* All cells of a block, from the safe distance of its middle: another place is closer to the surface by at
- * most the way to it. */
+/* Sets all cells of a block from the safe distance of its middle: at another place the surface is closer by
+ * at most the distance between the two. */
 static void set_far_block(const struct cml_safe_map *map, const struct block *block, double safe)
 {
     int end[3];
@@ -93,7 +97,8 @@ static void set_far_block(const struct cml_safe_map *map, const struct block *bl
             }
 }
 
-/* The i-th part of a block of more than one cell; false where that has no cells. */
+/* Computes part i (0 to 7) of a block of more than one cell. Returns false if the part has no cells of the
+ * map. */
 static bool part_of(const struct cml_safe_map *map, const struct block *block, int i, struct block *part)
 {
     bool has_cells = true;
@@ -107,18 +112,20 @@ static bool part_of(const struct cml_safe_map *map, const struct block *block, i
     return has_cells;
 }
 
-/* From the middle of a block to those of its cells, at most, cells. */
+/* Returns the largest distance from a block's middle to the middle of a cell in it, in cells. */
 static double reach_of(const struct block *block)
 {
     return 0.8660255 * ((1 << block->level) - 1);
 }
 
+/* True if the block is so far from the surface that the safe distance of its middle suffices for all of its
+ * cells. */
 static bool is_far(const struct block *block, double safe)
 {
     return safe >= FAR * reach_of(block);
 }
 
-/* By halves, down to blocks that are far from the surface, or to cells. */
+/* Fills a block: divides it until its parts are far from the surface, or single cells. */
 static void fill_block(struct filling *f, struct block block)
 {
     const double facets = closest_facet(f, block.middle, &block.facet),
@@ -133,7 +140,7 @@ static void fill_block(struct filling *f, struct block block)
     }
 }
 
-/* Edge of an equilateral triangle of the mean area, cm. */
+/* Returns the edge of an equilateral triangle of the mesh's mean facet area, cm. */
 static double mean_edge(const struct cml_mesh *mesh)
 {
     double sum = 0, normal[3];
@@ -145,7 +152,8 @@ static double mean_edge(const struct cml_mesh *mesh)
     return sqrt(1.1547005 * sum / (double)mesh->num_triangles);
 }
 
-/* The box and a little more, in cells as small as they pay and memory allows. Returns how many. */
+/* Chooses cells over the mesh's box and a little more, as small as pays and as memory allows. Returns their
+ * number. */
 static size_t lay_out(const struct cml_mesh *mesh, double edge, double most, struct cml_safe_map *map)
 {
     double longest = 0, cells = INFINITY;
@@ -163,6 +171,7 @@ static size_t lay_out(const struct cml_mesh *mesh, double edge, double most, str
     return (size_t)cells;
 }
 
+/* Fills the frames of all facets for computing distances. */
 static void find_facets(struct filling *f)
 {
     for (int i = 0; i < (int)f->centred->mesh.num_triangles; i++) {
@@ -172,6 +181,7 @@ static void find_facets(struct filling *f)
     }
 }
 
+/* Fills the map, beginning with one block around all of its cells. */
 static void fill(struct filling *f)
 {
     struct block whole = {.level = 2};
@@ -181,6 +191,8 @@ static void fill(struct filling *f)
     fill_block(f, whole);
 }
 
+/* Makes the tree of boxes and the frames of facets. Returns CML_E_INPUT if memory runs out; clear_filling
+ * frees them. */
 static cml_status make_filling(struct filling *f, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &f->centred->mesh;
@@ -193,6 +205,7 @@ static cml_status make_filling(struct filling *f, struct cml_error *err)
     return CML_OK;
 }
 
+/* Frees what make_filling has made. */
 static void clear_filling(struct filling *f)
 {
     free(f->flat);

@@ -1,20 +1,24 @@
-/* Code, included by the engine's loops over lanes and so compiled once for each level of the processor. Most
- * rays of packets near a sheet (sheet_mesh.h), many together in vector loops: where each of
- * them first crosses the mesh or its outer plane, or that it does not.
+/* Code, included by the engine's loops over lanes, and so compiled once for each level of the processor.
+ * Vector loops find the first crossings of many rays with a sheet (sheet_mesh.h) or its outer plane at once.
  *
- *        o packet
- *         \             A ray steep enough crosses a mesh once. What steep enough is, the horizon of a place
- *          \      . '   says (surface/bounds/cell_horizon.h): from x on packets that go away above the dotted
- * lines ' .   \  . '      meet nothing. Turned round: a ray that comes to x from above them has met nothing
- *     /\  ' .x'   /\    before.
- *  __/  \____|___/  \   mesh
+ *          o packet
+ *           \
+ *     .      \          .
+ *      ' .    \      . '          dotted: the horizon of place x
+ *     /\  ' .  \  . '   /\
+ *    /  \    ' .x'     /  \
+ *   /    \______|_____/    \      mesh
  *
- * So it suffices to find a facet that the ray surely meets, or that surely lies ahead where it ends, and to
- * look up the horizon there. Where it is depends on the depth of the mesh, which is guessed from that of the
- * cell below the last guess.
+ * Idea: a steep ray crosses a sheet only once. The horizon of a place (surface/bounds/cell_horizon.h) says
+ * how steep is steep enough: packets that leave x above the dotted lines meet nothing. In reverse, a ray that
+ * arrives at x from above the dotted lines has met nothing before. Therefore the loops look for a facet that
+ * the ray surely meets, or that surely lies ahead of the ray's end, and compare the ray with the horizon
+ * there. Where that facet lies depends on the mesh's depth, which is guessed from the cell below the last
+ * guess.
  *
- * Answers are those of the walk (grid_walk.h) to the last bit: the same arithmetic finds the crossing of the
- * ray with the facet's plane. What is not sure by more than rounding, or not steep enough, is left to it.
+ * Answers equal those of the walk (grid_walk.h) to the last bit, because the same arithmetic finds the
+ * crossing with the facet's plane. A ray is left to the walk if rounding could change its answer, or if the
+ * ray is not steep enough.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -25,61 +29,63 @@
 
 #include <math.h>
 
-enum { CML_GRID_LANES = 64, CML_GRID_GROUP = 16 }; /* a group goes through a loop together */
+enum { CML_GRID_LANES = 64, CML_GRID_GROUP = 16 }; /* a group of rays goes through a loop together */
 
 enum cml_grid_answer { CML_GRID_UNDECIDED, CML_GRID_MISSED, CML_GRID_MET };
 
-/* Rays of packets that stand on no facet, on one side of a mesh, and what they meet: structure of arrays,
- * entries 0..count-1; what lies behind them may be anything. Positions in the boundary's frame, x and y from
- * the scene's origin, cm. */
+/* Rays of packets on one side of a mesh that stand on no facet, and their crossings. A structure of arrays
+ * with entries 0..count-1; entries behind may hold anything. Positions are in the boundary's frame, x and y
+ * from the scene's origin, cm. */
 struct cml_grid_lanes {
     int count;
-    int lane[CML_GRID_LANES]; /* the caller's number */
+    int lane[CML_GRID_LANES]; /* lane number of the caller */
     _Alignas(64) real x[CML_GRID_LANES], y[CML_GRID_LANES], z[CML_GRID_LANES];
-    real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* unit */
-    real s[CML_GRID_LANES];                                          /* length of the path */
-    /* the answers */
+    real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* direction of the ray, a unit vector */
+    real s[CML_GRID_LANES];                                          /* length of the path, cm */
+    /* The answers of the search: */
     int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];
-    real t[CML_GRID_LANES];                                                /* of the crossing */
-    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* there, or where the path ends */
+    real t[CML_GRID_LANES];                                                /* distance of the crossing, cm */
+    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* position there or at the end */
     real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
-    /* on the way; in double, centred frame */
+    /* Intermediate values, in double, in the centred frame: */
     double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];
     double end[CML_GRID_LANES], err[CML_GRID_LANES]; /* length of the path; err_query */
-    double way[CML_GRID_LANES];                      /* from the packet to the place that was found */
+    double way[CML_GRID_LANES];                      /* distance from the packet to the place found */
     int cell[2][CML_GRID_LANES], index[CML_GRID_LANES];
 };
 
-/* What all rays have in common. */
+/* The data common to all rays. */
 struct cml_grid_view {
     const struct cml_grid_mesh *grid;
     const struct cml_centred_mesh *centred;
-    const struct cml_depth_bounds *depths; /* of the surface */
-    const real *horizons;                  /* of its cells, seen from the side of the packets */
-    real depth;  /* of the mesh in the frame that the depths of packets were rounded in, cm */
-    real x0, y0; /* of the beam, from the scene's axis */
-    real side;   /* +1: they are below the mesh */
+    const struct cml_depth_bounds *depths; /* depths of the surface */
+    const real *horizons;                  /* horizons of the surface's cells, on the packets' side */
+    real depth;  /* depth of the mesh in the frame in which packets' depths were rounded, cm */
+    real x0, y0; /* scene position where x and y of packets are 0, cm */
+    real side;   /* +1 if the packets are below the mesh, else -1 */
 };
 
 #define CML_GRID_LOOP static __attribute__((noinline))
 
-/* Depths of a cell in one word. */
+/* Both depths of a cell in one word of 32 bits. */
 typedef uint32_t __attribute__((may_alias)) cml_grid_depths_word;
 
-/* The number of a cell, of which a grid has fewer than 2^28: in memory as cml_grid_mesh_index has it. */
+/* Returns the index of a cell in memory, as cml_grid_mesh_index does. A grid has fewer than 2^28 cells. */
 static inline int cml_grid_lane_index(int i, int j, int tiles)
 {
     return 16 * ((j >> 2) * tiles + (i >> 2)) + 4 * (j & 3) + (i & 3);
 }
 
+/* Returns the cell of a position along an axis, in cells; the first or last cell if the position is outside
+ * the grid. */
 static inline int cml_grid_lane_cell(double position, double last)
 {
     const double inner = position > 0 ? position : 0;
     return (int)(inner < last ? inner : last);
 }
 
-/* Rays into the centred frame. Those beside the mesh's box can meet only the outer plane: they are answered.
- */
+/* Moves rays into the centred frame. Rays beside the mesh's box can meet only the outer plane and are
+ * answered here. */
 CML_GRID_LOOP void cml_grid_lanes_begin(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_centred_mesh *centred = view->centred;
@@ -120,12 +126,13 @@ CML_GRID_LOOP void cml_grid_lanes_begin(const struct cml_grid_view *view, int fi
     }
 }
 
-/* Scale of a grid: cells from its corner. */
+/* Corner, scale and size of a grid, to convert positions to cells. */
 struct cml_grid_scale {
     double x_corner, y_corner, x_scale, y_scale, x_last, y_last;
     int tiles;
 };
 
+/* Returns the corner, scale and size of a grid. */
 static inline struct cml_grid_scale cml_grid_scale_of(const struct cml_grid_mesh *grid)
 {
     const struct cml_grid_scale scale = {grid->corner[0],       grid->corner[1], grid->cells_per_cm[0],
@@ -134,8 +141,8 @@ static inline struct cml_grid_scale cml_grid_scale_of(const struct cml_grid_mesh
     return scale;
 }
 
-/* The cell in which each ray probably meets the mesh, or ends: where it has the depth of the cell that it was
- * in before, beginning at the mean depth. */
+/* Guesses the cell in which each ray meets the mesh or ends. Each guess takes the depth of the cell guessed
+ * before; the first guess takes the mean depth. */
 CML_GRID_LOOP void cml_grid_lanes_guess(const struct cml_grid_mesh *grid, int first, struct cml_grid_lanes *l)
 {
     const cml_grid_depths_word *depths = (const void *)grid->level[0].depths;
@@ -166,8 +173,8 @@ CML_GRID_LOOP void cml_grid_lanes_guess(const struct cml_grid_mesh *grid, int fi
     }
 }
 
-/* A ray and a facet that it crosses at t, in whose inside by more than rounding it is there, or at its end if
- * that comes first: whether that is an answer. */
+/* Decides a ray that crosses a facet's plane at t, or ends before, at a place well inside the facet. Returns
+ * MET, MISSED, or UNDECIDED if rounding could change the answer. */
 static inline int cml_grid_lane_answer(double sign, double along, double t, double end, double err)
 {
     const double beyond = (t - end) * along * sign;
@@ -176,7 +183,7 @@ static inline int cml_grid_lane_answer(double sign, double along, double t, doub
     return sure ? answer : CML_GRID_UNDECIDED;
 }
 
-/* The least barycentric weight of a place in a facet of a sheet; negative outside. */
+/* Returns the smallest barycentric weight of a place (x, y) in a facet of a sheet; negative outside. */
 static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, double x, double y)
 {
     const double a = x - f->corner[0], b = y - f->corner[1];
@@ -184,8 +191,8 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
     return cml_smaller(cml_smaller(v, w), 1 - v - w);
 }
 
-/* Intersects a ray with a facet of its cell; 1 where the ray crosses the facet's plane, or ends,
- * well inside the facet, and so has its answer. */
+/* Intersects ray k with a facet listed in its cell. Returns 1 and sets the answer if the ray crosses the
+ * facet's plane, or ends, well inside the facet; else returns 0. */
 static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view, uint32_t number, int k,
                                                 struct cml_grid_lanes *l)
 {
@@ -209,11 +216,11 @@ static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view
     return 1;
 }
 
-/* Intersects each ray with the facets that its cell lists, the likeliest first. A query reads
- * cell, list and facets, each from the address that the one before has told, and would wait for each; those
- * of a mesh of 1e5 triangles are too many for a processor's second cache. All rays ask for the next one
- * before the first goes on, so that they come together [group prefetching: Chen, Ailamaki, Gibbons and Mowry,
- * Improving hash join performance through prefetching, ICDE 2004]. */
+/* Intersects each ray with the facets that its cell lists, the likeliest facet first. A search reads cell,
+ * list and facet; each read gives the address of the next, so each would wait for memory. In a mesh of 1e5
+ * triangles these data exceed a processor's second cache. Therefore all rays of a group prefetch their next
+ * read before the first ray continues [group prefetching: Chen, Ailamaki, Gibbons and Mowry, Improving hash
+ * join performance through prefetching, ICDE 2004]. */
 static void cml_grid_lanes_intersect(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_grid_mesh *grid = view->grid;
@@ -243,10 +250,11 @@ static void cml_grid_lanes_intersect(const struct cml_grid_view *view, int first
     }
 }
 
-/* Leaves undecided again what may have met the mesh before the place that was found. A ray that comes to a
- * place of horizon h more steeply than h, by `excess`, has passed no facet where it began: by the path to
- * that place times the excess, and times the share by which horizons were raised. That must be more than
- * twice err_query, which across a facet as steep as the horizon is at most 1 + h times as much in depth. */
+/* Makes rays undecided again that may have met the mesh before the place found. Let a ray arrive at a place
+ * of horizon h and be steeper than h by `excess`. Then its beginning lies above every facet by at least its
+ * length times the excess, plus its length times the share by which horizons were raised. This height must
+ * exceed 2 err_query (1 + h), because across a facet as steep as the horizon err_query is at most 1 + h times
+ * as large in depth. */
 CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_depth_bounds map = *view->depths;
@@ -265,7 +273,7 @@ CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int fi
     }
 }
 
-/* Fills the answers. */
+/* Answers all rays, group by group. */
 static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid_lanes *l)
 {
     for (int first = 0; first < l->count; first += CML_GRID_GROUP) {

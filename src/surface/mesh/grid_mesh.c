@@ -1,10 +1,12 @@
-/* SPDX-License-Identifier: MIT */
+/* Allocates the cells under a sheet, and builds the pyramid of blocks above them. SPDX-License-Identifier:
+ * MIT */
 #include "surface/mesh/grid_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Depths in steps, rounded outwards. The mesh itself lies within the range of 16 bits. */
+/* Widens a cell's depths. The depths are rounded outwards to whole steps; the mesh itself lies within the
+ * 16-bit range. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths)
 {
@@ -14,7 +16,7 @@ void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, 
     if (high > depths->most) depths->most = (uint16_t)high;
 }
 
-/* Slots of all levels together. */
+/* Returns the number of slots of all levels together. */
 static size_t all_slots(const struct cml_grid_mesh *grid)
 {
     size_t slots = 0;
@@ -46,7 +48,7 @@ cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct 
     return CML_OK;
 }
 
-/* The depths of a level's blocks: least and most of the level below. */
+/* Sets the depths of a level's blocks: the least and greatest depths of their children. */
 static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid_mesh_level *level)
 {
     for (int j = 0; j < below->n[1]; j++)
@@ -58,6 +60,7 @@ static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid
         }
 }
 
+/* Computes the mean depth of all cells that have facets, in depth steps. */
 static void find_mean(struct cml_grid_mesh *grid)
 {
     double sum = 0, cells = 0;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Walks a ray over the cells of a sheet to its first crossing. SPDX-License-Identifier: MIT */
 #include "surface/mesh/grid_walk.h"
 
 #include "geometry/vec3.h"
@@ -7,75 +7,79 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rays that enter the grid's box further away than this, in halves of the mesh's width, are left to the exact
- * query, which moves their origin to the box first: here t u would cost too many digits. */
+/* Rays that enter the grid's box further away than this many half widths of the mesh are left to the exact
+ * query. There t u would lose too many digits; the exact query moves the ray's origin to the box first. */
 static const double farthest_entry = 16;
 
-/* A traversal begins at the lowest level at which first and last node are less than this many apart: above
- * it blocks are skipped that the ray never comes to, below it descending costs more than it skips. */
+/* A traversal begins at the lowest level at which the ray's first and last nodes are less than this many
+ * nodes apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near; for a
+ * ray over fewer nodes, descending costs more than skipping saves. */
 static const int most_nodes = 3;
 
-/* In place of 1 / 0 for a ray that does not move along an axis: it reaches no border there. Finite, so that
- * its product with 0 is 0 and no NaN. */
+/* Stands for 1 / 0 if a ray does not move along an axis: the ray reaches no border there. It is finite, so
+ * that its product with 0 is 0 and not NaN. */
 static const double never = 1e300;
 
-/* UNDECIDED: rounding could change the answer. It ends the whole traversal: a hit behind it may not be the
- * first. */
+/* The answer of a test. UNDECIDED means that rounding could change the answer. It ends the whole traversal,
+ * because a later hit may not be the first one. */
 enum verdict { MISS, HIT, UNDECIDED };
 
-/* The ray along one axis, in cells from the grid's corner or in steps of depth. */
+/* The ray along one axis, in cells from the grid's corner or in depth steps. */
 struct axis {
-    double origin;  /* cells or steps, at t = 0 */
+    double origin;  /* position at t = 0, cells or steps */
     double speed;   /* cells or steps per cm of the ray */
     double inverse; /* 1 / speed, cm per cell or step, signed */
 };
 
-/* What stays the same from node to node. */
+/* The data that stay the same from node to node. */
 struct traversal {
     const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;
-    struct axis axis[2]; /* x, y */
-    struct axis depth;   /* z */
+    struct axis axis[2]; /* the ray along x and y */
+    struct axis depth;   /* the ray along z, in depth steps */
 };
 
-/* Part of the ray, by its distances from the origin, cm. */
+/* A part of the ray, as distances from its origin, cm. */
 struct interval {
     double t_min, t_max;
 };
 
-/* Nodes of one level, from first to last, both included. A node is a cell (level 0) or a block. */
+/* The nodes of one level from `first` to `last`, both included. A node is a cell (level 0) or a block. */
 struct range {
     int first[2], last[2];
 };
 
+/* Returns the ray along one axis, with `never` for the inverse of a speed of 0. */
 static struct axis make_axis(double origin, double speed)
 {
     return (struct axis){origin, speed, fabs(speed) > 1 / never ? 1 / speed : never};
 }
 
+/* Returns the ray's position along an axis at distance t. */
 static double position_at(const struct axis *a, double t)
 {
     return a->origin + t * a->speed;
 }
 
-/* position in cells of a grid of n */
+/* True if the position, in cells, lies in a grid of n cells. */
 static bool is_within(double position, int n)
 {
     return position > 0 && position < n;
 }
 
+/* Returns the cell of a position in a grid of n cells; the first or last cell if the position is outside. */
 static int clamp_to_cell(double position, int n)
 {
     return is_within(position, n) ? (int)position : position > 0 ? n - 1 : 0;
 }
 
-/* Whether a position is inside [low, low + size] by more than rounding. */
+/* True if the position is inside [low, low + size] by more than rounding. */
 static bool is_well_within(double position, double low, double size)
 {
     return position - low > err_cell && position - low < size - err_cell;
 }
 
-/* Whether the ray stays beside the grid along an axis, so that the mesh is missed. */
+/* True if the ray stays beside the grid along axis k, so that it misses the mesh. */
 static bool misses_grid(const struct traversal *w, int k, struct interval ray)
 {
     const double first = position_at(&w->axis[k], ray.t_min), last = position_at(&w->axis[k], ray.t_max);
@@ -83,8 +87,8 @@ static bool misses_grid(const struct traversal *w, int k, struct interval ray)
     return (first < -err_cell && last < -err_cell) || (first > n + err_cell && last > n + err_cell);
 }
 
-/* Barycentric weights of the ray's place at t from areas in x and y: in proportion to those in the facet,
- * which is not upright. */
+/* Computes barycentric weights of the ray's place at t from areas seen from above. These areas are
+ * proportional to the areas in the facet, as the facet is not upright. */
 static void find_weights(const struct cml_mesh_query *q, int facet, double t, double weight[3])
 {
     const double place[2] = {q->origin[0] + t * q->direction[0], q->origin[1] + t * q->direction[1]};
@@ -97,8 +101,8 @@ static void find_weights(const struct cml_mesh_query *q, int facet, double t, do
     for (int k = 0; k < 3; k++) weight[k] /= sum;
 }
 
-/* Weights are found only for normals that are interpolated from vertices: nothing else asks for them. Equal
- * ones keep the hit away from vertices. */
+/* Adds a hit to the query. Weights are computed only for normals interpolated from vertices, as nothing else
+ * uses them. Otherwise equal weights keep the hit away from vertices. */
 static void add_hit(struct cml_mesh_query *q, int facet, const double plane[4], double t)
 {
     double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
@@ -106,7 +110,7 @@ static void add_hit(struct cml_mesh_query *q, int facet, const double plane[4], 
     cml_query_add_inner_hit(q, facet, plane, t, weight);
 }
 
-/* The least weight of a place of the ray in a facet of a sheet; negative outside. */
+/* Returns the smallest barycentric weight of the ray's place at t in a facet of a sheet; negative outside. */
 static double least_weight(const struct cml_mesh_query *q, const struct cml_sheet_facet *f, double t)
 {
     const double x = q->origin[0] + t * q->direction[0] - f->corner[0],
@@ -116,7 +120,8 @@ static double least_weight(const struct cml_mesh_query *q, const struct cml_shee
     return a < least ? a : least;
 }
 
-/* All facets of a cell's list. Without branches, which would mostly be guessed wrong. */
+/* Intersects the ray with all facets listed in a cell. The loop has no branches, since most of them would be
+ * mispredicted. */
 static enum verdict intersect_cell(const struct traversal *w, size_t index, struct interval part)
 {
     struct cml_mesh_query *q = w->q;
@@ -148,9 +153,9 @@ static enum verdict intersect_cell(const struct traversal *w, size_t index, stru
     return HIT;
 }
 
-/* The part in which the ray is between the depths of a node; empty (t_min > t_max) where there is none.
- * Depths are widened by more than rounding already. A node without facets has the least above the most, which
- * sorting makes all depths: it is entered, and its cells are undecided. */
+/* Returns the part in which the ray is between the depths of a node; empty (t_min > t_max) if there is none.
+ * Depths are already widened by more than rounding. A node without facets has least > most. Sorting turns
+ * these into the full range of depths, so the node is entered and its cells are undecided. */
 static struct interval clip_to_depths(const struct traversal *w, struct cml_grid_mesh_depths depths,
                                       struct interval part)
 {
@@ -162,8 +167,9 @@ static struct interval clip_to_depths(const struct traversal *w, struct cml_grid
     return part;
 }
 
-/* Which node of `level` within the range the ray is in at t; false when it is too close to the border between
- * two to tell. The outer borders of the range do not count: the ray is known to be in the range. */
+/* Finds the node of `level`, within the range, in which the ray is at t. Returns false if the ray is too
+ * close to the border between two nodes. The outer borders of the range do not count, because the ray is
+ * known to be inside the range. */
 static bool find_node(const struct traversal *w, int level, const struct range *range, double t, int node[2])
 {
     const double size = (double)(1 << 2 * level);
@@ -183,7 +189,7 @@ static bool find_node(const struct traversal *w, int level, const struct range *
 static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
                              double enter, struct interval part);
 
-/* The 4 x 4 nodes below a block of `level`, fewer at the grid's end. */
+/* Returns the range of children of a block of `level`: 4 x 4 nodes, fewer at the grid's end. */
 static struct range children_of(const struct traversal *w, int level, const int node[2])
 {
     const int *n = w->grid->level[level - 1].n;
@@ -195,9 +201,10 @@ static struct range children_of(const struct traversal *w, int level, const int 
     return range;
 }
 
-/* One node, over which the ray is in `part` and surely at `enter`: skipped when the ray stays above or below
- * all that it holds, else its facets or, from where the ray comes within its depths, its children. Where that
- * lies on a border between children, they are traversed from `enter` on. */
+/* Visits a node over which the ray is in `part`, and surely at `enter`. Skips the node if the ray stays above
+ * or below its depths. Otherwise tests the facets of a cell, or traverses a block's children from the place
+ * where the ray comes within the block's depths. If that place lies on a border between children, the
+ * traversal starts at `enter`. */
 static enum verdict visit_node(const struct traversal *w, int level, const int node[2], double enter,
                                struct interval part)
 {
@@ -214,18 +221,18 @@ static enum verdict visit_node(const struct traversal *w, int level, const int n
     return traverse(w, level - 1, &range, first, enter, (struct interval){part.t_min, clipped.t_max});
 }
 
-/* Distance at which the ray leaves a node along axis k: tMax of Amanatides and Woo. Computed from the node's
- * number each time, as their sum of tDelta would gather rounding. */
+/* Returns the distance at which the ray leaves a node along axis k: tMax of Amanatides and Woo. It is
+ * computed from the node's number each time, because adding up tDelta would accumulate rounding. */
 static double leave_at(const struct traversal *w, int k, int node, double size)
 {
     const struct axis *axis = &w->axis[k];
     return ((node + (axis->inverse > 0)) * size - axis->origin) * axis->inverse;
 }
 
-/* The traversal of Amanatides and Woo: from node to node of a range, each time across the border that comes
- * first, until one is hit or the ray or the range ends. `enter`: in part, a distance at which the ray is in
- * the first node. Each node gets its part of the ray widened by err_cell at both ends, so that a facet whose
- * edge rounding has moved is looked for on both sides. Where the ray crosses a border near a corner, the next
+/* Traverses the nodes of a range (Amanatides and Woo), each time across the border that the ray reaches
+ * first, until a node is hit or the ray or the range ends. `enter`: a distance in `part` at which the ray is
+ * in the first node. Each node gets its part of the ray widened by err_cell at both ends, so that a facet at
+ * a border is tested on both sides. A ray that crosses a border near a corner is undecided, because its next
  * node is not certain. */
 static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
                              double enter, struct interval part)
@@ -251,7 +258,7 @@ static enum verdict traverse(const struct traversal *w, int level, const struct 
     }
 }
 
-/* The level at which the ray crosses fewer than most_nodes nodes along each axis. */
+/* Returns the level at which the ray crosses fewer than most_nodes nodes along each axis. */
 static int find_start_level(const struct traversal *w, const int first[2], const double last[2])
 {
     int cells = 0, level = 0;
@@ -263,8 +270,8 @@ static int find_start_level(const struct traversal *w, const int first[2], const
     return level;
 }
 
-/* Traverses the grid from the cell in which the ray begins. Where the ray ends near a cell's border, a miss
- * of the visited cells says nothing of the next ones. */
+/* Traverses the grid from the cell in which the ray begins. If the ray ends near a cell's border, a miss of
+ * all visited cells is undecided, since the next cell was not visited. */
 static enum verdict traverse_grid(const struct traversal *w, struct interval ray)
 {
     const struct cml_grid_mesh *grid = w->grid;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Geometry of one facet: crossing with a line, distance from a point. SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_facet.h"
 
 #include "geometry/vec3.h"
@@ -6,13 +6,13 @@
 
 #include <math.h>
 
-/* A part of a line, by its distances, cm. */
+/* A part of a line, as distances from a point of it, cm. */
 struct chord {
     double first, last;
 };
 
-/* What is between the corners, seen along the line: a bound that holds however flat the line is to the facet.
- */
+/* Returns the part of a line between the corners of a facet, as seen along the line. This bound holds however
+ * small the angle between line and facet is. */
 static struct chord between_corners(const struct cml_centred_mesh *centred, int primitive,
                                     const double from[3], const double direction[3])
 {
@@ -27,9 +27,10 @@ static struct chord between_corners(const struct cml_centred_mesh *centred, int 
     return chord;
 }
 
-/* What is inside the edges, seen along the normal: the line clipped against them [Cyrus and Beck, Computers
- * and Graphics 3 (1), 1978]. Only edges that the line passes more steeply than the facet itself know more
- * than the facet's plane; along: the sine of the angle to that. */
+/* Returns the part of a line inside a facet's edges, as seen along the facet's normal: the line is clipped by
+ * the edges [Cyrus and Beck, Computers and Graphics 3 (1), 1978]. Only edges that the line passes more
+ * steeply than the facet itself improve on the facet's plane. along: sine of the angle between line and
+ * facet. */
 static struct chord between_edges(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                                   const double direction[3], double along)
 {
@@ -48,9 +49,9 @@ static struct chord between_edges(const struct cml_centred_mesh *centred, int pr
     return chord;
 }
 
-/* Where the line passes a corner, rounding may leave its chord with less than no length. A crossing that
- * rounding has put before `least` is taken as late as rounding, and the facet, allow: one that is met at once
- * would be met again and again. */
+/* Returns the distance of the crossing. At a corner, rounding may make the chord's length negative. If
+ * rounding puts the crossing before `least`, the crossing is taken as late as rounding and the facet allow; a
+ * facet that is met at once would otherwise be met again and again. */
 double cml_facet_crossing(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                           const double direction[3], double least)
 {
@@ -61,12 +62,13 @@ double cml_facet_crossing(const struct cml_centred_mesh *centred, int primitive,
     const double low = fmin(chord.first, chord.last), high = fmax(chord.first, chord.last);
     const double t = fmax(low, fmin(cml_vec3_dot(to_corner, normal) / along, high));
     if (t >= least) return t;
-    double err = 0; /* of the distance from the plane */
+    double err = 0; /* rounding of the distance from the plane */
     for (int k = 0; k < 3; k++) err += err_share_product * fabs(to_corner[k] * normal[k]);
     return fmax(least, fmin(t + err / fabs(along), high));
 }
 
-/* [Ericson, Real-Time Collision Detection, 2005, section 5.1.2] */
+/* Returns the distance of p from the segment a b [Ericson, Real-Time Collision Detection, 2005, section
+ * 5.1.2]. */
 static double distance_to_segment(const double a[3], const double b[3], const double p[3])
 {
     double edge[3], off[3];
@@ -77,7 +79,8 @@ static double distance_to_segment(const double a[3], const double b[3], const do
     return cml_vec3_length(off);
 }
 
-/* The distance of p from the plane where it projects into the triangle, else from the nearest edge. */
+/* Returns the distance of p from the facet's plane if p projects into the facet, else from the nearest
+ * edge. */
 double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive, const double p[3])
 {
     const double *normal = centred->plane[primitive];
@@ -96,7 +99,8 @@ double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive,
     return above ? fabs(normal[3] - cml_vec3_dot(p, normal)) : nearest;
 }
 
-/* The closest points of two lines, with that of the edge clamped to its ends [Ericson, section 5.1.9]. */
+/* Computes the closest points of two lines; the point on the edge is clamped to the edge's ends [Ericson,
+ * section 5.1.9]. */
 double cml_facet_edge_approach(const double from[3], const double direction[3], const double a[3],
                                const double b[3])
 {

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Decides doubtful queries by all crossings of the query's line with the mesh. SPDX-License-Identifier:
+ * MIT */
 #include "surface/mesh/mesh_line.h"
 
 #include "geometry/predicate.h"
@@ -30,8 +31,8 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, 
     cml_vec3_add_scaled(q->origin, q->err_query, q->direction, line->from);
 }
 
-/* On which side of an edge the line passes; from the lower index to the higher, so that the triangles of an
- * edge get opposite signs. */
+/* Returns the side of an edge on which the line passes. The edge is taken from the lower vertex number to the
+ * higher one, so that the triangles of an edge get opposite signs. */
 static int side_of_edge(const struct cml_mesh_line *line, uint32_t i, uint32_t j)
 {
     const double(*vertex)[3] = (const double(*)[3])line->q->centred->mesh.vertex;
@@ -39,19 +40,20 @@ static int side_of_edge(const struct cml_mesh_line *line, uint32_t i, uint32_t j
                  : -cml_line_side(vertex[j], vertex[i], line->from, line->q->direction);
 }
 
-/* +1 when the line crosses the triangle upwards, -1 downwards, else 0. */
+/* Returns +1 if the line crosses the triangle upwards, -1 if downwards, 0 if it does not cross it. */
 static int signed_crossing(const struct cml_mesh_line *line, const uint32_t v[3])
 {
     const int side = side_of_edge(line, v[0], v[1]);
     return side_of_edge(line, v[1], v[2]) == side && side_of_edge(line, v[2], v[0]) == side ? side : 0;
 }
 
+/* True if a crossing leaves the packet's side of the boundary. along: positive for a crossing upwards. */
 static bool is_exiting(const struct cml_mesh_query *q, double along)
 {
     return q->below ? along > 0 : along < 0;
 }
 
-/* cm; of the outer plane infinite where it has a hole. */
+/* Returns the distance of p from a primitive, cm; infinite from the outer plane if p is over its hole. */
 static double distance_from(const struct cml_mesh_line *line, int primitive, const double p[3])
 {
     const struct cml_mesh_query *q = line->q;
@@ -60,12 +62,13 @@ static double distance_from(const struct cml_mesh_line *line, int primitive, con
     return is_hole ? INFINITY : fabs(q->centred->mesh.z_border - p[2]);
 }
 
+/* Returns the distance along the line to its crossing with a facet; `least` as for cml_facet_crossing. */
 static double crossing_of(const struct cml_mesh_query *q, int primitive, double least)
 {
     return cml_facet_crossing(q->centred, primitive, q->origin, q->direction, least);
 }
 
-/* A crossing ahead, at distance t. way: as of signed_crossing. */
+/* Takes account of a crossing ahead at distance t. way: +1 upwards, -1 downwards. */
 static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     if (!is_exiting(line->q, way)) {
@@ -77,23 +80,25 @@ static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, do
     }
 }
 
+/* Adds a crossing ahead to the winding number, and takes account of it. */
 static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     line->winding_ahead += way;
     keep_crossing(line, primitive, way, t);
 }
 
-/* ---- unions ---- */
+/* ---- unions of parts ---- */
 
 enum { LOT = sizeof(((struct cml_line_parts *)0)->item) / sizeof(struct cml_line_crossing) };
 
-/* Crossings that rounding has put at one place are told apart by number. */
+/* True if crossing a comes before crossing b. Crossings that rounding has put at one place are ordered by
+ * facet number. */
 static bool is_before(const struct cml_line_crossing *a, const struct cml_line_crossing *b)
 {
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
-/* Keeps the first of those that no lot has had. */
+/* Adds a crossing to the lot, which keeps the first crossings that were in no earlier lot. */
 static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     if (parts->lot == 0) parts->around += crossing->way;
@@ -105,6 +110,7 @@ static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_cross
     parts->item[i] = *crossing;
 }
 
+/* Counts a crossing for all crossings of the same part in the lot that lie before it. */
 static void look_behind(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     for (int i = 0; i < parts->count; i++)
@@ -112,14 +118,14 @@ static void look_behind(struct cml_line_parts *parts, const struct cml_line_cros
             parts->item[i].around += crossing->way;
 }
 
-/* How many parts less are around the line behind a crossing: none, where it is one of two of a part that have
- * been exchanged, so that there is no place between them. */
+/* Returns 1 if the line leaves a part at the crossing, -1 if it enters one, else 0. It is 0 for two crossings
+ * of one part whose order rounding has exchanged, since there is no place between them. */
 static int leaves_parts(const struct cml_line_crossing *crossing)
 {
     return (crossing->around + crossing->way > 0) - (crossing->around > 0);
 }
 
-/* Whether a part begins where another one has ended, but for rounding. */
+/* True if, except for rounding, a part begins where another part has ended. */
 static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_crossing *out,
                        const struct cml_line_crossing *in)
 {
@@ -129,8 +135,9 @@ static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_c
            cml_facet_distance(line->q->centred, in->primitive, place) <= line->q->centred->err_mesh;
 }
 
-/* Where the number of parts falls to 0 or rises from there, up to the first exit. The last of a lot that has
- * others behind it belongs to the next: what follows a crossing must be known. */
+/* Follows the crossings of the lot up to the first exit. Keeps each crossing where the number of parts around
+ * the line falls to 0 or rises from 0. If crossings follow behind the lot, the lot's last crossing is left to
+ * the next lot, because deciding a crossing needs the crossing behind it. */
 static void follow_lot(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -151,7 +158,8 @@ static void follow_lot(struct cml_mesh_line *line)
     }
 }
 
-/* How many parts are around the place at distance t; many, where the lot does not tell. */
+/* Returns the number of parts around the place at distance t; INT_MAX behind the lot, where the number is
+ * unknown. */
 static int parts_around(const struct cml_line_parts *parts, double t)
 {
     int around = parts->around;
@@ -173,7 +181,7 @@ bool cml_line_goes_on(struct cml_mesh_line *line)
     if (parts->pass != CML_LINE_LOOKS_BESIDE && parts->lot == 0) {
         line->winding_ahead = parts->around;
         parts->pass = CML_LINE_LOOKS_BESIDE;
-        /* on its own side a packet that crosses something asks for nothing beside the line */
+        /* a packet on its own side with a crossing ahead needs no facets beside the line */
         return !(line->t < line->length) || (parts->around > 0) != (line->q->below != 0);
     }
     if (line->primitive >= 0 || !parts->more) return false;
@@ -185,12 +193,12 @@ bool cml_line_goes_on(struct cml_mesh_line *line)
     return true;
 }
 
-/* ---- what lies beside the line ---- */
+/* ---- facets beside the line ---- */
 
-/* A place of the line where it may pass an exiting facet: of those no further from their facet than rounding
- * can explain, the first is the exit. t + distance orders places so that a nearer facet wins over one that is
- * passed a little earlier, at the same corner. From a union no facet is an exit in another part; a packet
- * that comes to one has passed another facet before. */
+/* Considers the place at distance t as the exit through a facet. Among places no further from their facet
+ * than rounding explains, the first is the exit. Places are ordered by t + distance, so that a nearer facet
+ * wins over one that the line passes a little earlier at the same corner. In a union, a place inside another
+ * part is no exit: a packet that comes to it has passed another facet before. */
 static void add_exit_candidate(struct cml_mesh_line *line, int primitive, double t)
 {
     double place[3];
@@ -203,7 +211,8 @@ static void add_exit_candidate(struct cml_mesh_line *line, int primitive, double
     line->exit_primitive = primitive;
 }
 
-/* Distance along the line to the first corner, seen along it: the facet cannot be passed before. */
+/* Returns the distance along the line to the facet's first corner, as seen along the line: the line cannot
+ * pass the facet before. */
 static double first_corner(const struct cml_mesh_query *q, int primitive)
 {
     double first = INFINITY;
@@ -215,9 +224,9 @@ static double first_corner(const struct cml_mesh_query *q, int primitive)
     return first;
 }
 
-/* Where the line passes an exiting facet: it meets it, or is closest to it at an edge or at its beginning.
- * Its plane alone does not tell: between steep walls a line that begins beyond both meets their planes far
- * from where they end. */
+/* Considers the places where the line may pass an exiting facet: the crossing, the places closest to its
+ * edges, and the line's beginning. The facet's plane alone does not tell. A line that begins beyond two steep
+ * walls meets their planes far from where the walls end. */
 static void add_exit(struct cml_mesh_line *line, int primitive, double t)
 {
     const struct cml_mesh_query *q = line->q;
@@ -231,8 +240,9 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double t)
     }
 }
 
-/* A packet that interacts near an edge may be beyond it, and leave where no line meets a facet: its next
- * query must know. height: of the facet's plane above the origin, along its normal. */
+/* Notes if the path ends close to a facet. A packet that interacts near an edge may be beyond the edge, and
+ * leave where no line meets a facet, so its next query must know. height: of the facet's plane above the
+ * origin, along the facet's normal. */
 static void add_end(struct cml_mesh_line *line, int primitive, double height)
 {
     const struct cml_mesh_query *q = line->q;
@@ -243,7 +253,8 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
-/* ahead: the plane's side of from tells, exactly, where rounding of a distance could not. */
+/* Takes account of a facet. The exact side of the facet's plane on which line->from lies tells whether a
+ * crossing is ahead; a rounded distance could not. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
     const struct cml_mesh_query *q = line->q;
@@ -270,15 +281,16 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     add_end(line, primitive, height);
 }
 
-/* Whether the line still has the outer plane ahead, when it has been moved as cml_plane_side moves it. */
+/* True if the line still has the outer plane ahead. A line in the plane counts as moved, as in
+ * cml_plane_side. */
 static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
 {
     const double height = line->q->centred->mesh.z_border - line->from[2], uz = line->q->direction[2];
     return height != 0 ? (height > 0) == (uz > 0) : uz < 0;
 }
 
-/* The outer plane is crossed where the sheet alone does not lead from one side to the other. A line that
- * grazes it may pass its border a little beyond it. */
+/* Adds a crossing of the outer plane if the sheet alone does not lead from one side to the other. A line at a
+ * small angle to the plane may pass its border a little behind the crossing. */
 static void add_outer_plane(struct cml_mesh_line *line)
 {
     const struct cml_mesh_query *q = line->q;
@@ -293,9 +305,9 @@ static void add_outer_plane(struct cml_mesh_line *line)
     add_exit_candidate(line, CML_OUTER_PLANE, fmax(0, later));
 }
 
-/* Whether the packet's position, or what is just ahead of it, lies below the boundary: at its far end the
- * line is below when it goes down, but of a closed mesh outside, and from there back every crossing ahead
- * changes sides. */
+/* True if the packet's position, or the place just ahead of it, lies below the boundary. At its far end, a
+ * line that goes down is below a sheet, and any line is outside of a closed mesh. From there back, every
+ * crossing ahead changes sides. */
 static bool lies_below(const struct cml_mesh_line *line)
 {
     const double uz = line->q->direction[2];
@@ -304,9 +316,10 @@ static bool lies_below(const struct cml_mesh_line *line)
     return ends_below + line->winding_ahead > 0;
 }
 
-/* Where the packet is on its own side, the first exiting crossing ahead counts. Where it is beyond by
- * rounding and no facet that it is about to come back through is near, the facet that it passes does. What
- * the query had found at the same place stays: it may have the normal of an edge or a vertex. */
+/* Decides the query by the whole line. If the packet is on its own side, the first exiting crossing ahead
+ * counts. If the packet is beyond a facet by rounding, the facet that its line passes counts, unless the
+ * packet is near a facet through which it is about to come back. A crossing that the query has found at the
+ * same place is kept, because it may have the normal of an edge or a vertex. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q)
 {
     const double t_max = line->length;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests a ray against triangles and the outer plane in double precision. SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_query.h"
 
 #include "geometry/vec3.h"
@@ -7,9 +7,9 @@
 
 #include <math.h>
 
-/* d . ((a - p) x (b - p)) of the edge from vertex i to j: its sign tells on which side of the edge the ray
- * passes, its size is twice the area of triangle (a, b, ray) seen along d. Computed from the lower index to
- * the higher, so that the two triangles of an edge get exactly opposite numbers. */
+/* Returns d . ((a - p) x (b - p)) for the edge from vertex i to j. The sign tells on which side of the edge
+ * the ray passes; the size is twice the area of triangle (a, b, ray) seen along d. The edge is taken from the
+ * lower vertex number to the higher one, so that its two triangles get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
 {
     const double(*vertex)[3] = (const double(*)[3])q->centred->mesh.vertex;
@@ -22,8 +22,8 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
     return swap ? -w : w;
 }
 
-/* Whether an edge product may be 0 but for rounding; the bound is derived in rounding.h. err_product is at
- * least as large for every edge of the mesh, and spares nearly all of them the sums. */
+/* True if an edge product may be 0 except for rounding; rounding.h derives the bound. err_product is a bound
+ * for every edge of the mesh, and saves the sums for nearly all edges. */
 static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
     if (fabs(product) > q->err_product) return false;
@@ -37,9 +37,10 @@ static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t
     return fabs(product) <= err_share_product * sum_a * sum_b + q->err_entry * edge;
 }
 
-/* Rounding puts a packet beyond a facet by up to err_position across it, which is 1 / |along| as much along
- * the ray: near an edge at which it has been reflected, a packet may head into the next facet at a small
- * angle. At a smaller one, where walls are thinner than rounding, the whole line tells. */
+/* True if a crossing is ahead of the packet. Rounding puts a packet beyond a facet by up to err_position
+ * across the facet, which is 1 / |along| times as much along the ray. Near an edge at which it was reflected,
+ * a packet may head into the next facet at a small angle. At a smaller angle, where walls are thinner than
+ * rounding, the query is in doubt and the whole line decides. */
 static bool is_ahead(struct cml_mesh_query *q, double t, double along)
 {
     const double across = t * fabs(along);
@@ -48,21 +49,21 @@ static bool is_ahead(struct cml_mesh_query *q, double t, double along)
     return false;
 }
 
-/* A random number of a vertex: the first rounds of SplitMix64. For each triangle that the ray hits,
- * open_edges adds up start less end of the edges that the ray is on but for rounding. Where the triangles
- * around an edge or a vertex have all been hit at one place, each such vertex has been added as often as
- * subtracted, and the sum is 0: then nothing is left between them that the ray could slip through, whatever
- * rounding did. Else it is 0 by chance once in 2^64. (Zobrist hashing of the boundary of a chain of
- * triangles.) */
+/* Returns a random number for a vertex: the first rounds of SplitMix64. open_edges checks that the triangles
+ * around an edge or a vertex have all been hit at one place. For each hit triangle it adds up the number of
+ * the start minus the number of the end of each edge within rounding of the ray. If all triangles were hit,
+ * every number is added as often as subtracted, and the sum is 0: the ray cannot slip through between them,
+ * whatever rounding did. Otherwise the sum is 0 by chance once in 2^64. (Zobrist hashing of the boundary of a
+ * chain of triangles.) */
 static uint64_t random_number(uint32_t vertex)
 {
     const uint64_t x = (vertex + UINT64_C(1)) * UINT64_C(0x9e3779b97f4a7c15);
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* A ray within rounding of an edge hits the triangles on both sides of it: exact signs alone leave pinholes
- * at vertices, where the signs of several edges have to agree, and along the border, beyond which the outer
- * plane begins. */
+/* Intersects the ray with a triangle. A ray within rounding of an edge hits the triangles on both sides.
+ * Exact signs alone would leave pinholes at vertices, where the signs of several edges must agree, and along
+ * the border, where the outer plane begins. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->centred->mesh.triangle[primitive];
@@ -78,7 +79,7 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
         if (rounding) q->candidate_open_edges += random_number(i) - random_number(j);
         close += rounding;
     }
-    if (close == 3) q->candidate_open_edges = 1; /* the line lies in the plane: nothing is sure */
+    if (close == 3) q->candidate_open_edges = 1; /* the line lies in the triangle's plane: nothing is sure */
     const double along = cml_vec3_dot(q->direction, q->centred->plane[primitive]);
     if (!(sign * along > 0)) return false;
     *t = q->t_entry + cml_facet_crossing(q->centred, primitive, q->entry, q->direction, -INFINITY);
@@ -87,9 +88,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     return is_ahead(q, *t, along);
 }
 
-/* Several facets have a crossing on their common edge or vertex: the same place but for rounding. The normal
- * is of all of them, and the place counts as the first one's by number, so that it does not matter in which
- * order they are found. */
+/* Keeps a hit if it is the best so far. Several facets share a crossing on their common edge or vertex, at
+ * the same place except for rounding. Its normal is the sum over all of them, and its place is that of the
+ * facet with the lowest number, so that the order of finding them does not matter. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
@@ -111,7 +112,8 @@ void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const 
     cml_vec3_copy(weight, q->weight);
 }
 
-/* Most rays are short and start close to the mesh: nothing to clip, and t_entry 0 is close enough. */
+/* True for a short ray close to the mesh, as most rays are. It needs no clipping, and t_entry = 0 is close
+ * enough. */
 static bool is_of_mesh_size(const struct cml_mesh_query *q)
 {
     const double *lower = q->centred->lower, *upper = q->centred->upper, *p = q->origin;
@@ -120,7 +122,7 @@ static bool is_of_mesh_size(const struct cml_mesh_query *q)
            p[2] > lower[2] - size && p[2] < upper[2] + size;
 }
 
-/* Shortens a part of the line to what is inside the mesh's box; false when nothing is. The slab method [Kay
+/* Shortens a part of the line to the inside of the mesh's box; false if nothing is left. The slab method [Kay
  * and Kajiya, Ray tracing complex scenes, SIGGRAPH 1986]. */
 static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double *leave)
 {
@@ -181,8 +183,8 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
     return cml_footprint_contains(q->centred->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }
 
-/* The plane begins within rounding of the border, as the triangles there end: both have it, none has a gap.
- */
+/* Intersects the ray with the outer plane. The plane begins within rounding of the border, as the triangles
+ * there end: both cover the border, so there is no gap. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
@@ -197,7 +199,7 @@ void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
     q->primitive = CML_OUTER_PLANE;
 }
 
-/* Upward normal of the cone that a tessellated heightfield's triangle stands for. */
+/* Computes the upward normal of the cone that a tessellated heightfield's triangle approximates. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {
     const double x = point[0] - q->centred->axis[0], y = point[1] - q->centred->axis[1],
@@ -208,7 +210,7 @@ static void analytic_normal(const struct cml_mesh_query *q, const double point[3
     normal[2] = r > 0 ? -k : -1;
 }
 
-/* As Phong shading interpolates [Communications of the ACM 18 (6), 1975]. */
+/* Interpolates vertex normals as in Phong shading [Communications of the ACM 18 (6), 1975]. */
 static void interpolated_normal(const struct cml_mesh_query *q, double normal[3])
 {
     const struct cml_mesh *mesh = &q->centred->mesh;
@@ -219,7 +221,7 @@ static void interpolated_normal(const struct cml_mesh_query *q, double normal[3]
     cml_vec3_normalise(normal);
 }
 
-/* Rule P5: whether the packet comes from another facet in the bottom of a groove. */
+/* True if the packet comes from another facet in the bottom of a groove (rule P5). */
 static bool is_in_groove(const struct cml_mesh_query *q)
 {
     double area[3], longest = 0;
@@ -237,9 +239,9 @@ static bool is_in_groove(const struct cml_mesh_query *q)
     return q->t <= fmax(CML_GROOVE_SHARE * height, q->err_query);
 }
 
-/* Rule P1: at a vertex the angle-weighted mean normal, on an edge the mean of its facets. That is the facet's
- * normal too, for no single facet can decide there. A mean may turn away from the ray, which would reflect
- * the packet into the boundary: then the facet's own is taken. */
+/* Sets the normals of a crossing (rule P1). At a vertex both are the angle-weighted mean normal, on an edge
+ * the mean of its facets' normals, because no single facet can decide there. If the mean turns away from the
+ * ray, it would reflect the packet into the boundary; then the facet's own normal is used. */
 static void fill_normals(const struct cml_mesh_query *q, const double point[3],
                          struct cml_mesh_crossing *crossing)
 {
@@ -263,8 +265,9 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
         interpolated_normal(q, crossing->normal);
 }
 
-/* Distance along the query's line to the plane of a primitive. Unlike cml_query_plane_distance from a corner,
- * not from the centred frame's origin: where the packet stands on the plane, that is the more precise. */
+/* Returns the distance along the query's line to a primitive's plane. It counts from a corner of the facet,
+ * not from the centred frame's origin as cml_query_plane_distance does; this is more precise if the packet
+ * stands on the plane. */
 static double distance_to_primitive(const struct cml_mesh_query *q, int primitive)
 {
     const struct cml_mesh *mesh = &q->centred->mesh;
@@ -299,17 +302,18 @@ void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const doub
     cml_vec3_copy(weight, q->weight);
 }
 
-/* By more than rounding: the box is larger by err_float. */
+/* True if the origin is over the mesh's box. The box is larger than the mesh by err_float, which is more than
+ * rounding. */
 static bool is_over_box(const struct cml_mesh_query *q)
 {
     const double *lower = q->centred->lower, *upper = q->centred->upper, *p = q->origin;
     return p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1];
 }
 
-/* Whether the packet stands so close to an edge of its facet, or to the border, that rounding may have put it
- * beyond facets that it has not met, or that it was turned by a mean normal. weight: twice the area between
- * packet and edge, so weight / length is the distance from the edge. What rounding moves across a facet is
- * 1 / |along| as much along it. */
+/* True if the packet stands close to an edge of its facet, or to the border. There rounding may have put it
+ * beyond facets that it has not met, or a mean normal may have turned it. weight: twice the area between
+ * packet and edge, so weight / length is the distance from the edge. A rounding error across a facet is 1 /
+ * |along| times as large along it. */
 static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_NEAR_FACETS;
@@ -332,8 +336,8 @@ static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
     return weight[0] < err_weight * sum || weight[1] < err_weight * sum || weight[2] < err_weight * sum;
 }
 
-/* Weights from the areas that the place leaves opposite to the corners; the place may lie beside the facet by
- * rounding, where an area is negative. */
+/* Computes barycentric weights from the areas opposite to the corners. Rounding may put the place beside the
+ * facet; a negative area counts as 0. */
 void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
 {
     double area[3] = {1, 1, 1}, place[3];
@@ -352,8 +356,8 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
-/* A packet that came undeflected through its facet has dealt with what lies behind it, so nothing before that
- * facet's crossing counts. */
+/* Begins a query. A packet that came undeflected through its facet has already met what lies behind the
+ * facet, so crossings before the facet's own crossing do not count. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Queries of a boundary mesh: chooses the search, calls Embree, and combines all tests.
+ * SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_surface.h"
 
 #include "geometry/vec3.h"
@@ -19,28 +20,31 @@ typedef struct RTCRayQueryContext query_context;
 typedef struct RTCIntersectContext query_context;
 #endif
 
-#define MAP_BYTES 16777216 /* of safe distances, and a quarter of what all else takes */
+#define MAP_BYTES 16777216 /* bytes of the map of safe distances, besides a quarter of all other memory */
 
 struct cml_mesh_surface {
     struct cml_centred_mesh centred;
-    _Atomic ssize_t embree_bytes;       /* kept by Embree's threads */
-    RTCScene boxes;                     /* around triangles, which are tested in double */
-    struct cml_grid_mesh grid;          /* walked; of a sheet */
-    struct cml_facet_tree tree;         /* asked where there are no cells; without nodes: not */
-    const struct cml_tree_level *level; /* of the processor */
-    struct cml_safe_map map;            /* beside the tree, of what overhangs; without safe distances: not */
-    struct cml_mesh_period period;      /* n 0: the mesh is not repeated */
+    _Atomic ssize_t embree_bytes;       /* counted by Embree's threads */
+    RTCScene boxes;                     /* Embree's boxes around triangles; the triangles are tested in
+                                           double */
+    struct cml_grid_mesh grid;          /* cells that a query walks, for a sheet */
+    struct cml_facet_tree tree;         /* searched if there are no cells; without nodes: not used */
+    const struct cml_tree_level *level; /* the tree's search for this processor */
+    struct cml_safe_map map;            /* safe distances for a mesh with a tree; without distances: not
+                                           used */
+    struct cml_mesh_period period;      /* n is 0 if the mesh is not repeated */
 };
 
-/* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
+/* A query. Embree passes the context to its callbacks, so the double-precision ray is stored behind the
+ * context. */
 struct query {
     query_context context;
     struct cml_mesh_query ray;
-    struct cml_mesh_line *line; /* NULL unless the whole line is followed */
+    struct cml_mesh_line *line; /* set while the whole line is followed, else NULL */
     bool contact_only;          /* only looks for facets that the packet may be beyond */
 };
 
-/* Whether a triangle is the packet's next crossing as far as is known. */
+/* Tests a triangle. Returns true if it may be the packet's next crossing. */
 static bool test_triangle(struct cml_mesh_query *q, int primitive)
 {
     double t, weight[3];
@@ -50,7 +54,8 @@ static bool test_triangle(struct cml_mesh_query *q, int primitive)
     return true;
 }
 
-/* Embree calls it for every box that the ray meets. Later boxes are of no interest once a hit is closer. */
+/* Tests the triangle of a box that the ray meets (a callback of Embree). A hit shortens Embree's ray, so that
+ * later boxes are skipped. */
 static void intersect_triangle(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct query *query = (struct query *)(void *)arguments->context;
@@ -74,8 +79,8 @@ static void intersect_triangle(const struct RTCIntersectFunctionNArguments *argu
 #endif
 }
 
-/* Larger by err_float: whatever a float does to box and ray, Embree meets the box of every triangle that the
- * ray meets in double. */
+/* Gives Embree the box of a triangle, enlarged by err_float. Whatever float does to box and ray, Embree then
+ * meets the box of every triangle that the ray meets in double. */
 static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const struct cml_mesh_surface *surface = arguments->geometryUserPtr;
@@ -89,7 +94,7 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-/* Fills Embree's ray from the entry point to distance `leave`. */
+/* Fills Embree's ray, from the entry point to distance `leave`. */
 static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
     *rayhit = (struct RTCRayHit){.ray.mask = 0xffffffffu};
@@ -104,7 +109,7 @@ static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRay
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Makes Embree's ray of the whole line, ahead and behind. */
+/* Fills Embree's ray with the whole line, ahead and behind. Returns false if the line misses the box. */
 static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
 {
     double leave;
@@ -113,7 +118,7 @@ static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
     return true;
 }
 
-/* Asks Embree, where its versions 3 and 4 differ. */
+/* Calls Embree. Only the calls of versions 3 and 4 differ. */
 static void intersect_boxes(const struct cml_mesh_surface *surface, struct query *query,
                             struct RTCRayHit *rayhit)
 {
@@ -129,6 +134,7 @@ static void intersect_boxes(const struct cml_mesh_surface *surface, struct query
 #endif
 }
 
+/* Tests every triangle whose box the ray meets, in double. */
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -138,9 +144,9 @@ static void query_exact(const struct cml_mesh_surface *surface, struct query *qu
     intersect_boxes(surface, query, &rayhit);
 }
 
-/* Contact test around the packet: whether one that stands on no facet lies within rounding of one. A ray at a
- * small angle to that facet may be told nothing of it by Embree, in whose single precision it lies behind the
- * ray's beginning. Only boxes at the origin are asked for: the ray's length is that of their err_float. */
+/* Tests if a packet that stands on no facet lies within rounding of a facet. Embree may miss such a facet if
+ * the ray is at a small angle to it, since in single precision the facet may lie behind the ray's beginning.
+ * The ray is only as long as the boxes' err_float, so only boxes at the origin are found. */
 static void test_contact_around(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -152,7 +158,8 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     query->contact_only = false;
 }
 
-/* Every triangle whose box the ray meets. */
+/* Queries Embree's boxes: tests contact around the packet if needed, then every triangle whose box the ray
+ * meets. */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (query->ray.contact_distance >= 0 && query->ray.exclude != CML_OFF_FACETS)
@@ -160,7 +167,7 @@ static void query_embree(const struct cml_mesh_surface *surface, struct query *q
     query_exact(surface, query);
 }
 
-/* The ray from its entry point, as the tree sees it. */
+/* Returns the ray in single precision, from its entry point, for the tree. */
 static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
 {
     struct cml_tree_ray ray = {.length = (float)fmin(q->t - q->t_entry, (double)FLT_MAX),
@@ -174,7 +181,8 @@ static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
     return ray;
 }
 
-/* What is not plain is decided in double: whatever the ray could meet is among the doubts. */
+/* Queries the tree. Everything that is not plain is decided in double: the tree lists each facet in doubt
+ * that the ray could meet. */
 static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
 {
     static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
@@ -199,7 +207,8 @@ static void query_tree(const struct cml_mesh_surface *surface, struct query *que
     }
 }
 
-/* In doubt: every triangle along the whole line, by exact signs. Returns whether the path ends beside one. */
+/* Decides a query in doubt: tests every triangle along the whole line by exact signs. Returns true if the
+ * path ends beside a facet. */
 static bool query_line(const struct cml_mesh_surface *surface, struct query *query, double t_max)
 {
     struct cml_mesh_line line;
@@ -213,16 +222,17 @@ static bool query_line(const struct cml_mesh_surface *surface, struct query *que
     return line.ends_near_facet;
 }
 
-/* Undecided traversals are rare: at edges and small angles only. */
+/* Queries the cells. Undecided walks are rare: only at edges and at small angles. */
 static void query_grid(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (!cml_grid_walk(&surface->grid, &query->ray)) query_exact(surface, query);
 }
 
-/* Who is fast is asked first, and leaves to the next what it cannot decide for certain:
+/* Finds the first crossing. The fastest search comes first, and leaves to the next one whatever it cannot
+ * decide for certain:
  *
  *   the cells (grid_walk.h), else the tree (facet_tree.h), else Embree's boxes
- *         |  undecided, or doubts
+ *         |  undecided, or in doubt
  *         v
  *   triangles in double (mesh_query.h): those in doubt, or all whose boxes the ray meets
  *         |
@@ -232,8 +242,8 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
  *         v
  *   the whole line by exact signs (mesh_line.h)  --------------> the crossing, or none
  *
- * Packets that stand near an edge go to the triangles at once: the fast ones would only send them there. The
- * outer plane is left out where the traversal has shown that the ray stays over the grid. */
+ * Packets near an edge start with the triangles, because the faster searches would only send them there. The
+ * outer plane is skipped if the walk has shown that the ray stays over the grid. */
 static inline int hit_mesh(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                            int below, double t_max, int exclude, int undeflected, int exact,
                            double err_position, struct cml_mesh_crossing *crossing)
@@ -257,7 +267,7 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
     return cml_query_finish(&query.ray, p, u, crossing);
 }
 
-/* Where the mesh is, and more than rounding: from the boundary's depth, cm. */
+/* Finds the range of depths of the mesh, widened by more than rounding, from the boundary's depth, cm. */
 static void find_depths(const struct cml_mesh_surface *surface, double err_position, double *low,
                         double *high)
 {
@@ -267,7 +277,7 @@ static void find_depths(const struct cml_mesh_surface *surface, double err_posit
     *high = centred->upper[2] + centred->centre[2] + more;
 }
 
-/* What a segment has found, as a crossing of the whole path. */
+/* Turns the crossing that a segment has found into a crossing of the whole path. */
 static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_tile_path *path,
                        struct cml_mesh_crossing *crossing)
 {
@@ -277,7 +287,8 @@ static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_
     return crossing->primitive >= 0;
 }
 
-/* Segment by segment. One that begins on the way has the rounding of how far it is, too. */
+/* Follows a path over a tile, segment by segment. A segment that begins on the way also has the rounding of
+ * its distance from the path's origin. */
 static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                     double t_max, int exclude, int undeflected, int exact, double err_position,
                     struct cml_mesh_crossing *crossing)
@@ -304,8 +315,9 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                                                         exact, err_position, crossing);
 }
 
-/* What a facet close to a line does to its stretch, at whose end it has a hit: the line moves away from it,
- * from its beginning, or it is among those that are hit. False when neither: then no stretch is known. */
+/* Narrows a stretch of path lengths by a facet close to the line. Returns true if the line leaves the facet
+ * behind at its beginning, or if the facet is among those hit at t_hit. Otherwise returns false, and no
+ * stretch is known. */
 static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double margin, double t_hit,
                           struct cml_mesh_stretch *stretch)
 {
@@ -322,10 +334,12 @@ static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double 
     return along > 0 && fabs(t - t_hit) <= reach;
 }
 
-/* The tree is asked with a margin larger by that of a path that ends near a facet, up to the hit. All facets
- * that it names are those around the place where the packet stands, and left behind, or those that are hit.
- * So no answer depends on the length of a path that does not end within the margin of them, but in the last
- * bits: what lies behind a hit can make the query compute it in another way. Then no stretch is known. */
+/* Finds the path lengths from p along u that have the same answer. The tree lists the facets close to the
+ * line, up to the hit, with its margin enlarged by that of a path that ends near a facet. Each listed facet
+ * must either be left behind where the packet stands or be among those hit. Then the answer does not depend
+ * on the length of a path that does not end within the margin of such a facet, except in the last bits: a
+ * facet behind the hit can make the query compute the hit in another way. Therefore the hits for the shortest
+ * and for an infinite path are compared; if they differ, no stretch is known. */
 bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch)
@@ -357,8 +371,8 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                       memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
 }
 
-/* A tile's cells are those of one copy, and a shading normal is that of a place in a facet. Vectors look up
- * eight times the number of a cell in 32 bits. */
+/* Returns the grid for vector loops. They cannot use the cells of a tile, which belong to one copy, nor
+ * normals that vary within a facet. They index eight times the number of a cell in 32 bits. */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_centred_mesh **centred)
 {
@@ -369,12 +383,13 @@ const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface 
     return cml_grid_mesh_slots(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
 }
 
-/* One for all, kept to the end: Embree takes a pthread key for each, of which a process has 1024.
- * Embree builds in the calling thread alone: TBB aborts the process where the system refuses a thread.
- * Embree's part of loading a mesh is a sixth. */
+/* One Embree device for all meshes, kept until the program ends: Embree takes a pthread key for each device,
+ * and a process has 1024. Embree builds in the calling thread alone, because TBB aborts the process if the
+ * system refuses a thread. Building takes a sixth of the time of loading a mesh. */
 static RTCDevice device;
 static const char only_the_caller[] = "threads=1,start_threads=0";
 
+/* Adds to the memory that Embree has taken for a surface (a callback of Embree's device). */
 static bool count_memory(void *context, ssize_t bytes, bool post)
 {
     (void)post;
@@ -382,6 +397,8 @@ static bool count_memory(void *context, ssize_t bytes, bool post)
     return true;
 }
 
+/* Builds Embree's tree over the boxes of the triangles. Above 1e6 triangles a faster build with a lower
+ * quality is used. */
 static void build_boxes(struct cml_mesh_surface *surface)
 {
     surface->boxes = rtcNewScene(device);
@@ -401,6 +418,8 @@ static void build_boxes(struct cml_mesh_surface *surface)
     rtcCommitScene(surface->boxes);
 }
 
+/* Builds Embree's tree and counts its memory. Returns CML_E_INPUT if memory runs out, CML_E_DEVICE if Embree
+ * fails. */
 static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!device && !(device = rtcNewDevice(only_the_caller)))
@@ -415,6 +434,7 @@ static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_erro
                     surface->centred.mesh.num_triangles, (int)error);
 }
 
+/* Builds our own tree of facets for the best level that the processor can run. */
 static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     const struct cml_centred_mesh *centred = &surface->centred;
@@ -425,7 +445,7 @@ static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error 
                                  &surface->tree, err);
 }
 
-/* What finds facets fast: cells, or a tree. */
+/* Builds the fast search for facets: cells, or a tree. */
 static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_search search,
                                struct cml_error *err)
 {
@@ -436,7 +456,8 @@ static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_s
     return grid->levels ? CML_OK : build_tree(surface, err);
 }
 
-/* The map of a body would be built once for each of them, and does not pay. */
+/* Builds the map of safe distances. A body gets none: the map would be built once per body, and does not
+ * pay. */
 static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!surface->tree.nodes || surface->centred.mesh.closed) return CML_OK;
@@ -444,6 +465,7 @@ static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *
     return cml_safe_map_create(&surface->centred, bytes, &surface->map, err);
 }
 
+/* Makes a surface. A repeated mesh gets no map of safe distances. */
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                          bool repeated, struct cml_mesh_surface **surface, struct cml_error *err)
 {

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Lists the facets above each cell of a sheet, if that pays. SPDX-License-Identifier: MIT */
 #include "surface/mesh/sheet_mesh.h"
 
 #include "surface/tree/rounding.h"
@@ -7,49 +7,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* With half as many cells lists are longer, with twice as many there are more of them: both take longer. */
+/* Cells per facet. With half as many cells the lists are longer, with twice as many there are more lists:
+ * both are slower. */
 static const double cells_per_facet = 1;
 
-/* Lists longer than this in the mean over their facets take longer than a tree. */
+/* Largest mean length of lists, as the facets see it. With longer lists a tree is faster. */
 static const double longest_list = 16;
 
-/* Share of facets that are too thin for float: each ray that comes near one goes to the exact query. */
+/* Largest share of facets too thin for float. Each ray near such a facet needs the exact query. */
 static const double most_thin = 1e-2;
 
-/* Places behind the last list, so that a reader need not look where it ends. */
+/* Entries behind the last list, so that a reader need not check where it ends. */
 enum { PADDING = 8 };
 
 /* A facet seen from above, in cells of the grid. */
 struct shadow {
     double corner[3][2];
-    double inward[3][2]; /* unit normal of the side opposite to a corner */
+    double inward[3][2]; /* unit normals, pointing inwards, of the sides opposite to each corner */
     int first[2], last[2];
-    double depth, least, most; /* of corner 0, and of all, cm */
-    double slope[2];           /* along x and y, cm per cell */
+    double depth, least, most; /* depth of corner 0, and range of depths of all corners, cm */
+    double slope[2];           /* slopes along x and y, cm per cell */
 };
 
 /* A facet above a cell. */
 struct entry {
     uint32_t cell, facet;
-    float inside; /* how far inside the facet the cell's middle lies, cells */
+    float inside; /* distance of the cell's middle from the facet's sides, positive inside, cells */
 };
 
-/* What is needed while lists are made. */
+/* The data needed while lists are made. */
 struct lists {
     const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;
-    struct entry *entry; /* [count], facet by facet */
+    struct entry *entry; /* [count] all entries, facet by facet */
     size_t count, room;
-    uint32_t *end; /* of each cell's list */
-    float *inside; /* of each facet listed, as of its entry */
+    uint32_t *end; /* end of each cell's list */
+    float *inside; /* [like grid->listed] `inside` of each listed facet */
 };
 
+/* Converts a coordinate along an axis from cm to cells from the grid's corner. */
 static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
 {
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* The cells below the shadow's box. */
+/* Finds the range of cells below the shadow's box. */
 static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 {
     for (int k = 0; k < 2; k++) {
@@ -60,7 +62,8 @@ static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
     }
 }
 
-/* Facets turn clockwise in x and y, for z points down: inside is to the right of their sides. */
+/* Returns the shadow of a facet. Seen in x and y, facets run clockwise, because z points down: inside is to
+ * the right of their sides. */
 static struct shadow shadow_of(const struct lists *l, size_t facet)
 {
     const struct cml_grid_mesh *grid = l->grid;
@@ -84,8 +87,8 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
     return s;
 }
 
-/* How far inside the facet the middle of a cell lies, in cells; -INFINITY where a side of the facet separates
- * the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
+/* Returns how far inside the facet the middle of cell (i, j) lies, in cells; -INFINITY if a side of the facet
+ * separates the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
 static float middle_inside(const struct shadow *s, int i, int j)
 {
     const double half = 0.5 + err_apart;
@@ -99,7 +102,8 @@ static float middle_inside(const struct shadow *s, int i, int j)
     return (float)inside;
 }
 
-/* By the depths of the facet's plane above the cell, but no further than its corners. */
+/* Widens the depths of cell (i, j) by the depths of the facet's plane above the cell, but not beyond the
+ * facet's corners. */
 static void widen_cell(const struct lists *l, const struct shadow *s, int i, int j)
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0];
@@ -112,8 +116,8 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
                                &cells->depths[cml_grid_mesh_index(cells, i, j)]);
 }
 
-/* Lists are filled from their ends, and hold the facet first that is most likely above a place of the cell.
- */
+/* Adds an entry to its cell's list. Lists are filled from their ends, and sorted so that the facet most
+ * likely above a place of the cell comes first. */
 static void list_facet(const struct lists *l, const struct entry *entry)
 {
     struct cml_grid_mesh *grid = l->grid;
@@ -126,7 +130,7 @@ static void list_facet(const struct lists *l, const struct entry *entry)
     grid->listed[k] = entry->facet;
 }
 
-/* Adds an entry to the lists; false: out of memory. */
+/* Adds an entry. Returns false if memory runs out. */
 static bool add_entry(struct lists *l, struct entry entry)
 {
     if (l->count == l->room) {
@@ -140,7 +144,8 @@ static bool add_entry(struct lists *l, struct entry entry)
     return true;
 }
 
-/* Lists and counts a facet in all cells below it, and widens them. false: out of memory. */
+/* Adds a facet to all cells below it: an entry, the count and the depths of each cell. Returns false if
+ * memory runs out. */
 static bool enter_facet(struct lists *l, size_t facet)
 {
     const struct shadow s = shadow_of(l, facet);
@@ -156,7 +161,7 @@ static bool enter_facet(struct lists *l, size_t facet)
     return true;
 }
 
-/* Square cells over the mesh's box. */
+/* Chooses square cells over the mesh's box. */
 static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const struct cml_mesh *mesh = &centred->mesh;
@@ -173,8 +178,8 @@ static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid
     grid->facets = mesh->num_triangles;
 }
 
-/* The barycentric weight of corner `at` of a triangle with corners 0, `at` and `other`, as its derivatives.
- */
+/* Computes the derivatives along x and y of the barycentric weight of corner `at`, in a triangle with the
+ * corners `corner`, `at` and `other`, 1/cm. */
 static void weight_of(const double corner[2], const double at[3], const double other[3], float weight[2])
 {
     const double side[2] = {other[0] - corner[0], other[1] - corner[1]};
@@ -183,7 +188,8 @@ static void weight_of(const double corner[2], const double at[3], const double o
     weight[1] = (float)(side[0] / height);
 }
 
-/* False where err_weight_sheet does not cover what float makes of the weights above the facet's cells. */
+/* Fills the data of a facet. Returns false, with NaN as the weights' derivatives, if err_weight_sheet does
+ * not cover the rounding of the weights in float over the facet's cells. */
 static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_grid_mesh *grid, size_t facet)
 {
     struct cml_sheet_facet *f = &grid->facet[facet];
@@ -205,7 +211,8 @@ static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_
     return false;
 }
 
-/* The largest of some rectangles around the mesh's middle inside the border. */
+/* Finds a rectangle inside the mesh's border: the largest one of a series of shrunken copies of the mesh's
+ * box. */
 static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const double smaller = 0.95, least = 0.1, margin = 1 - 1e-6;
@@ -225,6 +232,7 @@ static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_m
     }
 }
 
+/* True if every facet of the mesh faces up. */
 static bool faces_up(const struct cml_centred_mesh *centred)
 {
     for (size_t i = 0; i < centred->mesh.num_triangles; i++)
@@ -232,13 +240,14 @@ static bool faces_up(const struct cml_centred_mesh *centred)
     return true;
 }
 
+/* Reports that memory for the cells ran out. Returns CML_E_INPUT. */
 static cml_status fail(double bytes, struct cml_error *err)
 {
     return cml_fail_memory(err, bytes, "the cells of a sheet");
 }
 
-/* Enters facets, unless there are so many entries that lists are longer than longest_list in the mean over
- * cells: then they are so over facets, too. */
+/* Adds all facets to the cells. Stops if lists have a mean length above longest_list over cells; their mean
+ * over facets is then above it, too. */
 static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_error *err)
 {
     const double most = longest_list * (double)cml_grid_mesh_slots(&l->grid->level[0]);
@@ -248,8 +257,8 @@ static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_e
     return CML_OK;
 }
 
-/* Makes the counts of all lists their ends, one behind the other. Returns the mean length of the lists that
- * facets are in. */
+/* Turns the counts of all lists into the lists' ends in one array. Returns the mean length of lists over
+ * their facets. */
 static double join_lists(const struct lists *l)
 {
     const size_t cells = cml_grid_mesh_slots(&l->grid->level[0]);
@@ -263,6 +272,7 @@ static double join_lists(const struct lists *l)
     return squares / (double)l->count;
 }
 
+/* Allocates the counts of facets per cell, which later become the places of the lists. */
 static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
 {
     const size_t cells = cml_grid_mesh_slots(&grid->level[0]);
@@ -270,7 +280,7 @@ static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *
     return grid->first ? CML_OK : fail(4 * (double)cells, err);
 }
 
-/* Lists and facets; *thin counts those that are too thin. */
+/* Fills lists and facets. *thin counts facets that are too thin for float. */
 static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
 {
     struct cml_grid_mesh *grid = l->grid;
@@ -287,7 +297,7 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     return CML_OK;
 }
 
-/* Sets *pays where lists are short, and hardly any facet is too thin. */
+/* Makes the lists. Sets *pays if lists are short and hardly any facet is too thin. */
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;

@@ -1,16 +1,19 @@
-/* SPDX-License-Identifier: MIT */
+/* Cuts a ray over a repeated mesh into segments over one copy. SPDX-License-Identifier: MIT */
 #include "surface/mesh/tile_path.h"
 
 #include <math.h>
 
-/* Segments end one cell before the mesh does, and overlap by so much of a cell. */
+/* Overlap of segments, in cells. Each segment ends one cell before the mesh does, and the next one begins
+ * this much earlier. */
 static const double overlap = 0.5;
 
+/* Returns the number of cells in a row of the mesh: one period and both margins. */
 static int width_of(const struct cml_mesh_period *period)
 {
     return period->n[0] + 2 * period->margin[0];
 }
 
+/* Returns i modulo n, from 0 to n - 1, for negative i, too. */
 static int wrap(int i, int n)
 {
     const int rest = i % n;
@@ -37,8 +40,8 @@ int cml_tile_triangle(const struct cml_mesh_period *period, int primitive)
     return 2 * ((j + period->margin[1]) * width_of(period) + i + period->margin[0]) + primitive % 2;
 }
 
-/* By how many periods a place is moved so that it lies over the period itself. One that stands on a facet
- * may lie beyond the seam by rounding: the facet decides. */
+/* Returns by how many periods a place must be moved to lie over the period itself. Rounding may put a packet
+ * on a facet beyond the seam between periods; the facet decides then. */
 static double periods_to(const struct cml_mesh_period *period, int axis, double cells, int primitive)
 {
     const int n = period->n[axis];
@@ -47,7 +50,8 @@ static double periods_to(const struct cml_mesh_period *period, int axis, double 
     return rint((cells - at - 0.5) / n);
 }
 
-/* The segment from path->from on. Along an axis it ends one cell before the mesh ends. */
+/* Sets the segment that begins at path->from. Along each axis a segment ends one cell before the mesh
+ * does. */
 static void set_segment(struct cml_tile_path *path, int primitive)
 {
     const struct cml_mesh_period *period = path->period;
@@ -69,8 +73,8 @@ static void set_segment(struct cml_tile_path *path, int primitive)
     }
 }
 
-/* Shortens the path to what lies between two depths, from a place that lies before them; false when nothing
- * does. */
+/* Shortens the path to the part between two depths, for a path that begins outside of them. Returns false if
+ * nothing is left. */
 static bool clip_to_depths(struct cml_tile_path *path, double low, double high)
 {
     const double z = path->p[2], uz = path->u[2];
@@ -81,7 +85,8 @@ static bool clip_to_depths(struct cml_tile_path *path, double low, double high)
     return path->from < path->end;
 }
 
-/* Most paths are short, and end over the copy where they begin: nothing is clipped then. */
+/* Begins a path. Most paths are short and end over the copy where they begin, so the path is clipped to the
+ * mesh's depths only if it leaves that copy. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path)
 {

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Centres a mesh and computes its planes and bounds of rounding. SPDX-License-Identifier: MIT */
 #include "surface/tree/centred_mesh.h"
 
 #include "geometry/vec3.h"
@@ -7,16 +7,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* err_line of a packet at the mesh whose numbers are floats. A body may lie deep in its layer and be small:
- * then this is more than what float does inside its box. The depths of a sheet count from the sheet. */
+/* Returns err_line for a packet at the mesh whose coordinates are floats, cm. A small body deep in its layer
+ * has an err_line larger than the rounding of float inside the body's box. Depths of a sheet count from the
+ * sheet, so a sheet needs no such term. */
 static double err_line_in_float(const double centre[3], double diagonal)
 {
     const double size = fabs(centre[0]) + fabs(centre[1]) + fabs(centre[2]) + diagonal;
     return err_line_factor * 4 * FLT_EPSILON * size;
 }
 
-/* Coordinates of a scene may be far larger than the mesh: their rounding to float would be that of a metre.
- * Subtracted once, in double, it is that of the mesh's own size. */
+/* Moves the mesh to the centred frame, in double. Coordinates of a scene may be far larger than the mesh;
+ * rounded to float, they could be off by as much as a metre is. After the subtraction they round like the
+ * mesh's own size. */
 static void centre_mesh(struct cml_centred_mesh *centred, double x0, double y0)
 {
     struct cml_mesh *mesh = &centred->mesh;
@@ -44,8 +46,8 @@ static void centre_mesh(struct cml_centred_mesh *centred, double x0, double y0)
     centred->axis[1] = -middle[1];
 }
 
-/* Kept per facet although vertices tell them: 32 bytes in one cache line, where a hit would fetch three
- * vertices from anywhere. */
+/* Computes the plane of each facet. The vertices determine it, but a stored plane is 32 bytes in one cache
+ * line, while three vertices may lie anywhere in memory. */
 static cml_status find_planes(struct cml_centred_mesh *centred, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &centred->mesh;

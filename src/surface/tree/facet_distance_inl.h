@@ -1,5 +1,5 @@
-/* Code, included by who fills cells with distances from places to facets, and by the loops that find many
- * (facet_tree_level.c). SPDX-License-Identifier: MIT */
+/* Code, included where cells are filled with distances to many facets: the distance of a place from a facet.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "geometry/vec3.h"
@@ -8,14 +8,22 @@
 #include <stdbool.h>
 
 /* A facet in a frame of its own: its longest side begins at corner 0 and lies along the first axis, corner 2
- * is at (foot, height), and the third axis is the normal. Good of needles, too. */
+ * is at (foot, height), and the third axis is the normal. Precise for needles, too.
+ *
+ *                2
+ *             .' | '.
+ *          .'    |    '.        height
+ *         0------+------1
+ *           foot
+ *         <----base-----> */
 struct cml_flat_facet {
     double corner[3], axis[3][3];
-    double base, foot, height, per_left, per_right; /* the last two: 1 / the squares of the other sides */
+    double base, foot, height, per_left, per_right; /* per_left, per_right: 1 / the squares of the other
+                                                       sides */
 };
 
-/* Needles get their second axis in two steps, for rounding may turn the first one; those thinner than 1e-12
- * of their length any. */
+/* Fills the frame of a facet. Needles get their second axis in two steps, because rounding may turn the first
+ * result. A needle thinner than 1e-12 of its length gets any second axis. */
 static inline void cml_flat_facet_of(const double *corner[3], struct cml_flat_facet *flat)
 {
     double side[3][3], length[3];
@@ -43,7 +51,8 @@ static inline void cml_flat_facet_of(const double *corner[3], struct cml_flat_fa
     flat->per_right = 1 / length[second];
 }
 
-/* Square of the distance from (x, y) to the side that ends at (a, b), seen from where it begins. */
+/* Returns the square of the distance from (x, y) to a side that runs from (0, 0) to (a, b). per_square: 1 /
+ * its squared length. */
 static inline double cml_side_square(double x, double y, double a, double b, double per_square)
 {
     const double t = cml_larger(cml_smaller((x * a + y * b) * per_square, 1), 0), dx = x - t * a,
@@ -51,8 +60,8 @@ static inline double cml_side_square(double x, double y, double a, double b, dou
     return dx * dx + dy * dy;
 }
 
-/* Square of the distance from (px, py, pz) to a facet: to its closest side, or to its plane where the place
- * is over the inside. */
+/* Returns the square of the distance from (px, py, pz) to a facet: to its plane if the place is over the
+ * facet's inside, else to its closest side. */
 static inline double cml_flat_square(const struct cml_flat_facet *f, double px, double py, double pz)
 {
     const double(*axis)[3] = f->axis, dx = px - f->corner[0], dy = py - f->corner[1], dz = pz - f->corner[2];

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Divides facets into two groups by the surface area heuristic. SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_split.h"
 
 #include <math.h>
@@ -11,10 +11,10 @@ struct bin {
     size_t count;
 };
 
-/* Where boxes are divided: by their middles along an axis, at the lower end of a bin. */
+/* A way to divide boxes into two groups: by their middles along an axis, at the lower end of a bin. */
 struct cut {
     int axis, bin;
-    float least, bins_per_cm; /* of the middles, times 2 */
+    float least, bins_per_cm; /* smallest of the middles, times 2; bins per cm of twice the middle */
     double cost;
 };
 
@@ -37,18 +37,20 @@ float cml_facet_box_area(const struct cml_facet_box *box)
     return x * y + y * z + z * x;
 }
 
+/* Returns twice the middle of a box along an axis, cm. */
 static float twice_middle(const struct cml_facet_box *box, int axis)
 {
     return box->at[axis] + box->at[axis + 3];
 }
 
+/* Returns the bin of a box along the cut's axis. */
 static int bin_of(const struct cut *cut, const struct cml_facet_box *box)
 {
     const int bin = (int)((twice_middle(box, cut->axis) - cut->least) * cut->bins_per_cm);
     return bin < BINS ? bin : BINS - 1;
 }
 
-/* Bins along an axis; false where all middles are one. */
+/* Lays bins along the cut's axis. Returns false if all middles are equal. */
 static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *cut)
 {
     float least = INFINITY, most = -INFINITY;
@@ -61,6 +63,7 @@ static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *
     return cut->bins_per_cm < INFINITY;
 }
 
+/* Sorts boxes into bins along the cut's axis: the joint box and the number of boxes of each bin. */
 static void fill_bins(const struct cml_facet_box *box, size_t count, const struct cut *cut,
                       struct bin bins[BINS])
 {
@@ -72,19 +75,21 @@ static void fill_bins(const struct cml_facet_box *box, size_t count, const struc
     }
 }
 
-/* A leaf costs as much as a full one. */
+/* Returns the cost of a group: its surface times its number of leaves. A leaf that is not full costs as much
+ * as a full one. */
 static double cost_of(const struct bin *group, size_t leaf)
 {
     return (double)cml_facet_box_area(&group->box) * (double)((group->count + leaf - 1) / leaf);
 }
 
+/* Adds a bin's boxes to a group. */
 static void add_bin(struct bin *group, const struct bin *bin)
 {
     cml_facet_box_widen(&group->box, &bin->box);
     group->count += bin->count;
 }
 
-/* The best cut along the axis, if it is better than that so far. */
+/* Tries all cuts along the axis and keeps the best one in *best, if it is better than *best. */
 static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_t leaf, struct cut *best)
 {
     double above[BINS];
@@ -104,6 +109,7 @@ static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_
     }
 }
 
+/* Moves the boxes below the cut to the front. Returns their number. */
 static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cut)
 {
     size_t low = 0;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Builds the wide tree over the facets of a mesh. SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_tree.h"
 
 #include "geometry/vec3.h"
@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* From this depth on nodes are divided by numbers, which ends what geometry may not. */
+/* Depth from which nodes are divided by number of facets instead of by geometry, so that the depth of the
+ * tree has an end. */
 enum { DEEP = CML_TREE_DEPTH - 12 };
 
 extern const struct cml_tree_level cml_tree_base;
@@ -32,14 +33,14 @@ int cml_tree_levels(const struct cml_tree_level *levels[CML_TREE_LEVELS])
 struct list {
     void *at;
     uint32_t count, room;
-    size_t size; /* of an entry; a multiple of 64 */
+    size_t size; /* bytes of an entry; a multiple of 64 */
 };
 
 struct builder {
     const struct cml_mesh *mesh;
     const double (*plane)[4];
     double margin;
-    struct cml_facet_box *box; /* [num_triangles] */
+    struct cml_facet_box *box; /* [num_triangles] boxes of the facets */
     struct list nodes, leaves;
 };
 
@@ -49,8 +50,8 @@ struct group {
     size_t first, count;
 };
 
-/* Corner `at` of entry i: its weight as a function of the place, from the side opposite to it, becomes number
- * `to`. twice: the facet's area, twice. */
+/* Computes the barycentric weight of corner `at` as a linear function of the place, from the side opposite to
+ * the corner, and stores it as weight `to` of entry i. twice: twice the facet's area. */
 static void fill_weight(const double corner[3][3], const double normal[3], double twice, int at, int to,
                         int i, struct cml_tree_leaf *leaf)
 {
@@ -62,7 +63,7 @@ static void fill_weight(const double corner[3][3], const double normal[3], doubl
     leaf->weight[to][i] = (float)(-cml_vec3_dot(slope, from) / twice);
 }
 
-/* The corner opposite to the longest side, whose length is *longest. */
+/* Returns the corner opposite to the longest side. Sets *longest to that side's length. */
 static int find_longest(const double corner[3][3], double *longest)
 {
     int opposite = 0;
@@ -77,6 +78,8 @@ static int find_longest(const double corner[3][3], double *longest)
     return opposite;
 }
 
+/* Fills entry i of a leaf with a facet. A facet thinner than the margin gets NaN, so that it is always in
+ * doubt. */
 static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cml_tree_leaf *leaf)
 {
     const double *plane = b->plane[facet];
@@ -92,7 +95,7 @@ static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cm
     leaf->facet[i] = facet;
 }
 
-/* Into memory of its own size, or more. */
+/* Moves a list into memory for `room` entries. */
 static cml_status move(struct list *list, uint32_t room, struct cml_error *err)
 {
     void *moved = aligned_alloc(64, room * list->size);
@@ -104,7 +107,7 @@ static cml_status move(struct list *list, uint32_t room, struct cml_error *err)
     return CML_OK;
 }
 
-/* One more entry, all 0; *number: which. */
+/* Adds an entry of zeros to a list. Sets *number to its number. */
 static cml_status add(struct list *list, uint32_t *number, struct cml_error *err)
 {
     if (list->count == list->room) CML_TRY(move(list, 2 * list->room + 4, err));
@@ -113,6 +116,7 @@ static cml_status add(struct list *list, uint32_t *number, struct cml_error *err
     return CML_OK;
 }
 
+/* Adds a leaf with the facets of a group. Sets *number to the leaf's number. */
 static cml_status add_leaf(struct builder *b, const struct group *group, uint32_t *number,
                            struct cml_error *err)
 {
@@ -123,13 +127,15 @@ static cml_status add_leaf(struct builder *b, const struct group *group, uint32_
     return CML_OK;
 }
 
+/* Sets the group's box to the box around its facets. */
 static void find_box(const struct builder *b, struct group *group)
 {
     group->box = cml_facet_box_none();
     for (size_t i = 0; i < group->count; i++) cml_facet_box_widen(&group->box, &b->box[group->first + i]);
 }
 
-/* Which of the children is divided next: the largest that is no leaf; -1: none. */
+/* Returns the child to divide next: the largest child that is not small enough for a leaf; -1 if there is
+ * none. */
 static int choose(const struct group *child, int children, int depth)
 {
     int largest = -1;
@@ -143,7 +149,7 @@ static int choose(const struct group *child, int children, int depth)
     return largest;
 }
 
-/* Divides a group into up to 16; returns how many. */
+/* Divides a group into up to 16 children. Returns their number. */
 static int divide(const struct builder *b, struct group child[CML_GROUP], int depth)
 {
     int children = 1;
@@ -161,7 +167,7 @@ static int divide(const struct builder *b, struct group child[CML_GROUP], int de
     return children;
 }
 
-/* Leaves before groups that become nodes; returns how many are leaves. */
+/* Moves children that become leaves before those that become nodes. Returns the number of leaves. */
 static int sort_children(struct group child[CML_GROUP], int children)
 {
     int leaves = 0;
@@ -174,7 +180,7 @@ static int sort_children(struct group child[CML_GROUP], int children)
     return leaves;
 }
 
-/* The node of a group, and all below it. */
+/* Adds the node of a group, and all nodes and leaves below it. Sets *number to the node's number. */
 static cml_status add_node(struct builder *b, const struct group *group, int depth, uint32_t *number,
                            struct cml_error *err)
 {
@@ -193,7 +199,7 @@ static cml_status add_node(struct builder *b, const struct group *group, int dep
     return CML_OK;
 }
 
-/* The boxes of all facets, rounded outwards. */
+/* Computes the boxes of all facets, rounded outwards to float. */
 static void find_boxes(struct builder *b)
 {
     for (uint32_t i = 0; i < b->mesh->num_triangles; i++) {
@@ -209,6 +215,7 @@ static void find_boxes(struct builder *b)
     }
 }
 
+/* Builds the whole tree and shrinks its arrays to their size. */
 static cml_status build(struct builder *b, struct cml_error *err)
 {
     const size_t count = b->mesh->num_triangles;

@@ -1,12 +1,13 @@
-/* Rays through a tree of facets: facet_tree.h. Compiled once for each level of the processor.
+/* Searches a tree of facets for a ray (facet_tree.h). Compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_tree.h"
 #include "vector/processor.h"
 
 #include <math.h>
 
-/* The ray as boxes see it: per axis the column that it enters through and the one it leaves by. Boxes are
- * larger by twice the margin: once for what it is about, once for the rounding of all this. */
+/* The ray, prepared for the test of boxes: for each axis, the side through which it enters and the side
+ * through which it leaves. Boxes are enlarged by twice the margin: once because the margin demands it, once
+ * for the rounding of the test. */
 struct slabs {
     int enter[3], leave[3];
     float enter_from[3], leave_from[3], inverse[3];
@@ -17,31 +18,34 @@ struct search {
     const struct cml_tree_ray *ray;
     struct cml_tree_answer *answer;
     struct slabs slabs;
-    float to;     /* what is further away does not matter: the path's length, or that of a sure crossing */
-    float t, err; /* distance of the nearest sure one, and how far off it may be; its facet is the answer's */
-    float least[CML_TREE_DOUBTS]; /* that of a doubt may be */
-    float entering;               /* that of the nearest sure one that enters */
+    float to;     /* nothing beyond this distance matters: the path's length, or the distance of a sure
+                     crossing */
+    float t, err; /* distance of the nearest sure crossing, and its error; the answer has its facet */
+    float least[CML_TREE_DOUBTS]; /* smallest possible distance of each facet in doubt */
+    float entering;               /* distance of the nearest sure crossing that enters */
 };
 
-/* What of a node is still to be looked at. */
+/* The rest of a node that is still to be searched. */
 struct pending {
     const struct cml_tree_node *node;
-    uint32_t inner;                      /* children that are nodes, as a mask */
-    _Alignas(64) float enter[CML_GROUP]; /* where the ray enters the children */
+    uint32_t inner;                      /* mask of children that are nodes */
+    _Alignas(64) float enter[CML_GROUP]; /* distance at which the ray enters each child */
 };
 
-/* What is known of a leaf's facets. */
+/* The results of testing the facets of a leaf. */
 struct tested {
-    _Alignas(64) float along[CML_GROUP], height[CML_GROUP]; /* sine to the path, and way to the plane, up */
+    _Alignas(64) float along[CML_GROUP], height[CML_GROUP]; /* sine of the angle to the path; distance of
+                                                               the plane along its normal */
     float t[CML_GROUP], err[CML_GROUP];
     int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
 };
 
+/* Prepares the ray for the test of boxes. */
 static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
 {
     for (int k = 0; k < 3; k++) {
         s->inverse[k] = 1 / ray->direction[k];
-        const int backwards = s->inverse[k] < 0; /* -0 too */
+        const int backwards = s->inverse[k] < 0; /* 1 / -0 counts as backwards, too */
         const float more = 2 * (backwards ? -ray->margin : ray->margin);
         s->enter[k] = k + 3 * backwards;
         s->leave[k] = k + 3 - 3 * backwards;
@@ -50,8 +54,8 @@ static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
     }
 }
 
-/* A ray that lies in a side of a box makes NaN of 0 / 0 there: comparisons are such that it counts as inside.
- */
+/* Tests the boxes of a node's children. Returns a mask of the children that the ray enters. A ray in the
+ * plane of a box's side gives NaN from 0 / 0; the comparisons then count it as inside. */
 static inline uint32_t enter_node(const struct search *s, const struct cml_tree_node *node, struct pending *p)
 {
     const struct slabs *a = &s->slabs;
@@ -76,8 +80,8 @@ static inline uint32_t enter_node(const struct search *s, const struct cml_tree_
     return ~cml_group_negative(room) & CML_GROUP_MASK;
 }
 
-/* Whether the path meets the plane of any facet of a leaf: mostly not. A plane's distance from the origin and
- * from the end of the path decides before t does, which a ray along the plane does not have. */
+/* Tests if the path meets the plane of any facet of a leaf, which it mostly does not. The plane's distances
+ * from the path's two ends decide, because a ray along the plane has no t. */
 static inline uint32_t test_planes(const struct search *s, const struct cml_tree_leaf *leaf,
                                    struct tested *tested)
 {
@@ -97,8 +101,8 @@ static inline uint32_t test_planes(const struct search *s, const struct cml_tree
     return cml_group_equal(tested->passed, 0);
 }
 
-/* Which facets of a leaf are candidates, as a mask. Comparisons are such that a NaN makes a candidate, which
- * is not met. */
+/* Tests the facets of a leaf. Returns a mask of the candidates. The comparisons let a NaN make a candidate
+ * that is not a sure hit. */
 static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf,
                                  struct tested *tested)
 {
@@ -128,6 +132,7 @@ static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_l
     return cml_group_equal(tested->passed, 0);
 }
 
+/* Adds a facet in doubt. least: its smallest possible distance. Blurs the answer if there are too many. */
 static void add_doubt(struct search *s, int facet, float least)
 {
     struct cml_tree_answer *answer = s->answer;
@@ -139,7 +144,7 @@ static void add_doubt(struct search *s, int facet, float least)
     answer->doubt[answer->doubts++] = facet;
 }
 
-/* The nearest sure crossing may be another one from now on. */
+/* Adds a sure crossing. The nearer one of it and the one before remains; the other becomes a doubt. */
 static void add_sure(struct search *s, int facet, float t, float err)
 {
     if (!(t < s->t)) {
@@ -153,6 +158,7 @@ static void add_sure(struct search *s, int facet, float t, float err)
     if (t + err < s->to) s->to = t + err;
 }
 
+/* Tests the facets of a leaf and adds its sure crossings and doubts. */
 static inline void search_leaf(struct search *s, uint32_t number)
 {
     const struct cml_tree_leaf *leaf = &s->tree->leaf[number];
@@ -171,7 +177,7 @@ static inline void search_leaf(struct search *s, uint32_t number)
     }
 }
 
-/* The leaves of a node at once, its nodes later. */
+/* Searches the leaves of a node at once, and leaves its nodes for later. */
 static inline void search_node(struct search *s, const struct cml_tree_node *node, struct pending *p)
 {
     const uint32_t entered = enter_node(s, node, p);
@@ -183,6 +189,7 @@ static inline void search_node(struct search *s, const struct cml_tree_node *nod
     }
 }
 
+/* Searches the tree depth first. Stops early if the answer is blurred. */
 static void search_tree(struct search *s)
 {
     struct pending stack[CML_TREE_DEPTH], *p = stack;
@@ -201,6 +208,7 @@ static void search_tree(struct search *s)
     }
 }
 
+/* Begins a search with an answer without facets. */
 static void begin(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray, struct search *s,
                   struct cml_tree_answer *answer)
 {
@@ -215,7 +223,7 @@ static void begin(const struct cml_facet_tree *tree, const struct cml_tree_ray *
     answer->blurred = false;
 }
 
-/* Doubts behind the nearest sure crossing are none. */
+/* Ends a search: drops doubts that lie behind the nearest sure crossing. */
 static void end(struct search *s)
 {
     struct cml_tree_answer *answer = s->answer;
@@ -235,6 +243,6 @@ static void ask(const struct cml_facet_tree *tree, const struct cml_tree_ray *ra
     end(&s);
 }
 
-/* declared in facet_tree.c only, which picks one */
+/* declared in facet_tree.c only, which chooses one */
 extern const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL);
 const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL) = {ask};

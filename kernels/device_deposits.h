@@ -1,10 +1,11 @@
-/* The tallies of an OpenCL device: 64-bit cells that many work-items add to. One of the two sinks that walk.h
- * may write to; the other is the host's (host_deposits.h). OpenCL C only.
- * Integers only, so neither the order nor the place of the additions can show.
- * Cells of local memory are added to as two 32-bit words with a carry: NVIDIA's GPUs have no addition of 64
- * bits there and try again and again while others add to the same cell. CML_TWO_WORDS: those of global
- * memory, too, for devices without cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that
- * share local memory. SPDX-License-Identifier: MIT */
+/* The tallies of an OpenCL device: 64-bit cells to which many work-items add. This is one of the two sinks
+ * that walk.h may write to; the other is the host's (host_deposits.h). For OpenCL C only.
+ * All cells are integers, so neither the order nor the place of the additions changes a result.
+ * Cells in local memory are added to as two 32-bit words with a carry. NVIDIA's GPUs have no addition of 64
+ * bits there: they would try again and again while others add to the same cell. CML_TWO_WORDS does this for
+ * global memory too, on devices without cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items
+ * that share local memory.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "device_layout.h"
@@ -47,6 +48,8 @@ CML_FN void cml_add_global(__global cml_u64 *cell, cml_u64 amount)
 #endif
 }
 
+/* Adds to a cell of a part of the tallies: in local memory if the part keeps the cell there, else in global
+ * memory. */
 CML_FN void cml_add(const struct cml_deposits *to, struct cml_local_part part, cml_u32 cell, cml_u64 amount)
 {
     if (cell < part.count)
@@ -55,13 +58,14 @@ CML_FN void cml_add(const struct cml_deposits *to, struct cml_local_part part, c
         cml_add_global(to->cells + part.first + cell, amount);
 }
 
-/* By all items of a group together, with a barrier behind it. */
+/* Sets local cells to 0. All work-items of a group call it together, with a barrier behind it. */
 CML_FN void cml_zero_local(__local cml_u64 *cells, cml_u32 count)
 {
     for (cml_u32 i = (cml_u32)get_local_id(0); i < count; i += CML_GROUP_SIZE) cells[i] = 0;
 }
 
-/* By all items of a group together, with a barrier before it. */
+/* Adds the local cells of a part to global memory. All work-items of a group call it together, with a barrier
+ * before it. */
 CML_FN void cml_flush_local_part(const struct cml_deposits *to, struct cml_local_part part)
 {
     for (cml_u32 i = (cml_u32)get_local_id(0); i < part.count; i += CML_GROUP_SIZE)
@@ -74,14 +78,16 @@ CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 
     cml_add(to, to->parts->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
 }
 
-/* One for all packets: the host knows of which group they are. */
+/* Adds absorbed weight to a cell of A_rz. The cell is the same for all groups of photons: the host knows the
+ * group that a device flies. */
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int cell, cml_u32 dw)
 {
     (void)index;
     cml_add(to, to->parts->absorbed, (cml_u32)cell, dw);
 }
 
-/* A device keeps no voxels, no facets and no marks of fluence: the host refuses scenes that ask for them. */
+/* Stubs of walk.h's other scores. A device keeps no voxels, facets or marks of fluence: the host refuses
+ * scenes that ask for them. */
 CML_FN int cml_has_volume(const struct cml_deposits *to)
 {
     (void)to;

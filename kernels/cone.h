@@ -363,9 +363,9 @@ enum cml_cone_verdict {
 #define CML_CONE_TOGETHER 16
 
 /* Skips spans in which a march that stands on no ring provably meets nothing, by the arithmetic of
- * cml_cone_go: they end before t_max, on the packet's side, and the ray's closest approach to their cones is
- * outside of them. Moves the march to the first other span, and returns the number of spans skipped. The
- * caller makes sure that CML_CONE_TOGETHER rings lie ahead. */
+ * cml_cone_go: they end before t_max, on the packet's side, and in none of them does the ray come closest to
+ * its cone. Moves the march to the first other span, and returns the number of spans skipped. The caller
+ * makes sure that CML_CONE_TOGETHER rings lie ahead. */
 __attribute__((always_inline)) static inline int
 cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_max, const int inwards)
 {

@@ -20,7 +20,7 @@ struct cml_branches {
 /* Arrays of weight units into which a walk adds (src/tally/tally.h).
  * One copy for each thread: A_rz [nr + 1][nz + 2] for every group, or NULL; A_l [num_layers + 2] by medium;
  * A_t [gates + 1] or NULL; A_lt as A_t, by medium; expected [scores of the tail] (P15) or NULL;
- * expected_late: as expected, of the batch of a packet that is late, or NULL.
+ * expected_late: the same scores for the batch of a late packet (tally.h), or NULL.
  * One for all threads, because copies would be too large: A_xyz [nz ny nx + 1] or NULL; facets [facets of all
  * boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {

@@ -110,7 +110,7 @@ CML_FN int cml_has_phase_table(real g)
 }
 
 /* Returns the number v of a phase table for a word, in units of 2^-32. v = 0 means straight on. v falls as
- * the word rises, so a table of Henyey and Greenstein's function deflects as the closed form does. */
+ * the signed word rises, so a table of Henyey and Greenstein's function deflects as the closed form does. */
 CML_FN cml_u32 cml_phase_draw(cml_u32 polar_word)
 {
     return polar_word ^ 0x7fffffffu;

@@ -1,5 +1,7 @@
-/* Detectors as the kernels read them (struct cml_detection): a packet is held against those alone that reach
- * into its cell, so that hundreds cost little more than one. SPDX-License-Identifier: MIT */
+/* Detectors as the kernels read them (struct cml_detection). A grid over the detectors of a level lets a
+ * packet test only the detectors that reach into its cell, so hundreds of detectors cost little more than
+ * one.
+ * SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
 #include "detector.h"
@@ -36,7 +38,7 @@ static struct cml_detector detector_of(const struct cml_scene *scene, const doub
     return d;
 }
 
-/* ---- cells over those of one level ---- */
+/* ---- cells over the detectors of one level ---- */
 
 struct rectangle {
     double low[2], high[2];
@@ -50,16 +52,16 @@ static struct rectangle rectangle_around(const struct cml_detector_def *def)
     return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
 }
 
-/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all. */
+/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all of them. */
 struct place {
     bool below;
     double z;
-    int number; /* of the detector */
+    int number; /* number of the detector */
 };
 struct level {
     const struct cml_scene *scene;
     const struct place *place;
-    const double *origin; /* scene position, cm */
+    const double *origin; /* position in the scene, cm */
     int count, n;
     struct rectangle all;
 };
@@ -69,7 +71,7 @@ static const struct cml_detector_def *detector_at(const struct level *level, int
     return &level->scene->detectors[level->place[k].number];
 }
 
-/* The cells along an axis that a detector reaches into, with more to spare than rounding moves a place. */
+/* Finds the cells along an axis that a detector reaches into, widened by more than rounding moves a place. */
 static void find_cells(const struct level *level, const struct rectangle *own, int axis, int *first,
                        int *last)
 {
@@ -78,7 +80,7 @@ static void find_cells(const struct level *level, const struct rectangle *own, i
     *last = (int)fmin(most, floor((own->high[axis] - level->all.low[axis]) * per_cell + 0.01));
 }
 
-/* Whether a ring reaches into a cell, not with its hole alone. */
+/* True if the ring itself reaches into a cell, and not only its hole. */
 static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
 {
     const int at[2] = {ix, iy};
@@ -93,8 +95,8 @@ static bool ring_reaches(const struct level *level, const struct cml_detector_de
     return hypot(farthest[0], farthest[1]) >= def->size[0] && hypot(closest[0], closest[1]) <= def->size[1];
 }
 
-/* Counts, or with a list enters, the detectors of every cell: next[n * n] is how many there are, or where the
- * list of the cell goes on. Returns how many there are in all, or no less than `most`. */
+/* Counts the detectors of every cell, or enters them into a list. next[n * n]: the number in each cell, or
+ * the place where the cell's list goes on. Returns the number in all cells, or a number >= `most`. */
 static double fill_cells(const struct level *level, double most, int *next, int *list)
 {
     double entries = 0;
@@ -134,9 +136,9 @@ static void find_rectangle(struct level *level)
     }
 }
 
-/* ---- all of them ---- */
+/* ---- all detectors ---- */
 
-/* What is being made: lists grow level by level. */
+/* The detection of a world while it is made: lists grow level by level. */
 struct detection {
     struct cml_owned_world *to;
     int num_starts, num_entries;
@@ -154,8 +156,8 @@ static cml_status make_room(struct detection *d, int starts, int entries, struct
     return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
 }
 
-/* As fine as leaves few detectors in a cell; one cell where all lie over each other. *count is the caller's
- * to free: [n * n], how many detectors reach into each cell. */
+/* Chooses a grid so fine that few detectors lie in a cell, or one cell if all detectors lie over each other.
+ * *count: [n * n] detectors that reach into each cell; the caller frees it. */
 static cml_status choose_cells(struct level *level, int **count, double *entries, struct cml_error *err)
 {
     const double most = 16.0 * level->count;
@@ -229,7 +231,7 @@ static cml_status add_levels(const struct cml_scene *scene, const double origin[
     return CML_OK;
 }
 
-/* Light that is split off goes straight up. */
+/* Returns enum CML_SPLIT_... for the light that is split off at launches, which goes straight up. */
 static int split_of(const struct cml_world *world, int num_detectors, const struct cml_detector *detectors,
                     const struct cml_detector_def *defs)
 {
@@ -242,7 +244,8 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
     return CML_SPLIT_UNSEEN;
 }
 
-/* Where windows say so. Packets are counted from the axis. */
+/* Returns the detector that counts shares of circles, if the windows ask for one. Distances count from the
+ * beam's axis. */
 static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_window_table *windows,
                              int num_levels, const struct cml_owned_world *to)
 {

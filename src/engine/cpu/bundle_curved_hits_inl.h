@@ -15,7 +15,7 @@ struct cml_hits {
     int count;
     _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    /* Of rings: */
+    /* Members for rings: */
     int known[CML_LANES]; /* 1: t is known; 0: t is the root in [t0, t1] */
     real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
     real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];

@@ -27,12 +27,12 @@ enum cml_bounds_form {
 
 /* Distributions of a beam's starting places across its axis. */
 enum cml_beam_shape {
-    CML_BEAM_PENCIL,   /* in a point */
-    CML_BEAM_DISK,     /* evenly */
+    CML_BEAM_PENCIL,   /* all in a point */
+    CML_BEAM_DISK,     /* evenly over a disk */
     CML_BEAM_GAUSSIAN, /* density exp(-2 r^2 / radius^2) */
     CML_BEAM_RING,
     CML_BEAM_RECTANGLE,
-    CML_BEAM_IMAGE /* pixels; evenly within each */
+    CML_BEAM_IMAGE /* pixels of an image, evenly within each */
 };
 
 /* Distributions of the slopes of facets finer than a boundary's shape (P20). */
@@ -49,9 +49,9 @@ enum cml_backing_kind { CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBER
  * irradiances and exitances have exactly the same sum. Scores are weights (power); a density is a score
  * divided by the facet's area. */
 enum cml_facet_score {
-    CML_FACET_IRRADIANCE_ABOVE, /* arrives from the medium above */
+    CML_FACET_IRRADIANCE_ABOVE, /* weight that arrives from the medium above */
     CML_FACET_IRRADIANCE_BELOW,
-    CML_FACET_EXITANCE_ABOVE, /* leaves into the medium above, transmitted or reflected */
+    CML_FACET_EXITANCE_ABOVE, /* weight that leaves into the medium above, transmitted or reflected */
     CML_FACET_EXITANCE_BELOW,
     CML_FACET_ESCAPED, /* part of Rd (boundary 0) or Tt (boundary L) that touched this facet last */
     /* Sum of squares of packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h). Not used if each group of

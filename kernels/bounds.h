@@ -240,6 +240,8 @@ struct cml_body_view {
     int in_ball, above, below; /* 1: inside the ball; above both planes; below both planes */
 };
 
+/* Returns the view from the place q on a path along u: the closest cell of the grid, and distances to its
+ * ball and planes. */
 CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
                                           const CML_GLOBAL struct cml_body_grid *grid, struct cml_vec q,
                                           struct cml_vec u)
@@ -438,7 +440,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     /* Depth of the part that faces the packet. */
     const real nearest = side > 0 ? surface->highest : surface->lowest;
     const real inside = side * (nearest - p.z), away = side * u.z;
-    const int passes = inside < away * t_max; /* the path passes that depth */
+    const int passes = inside < away * t_max; /* the path passes this depth */
     struct cml_interval s = {0, 0, t_max};
     if (cml_is_safe(world, surface, p, u, t_max)) return s;
     if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;

@@ -56,6 +56,7 @@ struct cml_cone_ray {
     real a, b, c, r, k; /* r^2(t) = a t^2 + 2 b t + c; r = r(0); k = x uy - y ux */
 };
 
+/* Returns the ray from p along u, with the terms that all rings need. */
 CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u, real side)
 {
     struct cml_cone_ray ray;
@@ -163,6 +164,7 @@ struct cml_cone_quadratic {
     real w, A, B, D; /* D = B^2 - A C */
 };
 
+/* Returns the quadratic that a ray and the cone of a ring make. */
 CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const struct cml_cone_ray *ray)
 {
     const real m = ring.slope, mm = m * m, w = ray->p.z - ring.z + m * ring.r;
@@ -339,6 +341,7 @@ struct cml_cone_march {
     real t0, t1;
 };
 
+/* Begins a search at t_min: returns the march with the ring that the ray is in there, or stands on. */
 CML_FN struct cml_cone_march cml_cone_begin(struct cml_rings rings, struct cml_vec p, struct cml_vec u,
                                             real side, real t_min, int on_ring)
 {
@@ -353,7 +356,7 @@ CML_FN struct cml_cone_march cml_cone_begin(struct cml_rings rings, struct cml_v
 enum cml_cone_verdict {
     CML_CONE_MISSED,
     CML_CONE_HIT,
-    CML_CONE_ENTERED, /* crossed in the span, for the first time, at its only root */
+    CML_CONE_ENTERED, /* the ray crosses in the span, for the first time, at its only root */
 };
 
 #ifndef __OPENCL_VERSION__

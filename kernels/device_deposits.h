@@ -26,6 +26,7 @@ struct cml_deposits {
     __global struct cml_counters *counters;
 };
 
+/* Adds to a cell in local memory. A group of one item needs no atomic addition. */
 CML_FN void cml_add_local(__local cml_u64 *cell, cml_u64 amount)
 {
 #if CML_GROUP_SIZE == 1
@@ -39,6 +40,7 @@ CML_FN void cml_add_local(__local cml_u64 *cell, cml_u64 amount)
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
+/* Adds to a cell in global memory. */
 CML_FN void cml_add_global(__global cml_u64 *cell, cml_u64 amount)
 {
 #ifdef CML_TWO_WORDS
@@ -73,6 +75,7 @@ CML_FN void cml_flush_local_part(const struct cml_deposits *to, struct cml_local
             cml_add_global(to->cells + part.first + i, to->local_cells[part.first_local + i]);
 }
 
+/* Adds absorbed weight to the sum of a layer. */
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
     cml_add(to, to->parts->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
@@ -116,27 +119,32 @@ CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int f
     (void)to, (void)index, (void)facet, (void)score, (void)w;
 }
 
+/* Adds to a term of the weight balance. */
 CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_term term, cml_u64 amount)
 {
     if (amount) cml_add_local(to->local_cells + CML_CELL_BALANCE + (cml_u32)term, amount);
 }
 
+/* Adds light that was split off at a launch to the specular term. */
 CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u64 index, cml_u32 w)
 {
     (void)index;
     cml_add_to_balance(to, CML_BALANCE_SPECULAR, w);
 }
 
+/* Adds to a count of packets or events. */
 CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u64 amount)
 {
     if (amount) cml_add_local(to->local_cells + CML_CELL_COUNT + (cml_u32)count, amount);
 }
 
+/* Adds weight to a cell of Rd_ra or Tt_ra. */
 CML_FN void cml_add_exit(const struct cml_deposits *to, int reflected, int cell, cml_u32 w)
 {
     cml_add(to, reflected ? to->parts->reflected : to->parts->transmitted, (cml_u32)cell, w);
 }
 
+/* Counts a lost photon, and lists its index if there is room. */
 CML_FN void cml_add_lost(const struct cml_deposits *to, cml_u64 index)
 {
     const cml_u32 i = atomic_inc(&to->counters->num_lost);

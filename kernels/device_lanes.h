@@ -22,11 +22,11 @@ struct cml_device_lanes {
     cml_u32 interactions[CML_DEVICE_LANES];
     cml_u32 touched[CML_DEVICE_LANES]; /* interactions before the last boundary event */
     cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
-        draw3[CML_DEVICE_LANES]; /* words of the next interaction's block */
+        draw3[CML_DEVICE_LANES]; /* random words of the next interaction */
     real mfp[CML_DEVICE_LANES], absorb[CML_DEVICE_LANES], g[CML_DEVICE_LANES],
-        bins[CML_DEVICE_LANES]; /* of the packet's medium */
+        bins[CML_DEVICE_LANES]; /* properties of the packet's medium */
     real stop_above[CML_DEVICE_LANES],
-        stop_below[CML_DEVICE_LANES]; /* a path that ends between these z ends at no boundary */
+        stop_below[CML_DEVICE_LANES]; /* a path that ends between these depths reaches no boundary */
     /* a path that begins between these z meets no boundary there; infinite if the surface is a plane. */
     real start_above[CML_DEVICE_LANES], start_below[CML_DEVICE_LANES];
     cml_u32 live[CML_DEVICE_LANES]; /* 1: holds a packet */
@@ -169,6 +169,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
     return low_lanes;
 }
 
+/* Adds the deposits of all lanes that interact to A_rz. */
 CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)

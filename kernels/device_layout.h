@@ -55,8 +55,8 @@ struct cml_kernel_call {
 /* Counters that all work-items share. The call has `count` photons with the indices first, first + stride,
  * first + 2 stride and so on; `taken` of them have been taken. */
 struct cml_counters {
-    cml_u64 first, stride;       /* index of the first photon; difference of two indices */
-    cml_u32 count, taken;        /* photons */
+    cml_u64 first, stride;       /* index of the first photon; step between two indices */
+    cml_u32 count, taken;        /* numbers of photons */
     cml_u32 alive;               /* packets that the next call continues */
     cml_u32 num_lost;            /* lost photons; the first CML_LOST_KEPT are listed */
     cml_u64 lost[CML_LOST_KEPT]; /* indices of the first lost photons of a call */
@@ -69,7 +69,7 @@ struct cml_device_fate {
     cml_u32 w;       /* weight at the end */
     cml_u32 interactions, boundary_events;
     real exit_x, exit_y; /* cm, from the scene's origin */
-    struct cml_vec u;    /* unit direction */
+    struct cml_vec u;    /* unit direction at the end */
 };
 
 /* Size of a packet on a device. A packet on the host has extra members behind those it shares with the

@@ -11,7 +11,7 @@
 /* A stack of packets that wait for their flight (P19). Each thread has its own. */
 struct cml_branches {
     int count, most;
-    cml_u64 whole, clipped, spent; /* CML_COUNT_UNSPLIT, CML_COUNT_CLIPPED, CML_COUNT_SPENT */
+    cml_u64 whole, clipped, spent; /* counts CML_COUNT_UNSPLIT, CML_COUNT_CLIPPED and CML_COUNT_SPENT */
     struct cml_packet *item;       /* [most] */
     /* [most][media] stays of their trails (P13); NULL if no result needs them. */
     struct cml_stay *stay;
@@ -34,7 +34,7 @@ struct cml_deposits {
     cml_u64 *specular; /* this thread's sum of the light that is split off at launches */
     cml_u64 *upright;  /* all threads' sum of this light by direction: it goes straight up (P7); or NULL */
     struct cml_once upright_once;
-    struct cml_branches *branches; /* set if the world has weight windows */
+    struct cml_branches *branches; /* stack of branches, if the world has weight windows */
 };
 
 /* Adds to a cell of an array that threads share. */
@@ -58,6 +58,7 @@ CML_FN int cml_has_marks(const struct cml_deposits *to)
     return to->phi != 0;
 }
 
+/* Adds weight to a cell of the fluence. */
 CML_FN void cml_add_mark(const struct cml_deposits *to, cml_u32 cell, cml_u64 w)
 {
     if (to->phi_is_shared)
@@ -66,6 +67,7 @@ CML_FN void cml_add_mark(const struct cml_deposits *to, cml_u32 cell, cml_u64 w)
         to->phi[cell] += w;
 }
 
+/* Adds absorbed weight to the sum of a medium. */
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
     to->A_l[medium] += dw;
@@ -94,6 +96,8 @@ CML_FN void cml_add_once(cml_u64 *cell, struct cml_once once, cml_u64 index, cml
     if (!once.step) cml_add_shared(cell + once.squares, times * cml_square_of(w));
 }
 
+/* Adds light that was split off packet `index` at its launch to the specular sum, and to the direction
+ * straight up. */
 CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u64 index, cml_u32 w)
 {
     *to->specular += w;
@@ -106,16 +110,19 @@ CML_FN cml_u32 cml_first_cell(const struct cml_deposits *to, cml_u64 index)
     return (cml_u32)index % CML_NUM_GROUPS * to->group_cells;
 }
 
+/* Adds absorbed weight to a cell of A_rz, for the packet's group. */
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, cml_u64 index, int cell, cml_u32 dw)
 {
     to->A_rz[cml_first_cell(to, index) + (cml_u32)cell] += dw;
 }
 
+/* Adds absorbed weight to a voxel, for the packet's group. */
 CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 index, cml_u64 voxel, cml_u32 dw)
 {
     cml_add_shared(&to->A_xyz[index % CML_NUM_GROUPS * to->voxel_step + voxel], dw);
 }
 
+/* Adds weight to a score of a facet, for the packet's group. */
 CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int facet,
                              enum cml_facet_score score, cml_u32 w)
 {

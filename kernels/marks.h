@@ -16,7 +16,7 @@ struct cml_stretch {
     struct cml_vec p, u;
     int medium;
     cml_u32 events;
-    cml_u64 w; /* weight that flies along it */
+    cml_u64 w; /* weight that flies along the stretch */
     real path; /* optical path of the packet at p; below 0: its clock has not started (P11) */
 };
 
@@ -56,6 +56,7 @@ CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_depos
         cml_add_shared(&to->phi_xyz[voxel * CML_NUM_GROUPS + index % CML_NUM_GROUPS], w);
 }
 
+/* Scores a mark of weight w into bins of r and z, at the distance t (cm) along a stretch. */
 CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real t, cml_u64 w)
 {
@@ -77,6 +78,7 @@ CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposi
     if (to->phi_rzt) cml_mark_time(setup, to, index, p, bins, path, w);
 }
 
+/* Scores a mark of weight w into voxels and bins of time, at the distance t (cm) along a stretch. */
 CML_FN void cml_score_more(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real t, cml_u64 w)
 {

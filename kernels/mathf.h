@@ -8,6 +8,7 @@
 #include "port.h"
 
 #if !defined(CML_DOUBLE)
+/* Returns the bits of a float. */
 CML_FN cml_u32 cml_bits_of(float x)
 {
 #ifdef __OPENCL_VERSION__
@@ -19,6 +20,7 @@ CML_FN cml_u32 cml_bits_of(float x)
 #endif
 }
 
+/* Returns the float that has these bits. */
 CML_FN float cml_float_of(cml_u32 bits)
 {
 #ifdef __OPENCL_VERSION__

@@ -9,6 +9,7 @@
 #include "rng.h"
 #include "types.h"
 
+/* Returns the scalar product of two vectors. */
 CML_FN real cml_dot(struct cml_vec a, struct cml_vec b)
 {
     return CML_FMA(a.x, b.x, CML_FMA(a.y, b.y, a.z * b.z));
@@ -98,6 +99,8 @@ CML_FN void cml_deflection(real g, real one_minus, real *cosine, real *sine)
     *sine = CML_SQRT(one_minus * ((real)2 - one_minus));
 }
 
+/* Finds cosine and sine of the polar angle by Henyey and Greenstein's function. per_square: 1 /
+ * cml_deflection_square(g, s). */
 CML_FN void cml_henyey_greenstein(real g, real s, real per_square, real *cosine, real *sine)
 {
     cml_deflection(g, cml_one_minus_cosine(g, s, per_square), cosine, sine);

@@ -98,6 +98,7 @@ CML_FN struct cml_block cml_threefry(struct cml_stream stream, cml_u32 c0, cml_u
     return block;
 }
 
+/* Returns the block of random words of a photon for an event and purpose. */
 CML_FN struct cml_block cml_draw(struct cml_stream stream, cml_u64 photon, enum cml_purpose purpose,
                                  cml_u32 event)
 {

@@ -121,7 +121,7 @@ CML_ROUGH_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
     if (rough.kind == CML_ROUGH_GGX) return (real)0.5 * across / (z * (z + CML_SQRT(CML_FMA(z, z, across))));
     const real t = CML_SQRT(across) / z;
     const real x = 1 / t, flat = (real)0.5641895835477563 * t; /* t / sqrt(pi) */
-    const int level = !(t < (real)1e9), some = t > (real)0.05; /* exp(-400) */
+    const int level = !(t < (real)1e9), some = t > (real)0.05; /* below 0.05 the share is exp(-400) */
     const real above = flat - cml_erfcx(x), lambda = (real)0.5 * cml_exp_minus(x * x) * above;
     return level ? (real)0.5 * flat : ((some & (above > 0)) ? lambda : (real)0);
 }
@@ -260,6 +260,7 @@ struct cml_frame {
     struct cml_vec x, y, z;
 };
 
+/* Returns an orthonormal frame about the unit vector z. */
 CML_ROUGH_FN struct cml_frame cml_frame_about(struct cml_vec z)
 {
     const real sign = CML_COPYSIGN((real)1, z.z), k = -1 / cml_frame_divisor(z), both = z.x * z.y * k;
@@ -269,12 +270,14 @@ CML_ROUGH_FN struct cml_frame cml_frame_about(struct cml_vec z)
     return frame;
 }
 
+/* Returns u in the coordinates of a frame. */
 CML_ROUGH_FN struct cml_vec cml_in_frame(struct cml_frame frame, struct cml_vec u)
 {
     const struct cml_vec v = {cml_dot(u, frame.x), cml_dot(u, frame.y), cml_dot(u, frame.z)};
     return v;
 }
 
+/* Returns v, given in the coordinates of a frame, in those of the scene. */
 CML_ROUGH_FN struct cml_vec cml_from_frame(struct cml_frame frame, struct cml_vec v)
 {
     const struct cml_vec none = {0, 0, 0};
@@ -286,7 +289,7 @@ struct cml_rough_walk {
     struct cml_vec v; /* direction, unit */
     real e;           /* depth -ln u, where u is the share of the surface that lies lower */
     int beyond;       /* 1: on the other side of the boundary than at first */
-    int steps;        /* facets met */
+    int steps;        /* number of facets met */
 };
 
 /* Step 1: flies in direction v. Returns 1 if the packet leaves; else it is at the next facet, whose depth is
@@ -343,7 +346,7 @@ CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon,
 
 /* The end of a walk on facets: a packet that leaves the rough boundary. */
 struct cml_rough_exit {
-    struct cml_vec u; /* unit */
+    struct cml_vec u; /* direction of the packet, unit */
     int transmitted;
     int steps;  /* facets met; CML_ROUGH_LIMIT: the packet is lost */
     real stays; /* backing: share of the weight that comes back, the product over all facets */

@@ -10,6 +10,7 @@
 #include "optics.h"
 #include "types.h"
 
+/* Returns the rings of a boundary that is a radial heightfield. */
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];

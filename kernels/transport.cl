@@ -9,6 +9,7 @@
 /* Weight balance, counts and exit bins of one packet. On the host src/engine/terminated_packets_inl.h adds
  * these for many packets at once. */
 
+/* Returns the term of the balance to which a finished packet's weight belongs. */
 CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 {
     return fate == CML_FATE_ABSORBED      ? CML_BALANCE_ROULETTE
@@ -75,6 +76,7 @@ CML_FN int cml_device_take(__global struct cml_counters *counters, cml_u64 *inde
     return taken < counters->count;
 }
 
+/* Records the end of a packet. */
 CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
@@ -123,6 +125,8 @@ CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_
     f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
+/* Loads the properties of the packet's medium into its lane, and the depths between which no boundary is
+ * met. */
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -140,9 +144,10 @@ CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_dev
     l->start_above[i] = top && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
     l->start_below[i] = bottom && cml_is_plane(world, m) ? CML_INFINITY : below;
     if (CML_MAY_HAVE_BODIES && medium.body_grid >= 0)
-        l->stop_above[i] = CML_INFINITY; /* every step is looked at */
+        l->stop_above[i] = CML_INFINITY; /* in a medium with bodies every step is examined */
 }
 
+/* Copies a packet's place, direction and optical depth into its lane. */
 CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
                                  CML_PACKET const struct cml_packet *packet)
 {
@@ -155,6 +160,7 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
     l->tau[i] = packet->tau;
 }
 
+/* Copies a packet's index, weight and number of interactions into its lane. */
 CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
                                    CML_PACKET const struct cml_packet *packet)
 {
@@ -228,6 +234,7 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
 }
 
 #if CML_DEVICE_LANES > 1
+/* Finds the packet's first crossing within t (cm). */
 CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
                                   struct cml_hit *hit)
 {

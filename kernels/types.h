@@ -102,8 +102,9 @@ struct cml_depth_bounds {
 /* Safe distances (cml_path_is_safe): cubes in and around a mesh that overhangs. Each cube knows a distance
  * from its middle within which there is no surface. */
 struct cml_safe_cells {
-    int nx, ny, nz;        /* numbers of cubes; nx 0: there are none */
-    struct cml_vec corner; /* cm, in the boundary's frame, x and y from the scene's origin */
+    int nx, ny, nz; /* numbers of cubes; nx 0: there are none */
+    /* Lower corner of the cubes, cm, in the boundary's frame, x and y from the scene's origin. */
+    struct cml_vec corner;
     real per_cell, margin; /* cells per cm; loss of a safe distance by rounding, in cells */
     const float *safe;     /* [nz][ny][nx] safe distances, in cells */
 };
@@ -141,7 +142,7 @@ struct cml_detector {
     struct cml_vec axis; /* unit vector along which accepted light goes */
     /* Square of the sine of the widest accepted angle to the axis; above 1: the half space. */
     real most_sine2;
-    struct cml_vec middle;             /* z is not used */
+    struct cml_vec middle;             /* middle of a ring or map; z is not used */
     real inner2, outer2;               /* squares of a ring's radii */
     real low_x, high_x, low_y, high_y; /* sides of a rectangle */
     struct cml_map pixels;             /* grid of a map detector, about its middle */
@@ -249,7 +250,7 @@ struct cml_body_node {
 struct cml_body_grid {
     /* Numbers of cubes; index of the first in world.body_cells, where x runs fastest. */
     int nx, ny, nz, first;
-    struct cml_vec corner; /* cm */
+    struct cml_vec corner; /* lower corner of the grid, cm, in the frame of the layer */
     real cell, per_cell;   /* side of a cube in cm, and cubes per cm */
 };
 
@@ -292,9 +293,9 @@ struct cml_tail_interval {
  * everything below is flat (P15). */
 struct cml_tail {
     int medium;
-    real z;            /* in the frame of the medium */
+    real z;            /* depth of the level, in the frame of the medium */
     int cells, scores; /* cells of an interval; scores of a cell: Tt, then A of each layer below the medium */
-    const struct cml_tail_interval *interval; /* by rising index; the last has ratio 1, rest 0 */
+    const struct cml_tail_interval *interval; /* by rising refractive index; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
 /* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance from
@@ -348,8 +349,9 @@ struct cml_source {
      * the difference of both squares. Rectangle: half its lengths along e1 and e2. Image: lengths of a pixel
      * along e1 and e2. */
     real a, b;
-    real aperture, spread;     /* numerical aperture; largest 1 - cosine (enum cml_source_light) */
-    int nx, ny, first_word;    /* image: its pixels, and its first word in world.image_words */
+    real aperture, spread; /* numerical aperture; largest 1 - cosine (enum cml_source_light) */
+    /* image: numbers of columns and rows, and its first word in world.image_words. */
+    int nx, ny, first_word;
     int first_cell, num_cells; /* table: its range of world.light_cells */
 };
 
@@ -363,7 +365,7 @@ struct cml_light_cell {
 /* The backing: a surface under the last layer that sends light back (P12). */
 struct cml_backing {
     int kind;     /* enum cml_backing_kind */
-    int boundary; /* number of the last boundary; -1: there is no backing */
+    int boundary; /* number of the scene's last boundary; -1: there is no backing */
     /* Mirror, lambertian: share of the weight that stays in the backing; a little over 1 if all of it
      * stays. */
     real kept;
@@ -434,7 +436,7 @@ struct cml_packet {
     /* Searches for a crossing on curved surfaces; depends on the engine's short cuts. */
     cml_u32 queries;
     cml_u32 shading_overruled; /* boundary events that the facet decided against the shading normal */
-#ifndef __OPENCL_VERSION__     /* a device has only the members above (device_layout.h) */
+#ifndef __OPENCL_VERSION__     /* a packet on a device has only the members above (device_layout.h) */
     /* The visit under way of the packet's medium (P13): length in cm, largest depth in the frame of the
      * medium, and the sum of 1 - cosine of its scatterings. */
     real here, low, momentum;
@@ -490,7 +492,7 @@ struct cml_world {
     CML_GLOBAL const struct cml_body *bodies;             /* [num_bodies] */
     CML_GLOBAL const struct cml_body_node *body_nodes;
     CML_GLOBAL const struct cml_body_grid *body_grids;
-    CML_GLOBAL const struct cml_body_cell *body_cells; /* cells of all grids */
+    CML_GLOBAL const struct cml_body_cell *body_cells; /* cells of all grids over bodies */
     /* Tables one behind the other, then the parts of their cells; NULL if no medium has a table. */
     CML_GLOBAL const struct cml_phase_cell *phase_cells;
     CML_GLOBAL const struct cml_source *sources; /* [setup.num_sources] */
@@ -506,8 +508,9 @@ struct cml_world {
     cml_mesh_intersect *intersect_mesh;           /* NULL if no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* by surface; NULL for a surface that is no mesh */
     const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] by boundary */
-    const struct cml_known_path *known_path;      /* NULL if there is none */
-    struct cml_tail tail;                         /* read only if its scores are wanted */
+    const struct cml_known_path *known_path;      /* answer that is known without a search; NULL: none */
+    /* Expected values below a level (P15); read only if they are wanted. */
+    struct cml_tail tail;
     struct cml_weight_windows windows;
     /* Called at each event of a packet that is traced; NULL: no packet is traced. */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet);

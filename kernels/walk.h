@@ -80,6 +80,7 @@ CML_FN real cml_free_path(const struct cml_world *world, CML_PACKET const struct
     return cml_path(packet->tau, world->media[packet->medium].mfp);
 }
 
+/* Places packet `index` in its beam, and draws its first flight. */
 CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     cml_place(world, index, packet);
@@ -87,6 +88,8 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET 
     cml_event(world, "launch", packet);
 }
 
+/* Adds absorbed weight dw at the packet's place to its layer, voxel, gate and cell of A_rz, as far as they
+ * are wanted. */
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
                         CML_PACKET struct cml_packet *packet, cml_u32 dw)
 {
@@ -104,10 +107,10 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     cml_add_to_cell(to, packet->index, ir * (setup->nz + 2) + iz, dw);
 }
 
-/* Returns the absorbed part of the weight (P3): w * absorb rounded up or down at random, so that the integer
- * weight keeps its mean. The random number has 16 bits: 8 of the polar word that the cosine does not use, and
- * 8 of the azimuth word. For the smallest share that the input allows, 1e-11 of a whole packet
- * (CML_LEAST_ABSORPTION), the mean is off by at most 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
+/* Returns the absorbed part of the weight (P3): w * absorb rounded up or down at random, so that the mean is
+ * kept. 16 random bits serve: 8 of the polar word that the cosine does not use, and 8 of the azimuth word.
+ * For the smallest share that the input allows, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is
+ * off by at most 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
 CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml_u32 azimuth_word)
 {
     const cml_u32 bits = (azimuth_word & 255u) << 8 | (polar_word & 255u);
@@ -184,8 +187,7 @@ CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposit
 }
 #endif
 
-/* Plays roulette after an interaction (P8), or, if the world has weight windows, applies the window at the
- * packet's place (P19). */
+/* Plays roulette after an interaction (P8), or applies the weight window at the packet's place (P19). */
 CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *to,
                       CML_PACKET struct cml_packet *packet)
 {
@@ -206,8 +208,7 @@ CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *
     cml_roulette(world->setup.roulette, packet);
 }
 
-/* Moves a packet by t (cm) to its interaction, and absorbs, scatters and plays roulette there (P3, P4,
- * P8). */
+/* Moves a packet by t (cm) to its interaction (P3, P4, P8): absorption, scattering and roulette. */
 CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
                          CML_PACKET struct cml_packet *packet, real t)
 {
@@ -293,14 +294,11 @@ CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, i
 }
 
 /* Reflects or refracts a packet at a smooth boundary between unequal indices (P5). Returns 1 if it goes
- * through. The facet overrules the shading normal: the direction is found again from the facet's own normal,
- * with the same random number, in three cases:
- *   - it leaves on the wrong side of the facet;
- *   - it lies in the facet's plane but for rounding, where neighbouring facets would hold it for ever;
- *   - CML_SHADED_LIMIT events came in a row: light leaves every groove between facets, but between shading
- *     normals it may run into the groove for ever.
- * A packet beside a tip, which rounding has put before a facet from which it leads away, flies on: mirrored,
- * it would run through that facet. */
+ * through. The direction is found again from the facet's own normal, with the same random number, if it
+ * leaves on the wrong side of the facet; if it lies in the facet's plane but for rounding, where neighbouring
+ * facets would hold the packet for ever; and after CML_SHADED_LIMIT events in a row, because shading normals
+ * may trap light in a groove that facets would let out. A packet beside a tip, which rounding has put before
+ * a facet from which it leads away, flies on: mirrored, it would run through that facet. */
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -325,8 +323,7 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET stru
     return transmitted;
 }
 
-/* Returns the direction of light that a backing sends back (P12): by the cosine law, or as from a mirror.
- * against: unit normal against u. */
+/* Returns the direction of light that a backing sends back (P12). against: unit normal against u. */
 CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct cml_vec u,
                                             struct cml_vec against, struct cml_block draw)
 {
@@ -373,10 +370,9 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     cml_keep_in_backing(packet, kept, draw);
 }
 
-/* Sends a packet through the facets of a rough boundary (P20), which has a backing or lies between unequal
- * indices n1 and n2. Returns 1 if the packet goes through. The facet overrules the shading normal, as in
- * cml_reflect_or_refract: if the packet does not come against an interpolated normal, or leaves on the wrong
- * side, the event is done again about the facet's own normal, with the same random numbers. */
+/* Takes a packet over the facets of a rough boundary (P20) with a backing, or between unequal indices n1 and
+ * n2. Returns 1 if it goes through. If an interpolated normal does not face the packet, or sends it to the
+ * wrong side, the event is done again about the facet's own normal, with the same random numbers. */
 CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                              const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -410,7 +406,7 @@ CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cm
     return exit.transmitted;
 }
 
-/* Ends a packet that has left for good, above or below. */
+/* Ends a packet that has left for good. */
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)
 {
     cml_end_packet(packet, (enum cml_fate)cml_fate_outside(packet->entered, packet->medium == 0));
@@ -432,8 +428,8 @@ CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct 
         cml_score_exit(packet);
 }
 
-/* Counts a boundary event, and ends packets that total reflection could hold for ever (P9). A packet outside
- * of the material is never trapped: it is on its way out, however long it was inside. */
+/* Counts a boundary event, and ends a packet that total reflection could hold for ever (P9). A packet outside
+ * is never trapped: it is on its way out, however long it was inside. */
 CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
     packet->bounces++;
@@ -509,10 +505,9 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
                      left);
 }
 
-/* Scores the facets of the planes through which a packet has come before its start (P1). Its specular part
- * has left upwards, the rest has gone on. In a clear first layer light goes to and fro: summed over all ways,
- * the weight `between` comes to boundary 0 from below and turns back there, and as much comes to boundary 1
- * from above, beside the weight that passes both. Its part that leaves upwards is in the specular part. */
+/* Scores the facets of the planes through which a packet has come before its start (P1): the specular part
+ * has left upwards, the rest has gone on. In a clear first layer, the weight `between` turns back at boundary
+ * 0 from below, summed over all ways to and fro, and as much at boundary 1 from above. */
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
                              CML_PACKET const struct cml_packet *packet)
 {
@@ -548,8 +543,7 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
                         from, packet->medium, arriving, packet->w);
 }
 
-/* Ends a packet with no boundary ahead and no interaction (P9). That is right only outside the material, or
- * on a path parallel to all boundaries; else the packet is lost. */
+/* Ends a packet without a boundary or an interaction ahead (P9): it has left, is level, or is lost. */
 CML_FN void cml_leave_scene(const struct cml_world *world, const struct cml_deposits *to,
                             CML_PACKET struct cml_packet *packet)
 {

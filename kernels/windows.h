@@ -26,6 +26,7 @@ CML_FN cml_u64 cml_branch_index(struct cml_stream stream, cml_u64 index, cml_u32
     return (cml_u64)1 << 63 | (drawn & ~batch) | (index & batch);
 }
 
+/* True if the index is that of a branch. */
 CML_FN int cml_is_branch(cml_u64 index)
 {
     return (int)(index >> 63);

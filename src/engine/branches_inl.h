@@ -13,6 +13,7 @@
  * leaves some tens of branches. */
 #define CML_MOST_BRANCHES 16384
 
+/* Frees the stack of one thread. */
 static inline void cml_branches_free(struct cml_branches *branches)
 {
     free(branches->item);

@@ -40,6 +40,7 @@ static inline double cml_trail_path(const struct cml_world *world, const struct 
     return path;
 }
 
+/* Returns the number of media: layers, outer media and bodies. */
 static inline size_t cml_num_media(const struct cml_world *world)
 {
     return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
@@ -132,11 +133,14 @@ struct cml_seeing {
     cml_u64 pixel;  /* pixel of the detector that was found */
 };
 
+/* Begins to go over the detectors that see light along a line. */
 static inline struct cml_seeing cml_seeing_of(const struct cml_world *world, const struct cml_ray_out *ray)
 {
     return (struct cml_seeing){.world = world, .ray = ray};
 }
 
+/* Finds the detectors of a level that may see the light: those of the cell where the light crosses the
+ * level. */
 static inline void cml_see_level(struct cml_seeing *s, const struct cml_detector_level *level)
 {
     const struct cml_detection *detection = &s->world->detection;

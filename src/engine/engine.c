@@ -139,11 +139,12 @@ cml_status cml_engine_given_up(struct cml_error *err)
 /* A range of photons as the work of an engine. */
 struct range_work {
     pthread_mutex_t lock; /* protects all members below */
-    uint64_t begin, end;  /* photons */
+    uint64_t begin, end;  /* first photon, and the one after the last */
     uint64_t turn;        /* next photon to fly */
     struct cml_tally *tally;
 };
 
+/* Takes the next piece of the range, for cml_work.next. */
 static bool next_of_range(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     struct range_work *range = context;
@@ -167,6 +168,7 @@ static void ignore_batch(void *context, int batch, struct cml_tally *tally)
     (void)tally;
 }
 
+/* Adds a thread's tally to the range's, for cml_work.add. */
 static void add_to_range(void *context, struct cml_tally *tally)
 {
     struct range_work *range = context;

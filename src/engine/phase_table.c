@@ -107,6 +107,7 @@ static void add_parts(const struct source *source, int cell, double low, double 
     }
 }
 
+/* Fills the table of one function. */
 static cml_status fill(const char *file, const struct cml_phase *phase, struct cml_phase_tables *tables,
                        size_t *capacity, struct cml_error *err)
 {

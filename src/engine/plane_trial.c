@@ -94,6 +94,7 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
+/* Adds a batch's values, and their differences between both ways. */
 static void add_values(const uint64_t *as_is, const uint64_t *level, size_t count, struct value *value)
 {
     for (size_t i = 0; i < count; i++) {
@@ -196,6 +197,7 @@ static cml_status fly_round(struct trial *trial, uint64_t packets, struct cml_er
     return CML_OK;
 }
 
+/* Flies rounds of packets until the verdict is certain or no steps are left. */
 static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, struct cml_error *err)
 {
     *verdict = (struct verdict){.refused = "too large a grid for trial packets"};
@@ -209,6 +211,7 @@ static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, st
 
 /* ---- one boundary after the other ---- */
 
+/* Makes both ways' engines and tallies for a trial. */
 static cml_status open_trial(const struct cml_scene *scene, const struct cml_engine_options *options,
                              const struct cml_surface_set *ways[2], struct trial *trial,
                              struct cml_error *err)
@@ -260,6 +263,7 @@ static bool has_bodies_beside(const struct cml_scene *scene, int b)
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
 }
 
+/* Compares the scene as it is with the scene that has level rings. */
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
@@ -351,6 +355,7 @@ static void adopt(const struct search *search, int b)
     tell(verdict, search->tolerance, def);
 }
 
+/* Makes the search's set of level surfaces, which begins as a copy of the curved ones. */
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;

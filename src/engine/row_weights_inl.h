@@ -28,7 +28,7 @@ struct cml_row_sums {
     int timed;             /* 1: with A_t */
     int means;             /* 1: with means of detectors */
     struct cml_layout at;  /* layout of a batch, in bins */
-    size_t batch;          /* cells of a batch */
+    size_t batch;          /* number of cells of a batch */
     uint64_t *cells, *ra;  /* sums of the first batch; Rd_ra */
     size_t transmitted_ra; /* distance from Rd_ra to Tt_ra */
     uint64_t *rz;          /* A_rz, if rows have one */
@@ -38,6 +38,7 @@ struct cml_row_sums {
     struct cml_once once;  /* layout of directions, in bins of all rows */
 };
 
+/* Returns the layout of the rows' sums in a tally. */
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
                                                   const struct cml_tally *tally)
 {
@@ -62,6 +63,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     return sums;
 }
 
+/* Returns fmix32 of a word. */
 static inline cml_u32 cml_row_hash(cml_u32 h)
 {
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -82,6 +84,7 @@ struct cml_row_packet {
  * of it, cm (P11). */
 enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
 
+/* Returns the numbers that the factors of a packet take, with the members behind them. */
 static inline size_t cml_row_factors(size_t rows)
 {
     return rows + CML_ROW_MEMORY;
@@ -124,6 +127,7 @@ static inline int cml_row_samples(cml_u32 hash, cml_u32 n)
     return (hash + n) % CML_ROW_SAMPLING == 0;
 }
 
+/* Returns the sums of all rows in a bin. */
 static inline uint64_t *cml_row_bin(const struct cml_row_packet *rows, size_t bin)
 {
     return rows->cells + bin * (size_t)rows->sums->count;
@@ -300,6 +304,7 @@ struct cml_row_place {
     uint64_t *by_z, *by_rz;
 };
 
+/* Returns the bins of an interaction at p in a medium. */
 static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *world,
                                                        const struct cml_row_packet *rows, int medium,
                                                        struct cml_vec p)
@@ -338,6 +343,8 @@ static inline void cml_rows_sample(const struct cml_world *world, const struct c
         cml_rows_sample_as(1, rows, unit, share, at.by_z, at.by_rz);
 }
 
+/* Adds the difference of two weights of the packet, as each row weighs it, to a bin. high, low: cml_row_unit
+ * of both weights. */
 CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet *rows, real high, real low,
                                         uint64_t *restrict to)
 {
@@ -441,6 +448,7 @@ static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
         for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
 }
 
+/* Adds the light, as each row weighs it, to a bin of the packet's batch. */
 static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
 {
     cml_rows_add_to(of, cml_row_bin(of->rows, bin));
@@ -493,6 +501,7 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
+/* Adds the light to all detectors that see it, as each row weighs it. */
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_layout *at = &of->rows->sums->at;

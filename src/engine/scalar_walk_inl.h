@@ -33,6 +33,7 @@ struct row_walk {
     cml_u32 interactions, now;         /* number after the last step; the packet's weight after it */
 };
 
+/* Begins the rows of a packet that has been launched. */
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =

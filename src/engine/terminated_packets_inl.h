@@ -110,6 +110,7 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_set
     return sums;
 }
 
+/* Returns the index of entry i's packet. */
 static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminated, int i)
 {
     return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
@@ -201,6 +202,7 @@ static inline void cml_terminated_flush_times(const struct cml_world *world,
     terminated->count = terminated->branches = 0;
 }
 
+/* Empties the collection into the tally. */
 static inline void cml_terminated_flush(const struct cml_world *world, struct cml_terminated *terminated,
                                         struct cml_tally *tally)
 {

@@ -19,6 +19,7 @@ struct thread {
     const struct cml_thread_task *task;
 };
 
+/* The function of a new thread: runs the task's body. */
 static void *begin(void *thread)
 {
     const struct thread *self = thread;

@@ -34,6 +34,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     *to = (struct cml_owned_world){0}; /* a caller that opened the engine around it may free it again */
 }
 
+/* Allocates the arrays whose sizes are known from the surfaces. */
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
@@ -77,6 +78,7 @@ double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_s
            cml_source_bytes(scene);
 }
 
+/* Fills the media of layers and outside. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {
@@ -117,6 +119,7 @@ static void set_roughness(const struct cml_rough_def *from, struct cml_rough *to
     to->alpha = (real)from->alpha;
 }
 
+/* Copies the roughness of all boundaries and bodies. */
 static void copy_roughness(const struct cml_scene *scene, const struct cml_surface_set *from,
                            struct cml_owned_world *to)
 {
@@ -300,6 +303,7 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
+/* Fills the gates of time. */
 static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
 {
     if (time->gates == 0) return;
@@ -307,6 +311,7 @@ static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
     gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
 }
 
+/* Fills the bins of directions. */
 static void set_directions(const struct cml_directions_def *def, struct cml_direction_bins *bins)
 {
     bins->nt = def->nt;
@@ -377,6 +382,7 @@ static void set_backing(const struct cml_scene *scene, struct cml_backing *backi
     backing->k = (real)(def->k / n);
 }
 
+/* Returns the rule of roulette: the given one, or that of original MCML. */
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
     const struct cml_roulette_rule given = {(cml_u32)(options->below * CML_WEIGHT_ONE),

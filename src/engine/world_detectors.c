@@ -11,6 +11,7 @@
 
 /* ---- one detector ---- */
 
+/* Returns a detector as the walk reads it, counted from the scene's origin. */
 static struct cml_detector detector_of(const struct cml_scene *scene, const double origin[2],
                                        const struct cml_detector_def *def)
 {
@@ -44,6 +45,7 @@ struct rectangle {
     double low[2], high[2];
 };
 
+/* Returns the rectangle around a detector, in coordinates of the scene. */
 static struct rectangle rectangle_around(const struct cml_detector_def *def)
 {
     const bool ring = def->shape == CML_DETECTOR_RING;
@@ -116,6 +118,7 @@ static double fill_cells(const struct level *level, double most, int *next, int 
     return entries;
 }
 
+/* Finds the rectangle around all detectors of a level, enlarged by more than rounding. */
 static void find_rectangle(struct level *level)
 {
     struct rectangle *all = &level->all;
@@ -144,6 +147,7 @@ struct detection {
     int num_starts, num_entries;
 };
 
+/* Enlarges the lists of a detection by `starts` cells and `entries` entries. */
 static cml_status make_room(struct detection *d, int starts, int entries, struct cml_error *err)
 {
     const size_t all_starts = (size_t)d->num_starts + (size_t)starts,
@@ -172,6 +176,7 @@ static cml_status choose_cells(struct level *level, int **count, double *entries
     }
 }
 
+/* Adds the detectors of one level, and the grid over them. */
 static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
                             struct cml_error *err)
 {
@@ -208,6 +213,7 @@ static cml_status add_level(struct detection *d, struct level *level, struct cml
     return status;
 }
 
+/* Orders detectors by side, level and number, for qsort. */
 static int compare_places(const void *a, const void *b)
 {
     const struct place *one = a, *other = b;
@@ -216,6 +222,7 @@ static int compare_places(const void *a, const void *b)
     return (one->number > other->number) - (one->number < other->number);
 }
 
+/* Adds all levels: runs of detectors with the same side and level. */
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
                              struct detection *d, int *num_levels, struct cml_error *err)
 {

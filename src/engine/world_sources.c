@@ -40,6 +40,7 @@ static void sum_parts(const double *part, int count, cml_u32 *words)
     }
 }
 
+/* Returns the number of words that the image of a beam takes; 0 without one. */
 static size_t image_words(const struct cml_beam *beam)
 {
     return beam->shape == CML_BEAM_IMAGE
@@ -47,6 +48,7 @@ static size_t image_words(const struct cml_beam *beam)
                : 0;
 }
 
+/* Fills the words of an image: its rows, then the columns of every row. */
 static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
 {
     const size_t columns = (size_t)beam->columns;
@@ -64,11 +66,13 @@ static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct 
 
 /* ---- tables ---- */
 
+/* Returns the number of parts between rows i and i + 1 of a table. */
 static int cells_of_row(const struct cml_light *light, int i)
 {
     return (int)ceil((light->t[i + 1] - light->t[i]) / FINEST_CELL);
 }
 
+/* Returns the most cells that the table of a light takes; 0 without one. */
 static size_t light_cells(const struct cml_light *light)
 {
     size_t count = 0;
@@ -137,6 +141,7 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
+/* Fills the shape of a source (struct cml_source). */
 static void set_shape(const struct cml_beam *beam, struct cml_source *source)
 {
     const double a = beam->size[0], b = beam->size[1];
@@ -156,6 +161,7 @@ static void set_shape(const struct cml_beam *beam, struct cml_source *source)
     }
 }
 
+/* Fills the kind and width of a source's light. */
 static void set_light(const struct cml_light *light, struct cml_source *source)
 {
     static const int lights[] = {CML_LIGHT_PARALLEL, CML_LIGHT_EVEN, CML_LIGHT_COSINE, CML_LIGHT_EVEN,
@@ -165,6 +171,7 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
     source->spread = (real)(light->kind == CML_LIGHT_OF_ISOTROPIC ? 2 : 0);
 }
 
+/* Fills the axis of a source, and two unit vectors across it. */
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
     const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),
@@ -188,6 +195,7 @@ static int layer_at(const struct cml_world *world, const struct cml_beam *beam, 
     return medium;
 }
 
+/* Returns the medium at a place near a beam's middle. off: difference from the middle, cm. */
 static int medium_beside(const struct cml_world *world, const struct cml_beam *beam, const double off[3])
 {
     struct cml_vec at;
@@ -243,6 +251,7 @@ static cml_status check_backing(const struct cml_scene *scene, const struct cml_
                           "a source that lies above the backing with all its points");
 }
 
+/* Refuses a numerical aperture above the index of the medium at the start. */
 static cml_status check_aperture(const struct cml_scene *scene, const struct cml_beam *beam, int medium,
                                  struct cml_error *err)
 {
@@ -323,6 +332,7 @@ static cml_status check_flight(const struct cml_scene *scene, const struct cml_b
 
 /* ---- near ---- */
 
+/* Places a beam that starts at a depth of its own, near or far from the scene. */
 static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_surface_set *surfaces, const struct cml_world *world,
                                struct cml_source *source, struct cml_error *err)

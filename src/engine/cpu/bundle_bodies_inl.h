@@ -12,7 +12,7 @@
  * body. medium: the medium in whose frame the region is; -1: no region, so that no lane is in it. A region
  * stays valid whatever happens to the packet. */
 struct cml_regions {
-    cml_u32 media; /* cml_media_with_bodies */
+    cml_u32 media; /* mask of media with bodies (cml_media_with_bodies) */
     _Alignas(64) int medium[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], square[CML_LANES];
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES], least[CML_LANES];
@@ -28,6 +28,7 @@ static cml_u32 cml_media_with_bodies(const struct cml_world *world)
     return mask;
 }
 
+/* Begins without any region. */
 static void cml_regions_begin(const struct cml_world *world, struct cml_regions *regions)
 {
     regions->media = cml_media_with_bodies(world);

@@ -25,7 +25,7 @@ struct cml_ballistic {
     int possible;      /* 1: there can be such packets */
     real path, mfp;    /* path through that medium, and mean free path in it, cm */
     cml_u32 crossings; /* boundary events with unequal indices before the last: the number of its draw */
-    real reflectance;  /* of the boundary behind that medium */
+    real reflectance;  /* reflectance of the boundary behind that medium */
     struct cml_termination end; /* the end of each of them */
     uint64_t count;             /* number of them so far */
 };
@@ -47,7 +47,7 @@ struct cml_flight {
     int elsewhere;            /* 1: packets may start with another weight or in another medium */
     int queue_places;         /* 1: packets differ in place and direction only, and the queue places them */
     int first_hit_known;      /* 1: all packets hit first_hit, above the material */
-    struct cml_hit first_hit; /* in the frame of boundary 0 */
+    struct cml_hit first_hit; /* the hit of all packets, in the frame of boundary 0 */
     /* 1: packets that are transmitted at the first boundary all start like `inside`, except for their indices
      * and draws, and for the members that the queue holds. */
     int enters;
@@ -55,7 +55,7 @@ struct cml_flight {
     /* Known path of packets that start inside; `aware` is the world that has it. */
     struct cml_known_path known;
     struct cml_world aware;
-    real reflectance; /* of the first boundary */
+    real reflectance; /* reflectance of the first boundary */
     struct cml_ballistic ballistic;
     int curves;                   /* 1: some boundaries are no planes */
     real steepest;                /* greatest slope of these boundaries */

@@ -119,6 +119,7 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
     }
 }
 
+/* Scatters lanes by cells of phase tables, with the loop for only_tables and trails. */
 CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
                                         int only_tables)
 {

@@ -61,6 +61,7 @@ static real *cml_lane_factors(const struct cml_flight *f, int i)
     return f->factors + (size_t)i * cml_row_factors((size_t)f->rows.count);
 }
 
+/* Returns the rows of the lane's packet for a booking (P16). */
 static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
 {
     return cml_row_packet_of(&f->world->setup, &f->rows, cml_lane_index(f->b, i), cml_lane_factors(f, i));

@@ -47,9 +47,10 @@ static inline cml_u32 cml_even_or_random(int even, cml_u32 lattice, cml_u32 rand
 struct cml_queue_crossing {
     cml_u32 crossing;         /* number of the boundary event, as in cml_draw_reflection */
     int even;                 /* 1: draws from the lattice */
-    cml_u32 generator, shift; /* of the lattice's dimension */
+    cml_u32 generator, shift; /* generator and shift of the lattice's dimension */
 };
 
+/* Returns the numbers that the photons of the queue share at boundary event `crossing`. */
 static inline struct cml_queue_crossing
 cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_queue *queue, cml_u32 crossing)
 {
@@ -201,6 +202,7 @@ struct cml_lane_candidates {
     int ends_above, ends_below, starts_above, starts_below;
 };
 
+/* Finds the boundaries that lane i may meet on a path of length s (cm). */
 static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
     const real z = b->z[i], step = s * b->uz[i], end = z + step, err_depth = cml_err_depth(z, step);
@@ -364,6 +366,7 @@ CML_LOOP void cml_bundle_count_reflected_depths(struct cml_bundle *b)
     }
 }
 
+/* Runs cml_bundle_move_to_planes. measured: 1 if paths are counted. */
 CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b, int measured)
 {
     return measured ? cml_bundle_move_to_planes(b, 1) : cml_bundle_move_to_planes(b, 0);

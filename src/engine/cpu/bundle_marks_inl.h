@@ -33,6 +33,7 @@ static void cml_mark_lane(struct cml_flight *f, int i, const struct cml_stretch 
     f->b->mark[i] = cml_mark_stretch(f->world, &f->to, stretch, f->b->mark[i], t);
 }
 
+/* Scores the marks of a lane's flight to its interaction. */
 static void cml_mark_lane_flight(struct cml_flight *f, int i)
 {
     const struct cml_stretch stretch = cml_lane_stretch(f->b, i);

@@ -37,6 +37,7 @@ CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_
     }
 }
 
+/* Returns the random words of the launch of photon i of the queue. */
 static inline struct cml_block cml_queue_launch(const struct cml_launch_queue *queue, int i)
 {
     const struct cml_block draw = {
@@ -60,6 +61,7 @@ static inline void cml_queue_offsets(const struct cml_world *world, struct cml_l
     }
 }
 
+/* Runs cml_queue_offsets with the loop for the beam's shape. */
 CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].shape) {
@@ -104,6 +106,7 @@ static inline void cml_queue_aim(const struct cml_world *world, struct cml_launc
     }
 }
 
+/* Runs cml_queue_aim with the loop for the beam's light. */
 CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].light) {

@@ -18,8 +18,9 @@ struct cml_rough_lanes {
     int even[CML_LANES];           /* 1: the first facet uses this word */
     /* From here on the columns that close up: */
     int lane[CML_LANES];
-    real side[CML_LANES];                                           /* +1: the packet comes from below */
-    real vx[CML_LANES], vy[CML_LANES], vz[CML_LANES], e[CML_LANES]; /* as in struct cml_rough_walk */
+    real side[CML_LANES]; /* +1: the packet comes from below */
+    /* Direction and depth, as in struct cml_rough_walk. */
+    real vx[CML_LANES], vy[CML_LANES], vz[CML_LANES], e[CML_LANES];
     int beyond[CML_LANES];
     /* Words for the facet that the walk is at. */
     cml_u32 word1[CML_LANES], word2[CML_LANES], word3[CML_LANES];

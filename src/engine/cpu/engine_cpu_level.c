@@ -87,6 +87,7 @@ static size_t num_factors(const struct cpu_engine *cpu)
     return rows ? (size_t)CML_LANES * cml_row_factors(rows) : 0;
 }
 
+/* Makes the factors of rows for all threads. */
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
 {
     const size_t count = (size_t)cpu->threads * num_factors(cpu);
@@ -95,6 +96,7 @@ static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
     return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
 }
 
+/* Makes a stack of branches for each thread. */
 static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
 {
     cpu->branches = calloc((size_t)cpu->threads, sizeof *cpu->branches);
@@ -188,6 +190,7 @@ struct cpu_flight {
     atomic_bool given_up;
 };
 
+/* Flies the packets of one thread, and hands in its tally unless all threads share it. */
 static void fly_and_add(void *context, int number)
 {
     struct cpu_flight *flight = context;
@@ -245,6 +248,7 @@ static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
     return true;
 }
 
+/* Finds the ends of packets, part after part, in one thread. */
 static void trace_parts(void *context, int number)
 {
     (void)number;
@@ -277,6 +281,7 @@ static int cpu_threads(const void *self)
     return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);
 }
 
+/* Returns the bytes that the engine takes without tallies. */
 static double cpu_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const double media = (double)surfaces->count + 1 + surfaces->bodies.count;

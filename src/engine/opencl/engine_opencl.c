@@ -128,6 +128,7 @@ static cml_status open_flights(const struct cml_opencl_device *devices, int coun
     return CML_OK;
 }
 
+/* Refuses scenes that devices cannot fly, and opens all devices. */
 static cml_status open_engine(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, struct opencl_engine *engine,
                               struct cml_error *err)

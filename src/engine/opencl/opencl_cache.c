@@ -46,6 +46,7 @@ static bool find_folder(char folder[960])
     return ensure_directory(folder);
 }
 
+/* Names the file of a key by the key's hash. */
 static void name_file(const char *key, char name[32])
 {
     snprintf(name, 32, "%016llx.bin", (unsigned long long)hash(key, strlen(key)));

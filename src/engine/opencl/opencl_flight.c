@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define CALL_SECONDS 0.05        /* watchdogs of displays wait seconds; the host looks in between */
-#define GPU_GROUP 128            /* work-items */
+#define GPU_GROUP 128            /* work-items of a group */
 #define GPU_ITEMS_PER_UNIT 2048  /* most work-items that a compute unit can keep in flight */
 #define CPU_ITEMS_PER_UNIT 32    /* PoCL hands groups to its threads by 32 */
 #define LANES_ALONE 16           /* packets of a single work-item: as many as a vector has floats */

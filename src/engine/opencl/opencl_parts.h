@@ -14,7 +14,7 @@
 
 /* A device with its handle and its description. */
 struct cml_opencl_device {
-    int number; /* as `devices` counts */
+    int number; /* number of the device, as `devices` counts */
     cl_device_id id;
     struct cml_opencl_info info;
 };
@@ -61,7 +61,7 @@ void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t
 struct cml_opencl_scene {
     const struct cml_owned_world *world;
     bool rough;       /* some boundary or body is rough */
-    bool only_planes; /* no curved boundaries and no bodies */
+    bool only_planes; /* the scene has no curved boundaries and no bodies */
     /* Cells of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other. */
     uint64_t cells;
     const char *build_options; /* NULL: none */
@@ -75,9 +75,9 @@ struct cml_opencl_scene {
 enum {
     CML_BUFFER_MEDIA,
     CML_BUFFER_SURFACES,
-    CML_BUFFER_RINGS, /* the first of CML_RING_ROWS */
+    CML_BUFFER_RINGS, /* the first of CML_RING_ROWS arrays of rings */
     CML_BUFFER_RING_STARTS = CML_BUFFER_RINGS + CML_RING_ROWS,
-    CML_BUFFER_DEPTHS, /* the first of two */
+    CML_BUFFER_DEPTHS, /* the first of two: deepest and highest */
     CML_BUFFER_BODIES = CML_BUFFER_DEPTHS + 2,
     CML_BUFFER_BODY_NODES,
     CML_BUFFER_BODY_GRIDS,

@@ -90,7 +90,7 @@ CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int sta
  * from there would have the rounding of that distance. For such a line the middle is half-way between the
  * ends. */
 struct cml_cylinder_line {
-    struct cml_vec across, v; /* place and direction across the axis */
+    struct cml_vec across, v; /* place and direction of the packet across the axis */
     real rise;                /* component of the direction along the axis */
     real middle;              /* distance from the packet to the middle, cm */
     real along;               /* place of the middle along the axis */

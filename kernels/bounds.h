@@ -237,7 +237,7 @@ struct cml_body_view {
     real gap, distance, square; /* squares of the lengths of `beyond` and `off`, and of the ball's radius */
     /* Height of the place above the cell's middle along the planes' normal, and its rate along u. */
     real height, rate;
-    int in_ball, above, below; /* 1: inside the ball; above both planes; below both planes */
+    int in_ball, above, below; /* flags: the place is inside the ball; above both planes; below both planes */
 };
 
 /* Returns the view from the place q on a path along u: the closest cell of the grid, and distances to its

@@ -34,7 +34,7 @@
 struct cml_rings {
     CML_GLOBAL const real *r, *z, *slope; /* [n], see struct cml_world */
     CML_GLOBAL const int *start;          /* [n] first rings of the parts that cml_ring_part numbers */
-    real per_part;                        /* parts per cm */
+    real per_part;                        /* parts of the search table per cm */
     int n;
 };
 
@@ -161,7 +161,7 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
 
 /* The quadratic of a ring's cone. C is left to the caller that needs it. */
 struct cml_cone_quadratic {
-    real w, A, B, D; /* D = B^2 - A C */
+    real w, A, B, D; /* A, B and discriminant D = B^2 - A C of the quadratic */
 };
 
 /* Returns the quadratic that a ray and the cone of a ring make. */
@@ -421,7 +421,8 @@ __attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rin
 }
 #else
 #define CML_CONE_ALONE 1
-#define cml_cone_skip(rings, march, t_max) ((void)0) /* others of a work-group would wait */
+/* On a device the other items of a work-group would wait. */
+#define cml_cone_skip(rings, march, t_max) ((void)0)
 #endif
 
 /* Moves a march to the first crossing before t_max: *t, on march->ring. leave_roots: 1 leaves most roots to

@@ -9,8 +9,8 @@
  * frame of the outer medium. */
 struct cml_ray_out {
     struct cml_vec p, u;
-    int below; /* 1: on the bottom side */
-    int fresh; /* 1: has never been in the material */
+    int below; /* 1: the light leaves on the bottom side */
+    int fresh; /* 1: the light has never been in the material */
 };
 
 /* Finds *x, *y where the whole line crosses the level z. Returns 0 if the line is level. */

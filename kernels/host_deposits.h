@@ -28,7 +28,7 @@ struct cml_deposits {
     cml_u64 voxel_step, facet_step; /* cells from one group to the next in A_xyz and facets */
     cml_u64 *A_rz, *A_l, *A_t, *A_lt, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;      /* [64][nr + 1][nz + 2] fluence by batch (P14), or NULL */
-    int phi_is_shared; /* 1: all threads add to phi */
+    int phi_is_shared; /* 1: all threads add to one phi */
     cml_u64 *phi_xyz;  /* [nz ny nx][CML_NUM_GROUPS] or NULL; shared by all threads */
     cml_u64 *phi_rzt;  /* [CML_NUM_GROUPS][nr][nz][gates + 1] or NULL; shared by all threads */
     cml_u64 *specular; /* this thread's sum of the light that is split off at launches */

@@ -23,7 +23,7 @@
 
 /* Dimensions of the lattice. Dimension 4 e + k is word k of interaction e, for k < 3. The dimensions with k =
  * 3, and those from 12 on, serve other draws: */
-#define CML_LATTICE_REFLECTION 3u     /* reflection at the first boundary event */
+#define CML_LATTICE_REFLECTION 3u     /* reflection at a packet's first boundary event */
 #define CML_LATTICE_SPARE 7u          /* not in use: it lies badly with dimension 0 if points are few */
 #define CML_LATTICE_LAUNCH_RADIUS 11u /* word 0 of the launch */
 #define CML_LATTICE_SECOND_REFLECTION 12u

@@ -27,7 +27,7 @@ struct cml_mesh_crossing {
     double point[3];  /* in the boundary's frame, x and y from the scene's origin, cm */
     double normal[3]; /* unit, up: the normal for Fresnel's and Snell's laws; in a groove the facet's */
     double facet[3];  /* unit, up: the facet's own normal */
-    int primitive;    /* triangle, or CML_OUTER_PLANE */
+    int primitive;    /* number of the triangle, or CML_OUTER_PLANE */
     /* Filled without a crossing too: 1 if the path was searched as a whole line and ends within rounding of a
      * facet; CML_PATH_TOO_LONG if it was not followed to its end. */
     int ends_near_facet;

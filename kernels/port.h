@@ -17,7 +17,8 @@ typedef ulong cml_u64;
 #else
 #define CML_PACKET __global
 #endif
-#define CML_FN static inline __attribute__((always_inline)) /* lanes must live in registers */
+/* Inlined, because lanes must live in registers. */
+#define CML_FN static inline __attribute__((always_inline))
 #define CML_RARE CML_FN
 #define CML_SQRT sqrt
 #define CML_FMA fma
@@ -25,7 +26,7 @@ typedef ulong cml_u64;
 #define CML_FLOOR floor
 #define CML_COPYSIGN copysign
 #define CML_CLZ(n) clz((uint)(n))
-#define CML_MAY_HAVE_MESHES 0 /* devices refuse meshes */
+#define CML_MAY_HAVE_MESHES 0 /* the host refuses meshes for devices */
 #else
 #include <math.h>
 #include <stdint.h>
@@ -80,7 +81,7 @@ typedef float real;
 #else
 #define CML_MAY_HAVE_BODIES 1
 #endif
-#ifdef CML_WITHOUT_PHASES /* no medium has a phase table */
+#ifdef CML_WITHOUT_PHASES /* the scene has no phase table */
 #define CML_MAY_HAVE_PHASES 0
 #else
 #define CML_MAY_HAVE_PHASES 1

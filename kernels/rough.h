@@ -289,7 +289,7 @@ struct cml_rough_walk {
     struct cml_vec v; /* direction, unit */
     real e;           /* depth -ln u, where u is the share of the surface that lies lower */
     int beyond;       /* 1: on the other side of the boundary than at first */
-    int steps;        /* number of facets met */
+    int steps;        /* number of facets that the packet has met */
 };
 
 /* Step 1: flies in direction v. Returns 1 if the packet leaves; else it is at the next facet, whose depth is
@@ -348,7 +348,7 @@ CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon,
 struct cml_rough_exit {
     struct cml_vec u; /* direction of the packet, unit */
     int transmitted;
-    int steps;  /* facets met; CML_ROUGH_LIMIT: the packet is lost */
+    int steps;  /* number of facets met; CML_ROUGH_LIMIT: the packet is lost */
     real stays; /* backing: share of the weight that comes back, the product over all facets */
 };
 

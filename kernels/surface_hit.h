@@ -196,7 +196,7 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     }
 #endif
     (void)afar;
-    if (side < 0 && on_primitive >= 0) return 0; /* convex: never met again */
+    if (side < 0 && on_primitive >= 0) return 0; /* a convex body is never met again from outside */
     const struct cml_vec d = cml_from_body(world, packet, body);
     if (kind == CML_SURFACE_SPHERE) {
         if (side > 0)
@@ -296,7 +296,7 @@ CML_FN int cml_is_in_layer(const struct cml_world *world, int medium, struct cml
 {
     const real span = world->media[medium].span, err = cml_err_depth(p.z, step) + cml_err_depth(span, span);
     struct cml_vec below = p;
-    if (medium > world->setup.num_layers + 1) return 1; /* cml_leaked has checked bodies */
+    if (medium > world->setup.num_layers + 1) return 1; /* bodies: cml_leaked has checked them */
     below.z -= span;
     return medium > 0 && medium <= world->setup.num_layers && cml_is_on_side(world, medium - 1, p, 1, err) &&
            cml_is_on_side(world, medium, below, -1, err);

@@ -109,7 +109,7 @@ struct cml_device_flight {
 #if CML_DEVICE_LANES > 1
     struct cml_packet packets[CML_DEVICE_LANES];
 #else
-    __global struct cml_packet *packets; /* [1] */
+    __global struct cml_packet *packets; /* [1] in global memory */
 #endif
     cml_u32 alive; /* number of packets alive */
 };
@@ -284,7 +284,7 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
     } else if (cml_device_nearest_hit(world, packet, t, &hit)) {
         cml_device_flush_deposits(to, f, i);
         cml_score_boundary_event(world, to, packet, &hit);
-        f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* a backing keeps a part of the weight */
+        f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* a backing may have kept a part of the weight */
     } else if (!(t < CML_INFINITY)) {
         cml_leave_scene(world, to, packet);
     } else if (cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z)) {
@@ -455,7 +455,7 @@ __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_tr
     __local struct cml_shared shared;
     const struct cml_deposits to = {&shared.parts, local_cells, cells, counters};
     const size_t item = get_global_id(0);
-#if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
+#if CML_GROUP_SIZE == 1 /* in a larger group the other items may need the local memory */
     if (!cml_device_has_work(counters, packets + item * CML_DEVICE_LANES)) return;
 #endif
     if (get_local_id(0) == 0) {

@@ -29,9 +29,9 @@ struct cml_roulette_options {
 struct cml_engine_rows {
     int count;
     const double *more; /* [media][count] absorption above that of the scene, 1/cm; borrowed */
-    bool depths;        /* 1: with A(z) and A(r,z), if cml_engine_rows_blind_in returns -1 */
-    bool times;         /* 1: with A(t), if there are gates */
-    bool means;         /* 1: with means of detectors */
+    bool depths;        /* 1: the rows have A(z) and A(r,z), if cml_engine_rows_blind_in returns -1 */
+    bool times;         /* 1: the rows have A(t), if there are gates */
+    bool means;         /* 1: the rows have means of detectors */
 };
 
 /* Returns the worth of a sampled interaction (row_cells.h) in A(z) of a row whose medium absorbs `more`
@@ -104,7 +104,7 @@ struct cml_trace_event {
     int medium;         /* 0..L+1: outer media and layers; L+2 and up: bodies */
     double position[3]; /* coordinates of the scene, cm */
     double direction[3];
-    double weight; /* share of a packet */
+    double weight; /* weight as a share of a packet */
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 
@@ -145,7 +145,7 @@ CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
     const char *name;
-    bool reweights; /* true: flies rows (struct cml_engine_rows) and scores */
+    bool reweights; /* true: the engine flies rows (struct cml_engine_rows) and scores */
     /* Opens a scene. The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);

@@ -12,7 +12,7 @@ struct reference_engine {
     struct cml_owned_world owned;
     real *factor; /* [cml_row_factors] of the packet under way (P16) */
     struct cml_branches branches;
-    struct cml_tally tally; /* zero between calls of run */
+    struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
 static void reference_close(void *self)

@@ -55,7 +55,7 @@ struct trial {
 
 struct verdict {
     const char *refused;    /* reason to refuse the trial without a packet; NULL: it was tried */
-    bool harmless, harmful; /* both 0: more packets are needed */
+    bool harmless, harmful; /* the verdict; if both are false, more packets are needed */
     double most;            /* largest possible difference */
     const char *what;       /* the total or profile that has this difference */
 };
@@ -241,7 +241,7 @@ static void close_trial(struct trial *trial)
 
 /* The search over all boundaries of a scene. */
 struct search {
-    const struct cml_scene *scene; /* without maps, which are not compared */
+    const struct cml_scene *scene; /* the scene without maps, which are not compared */
     const struct cml_engine *engine;
     struct cml_engine_options options;
     double tolerance, most_steps; /* most steps for one boundary */
@@ -359,7 +359,7 @@ static void adopt(const struct search *search, int b)
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;
-    search->level = *search->curved; /* with its bodies */
+    search->level = *search->curved; /* level surfaces begin as the curved ones, with their bodies */
     search->level.item = malloc(count * sizeof *search->level.item);
     search->verdict = calloc(count, sizeof *search->verdict);
     if (!search->level.item || !search->verdict)

@@ -25,16 +25,16 @@
 struct cml_row_sums {
     int count;             /* number of rows; 0: there are none */
     int scores;            /* 1: the rows are scores */
-    int timed;             /* 1: with A_t */
-    int means;             /* 1: with means of detectors */
+    int timed;             /* 1: the rows have A_t */
+    int means;             /* 1: the rows have means of detectors */
     struct cml_layout at;  /* layout of a batch, in bins */
     size_t batch;          /* number of cells of a batch */
     uint64_t *cells, *ra;  /* sums of the first batch; Rd_ra */
     size_t transmitted_ra; /* distance from Rd_ra to Tt_ra */
     uint64_t *rz;          /* A_rz, if rows have one */
-    uint64_t *radii;       /* Rd_rt; NULL: there is none */
+    uint64_t *radii;       /* Rd_rt of the rows; NULL: they have none */
     size_t transmitted_rt; /* distance from Rd_rt to Tt_rt */
-    uint64_t *dir;         /* Rd_dir, then Tt_dir; NULL: there are none */
+    uint64_t *dir;         /* Rd_dir of the rows, then Tt_dir; NULL: they have none */
     struct cml_once once;  /* layout of directions, in bins of all rows */
 };
 
@@ -322,7 +322,7 @@ static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *w
 /* Fetches bins into the cache that will be needed soon: grids of all rows are larger than caches. */
 static inline void cml_rows_expect(const struct cml_row_packet *rows, struct cml_row_place at)
 {
-    for (int i = 0; i < rows->sums->count; i += 8) { /* a cache line of 64 bytes */
+    for (int i = 0; i < rows->sums->count; i += 8) { /* one step for each cache line of 64 bytes */
         __builtin_prefetch(at.by_z + i, 1);
         __builtin_prefetch(at.by_rz + i, 1);
     }
@@ -432,7 +432,7 @@ static inline void cml_rows_leave(const struct cml_setup *setup, const struct cm
 struct cml_row_light {
     const struct cml_row_packet *rows;
     const struct cml_light_out *light;
-    int fresh; /* 1: weighs as much in all rows, and has no score */
+    int fresh; /* 1: the light weighs as much in all rows, and has no score */
 };
 
 /* Adds the light, as each row weighs it, to the rows' bins. to: the bin of the first row. */

@@ -30,7 +30,7 @@ struct row_walk {
     int medium;                        /* medium of the last booking, or of a move inside since then */
     cml_u32 w;                         /* the packet's weight at the last booking */
     cml_u64 gained, roulette, backing; /* the packet's terms of the balance at the last booking */
-    cml_u32 interactions, now;         /* number after the last step; the packet's weight after it */
+    cml_u32 interactions, now;         /* the packet's interactions and weight after the last step */
 };
 
 /* Begins the rows of a packet that has been launched. */
@@ -185,7 +185,7 @@ struct tracing {
     const struct cml_world *world;
     cml_trace_function *on_event;
     void *context;
-    cml_u32 rough_draws; /* of the packet at its last event */
+    cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
 /* Hands an event of kernels/walk.h to the listener, in the coordinates of the scene. */
@@ -202,7 +202,7 @@ static void forward_event(void *context, const char *what, const struct cml_pack
         .weight = packet->w * CML_WEIGHT_UNIT,
     };
     const cml_u32 draws =
-        packet->rough_draws - tracing->rough_draws; /* one for each facet, and one to leave */
+        packet->rough_draws - tracing->rough_draws; /* one draw for each facet, and one to leave */
     const struct cml_trace_event rough = {.what = "rough", .steps = (int)draws - 1};
     if (draws > 0) tracing->on_event(tracing->context, &rough);
     tracing->rough_draws = packet->rough_draws;
@@ -263,7 +263,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
     struct tracing tracing = {world, on_event, context, 0};
     struct cml_world traced = *world;
     traced.setup.tally_absorption = 0;
-    traced.windows.cells = 0; /* one packet, whole */
+    traced.windows.cells = 0; /* a traced packet is never split */
     traced.on_event = on_event ? forward_event : NULL;
     traced.on_event_context = &tracing;
     const struct cml_deposits to = cml_deposits_of(&tally, NULL);

@@ -32,11 +32,11 @@ struct cml_terminated {
     /* Weight absorbed as well, in the layer that the packet left, and not booked there yet. */
     cml_u32 deposit[CML_TERMINATED];
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
-    /* P7, P13: if directions or detectors are wanted. */
+    /* Direction of the exit, if directions (P7) or detectors (P13) are wanted. */
     real ux[CML_TERMINATED], uy[CML_TERMINATED];
-    real path[CML_TERMINATED];   /* P11: if time is wanted */
-    real exit_z[CML_TERMINATED]; /* P13, P18: if trails are wanted */
-    /* Halves of the packet's index; high under the same condition. */
+    real path[CML_TERMINATED];   /* optical path (P11), if time is wanted */
+    real exit_z[CML_TERMINATED]; /* used for detectors and saved packets (P13, P18), if trails are wanted */
+    /* Halves of the packet's index. The high half is filled only if trails are wanted. */
     cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED];
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
@@ -222,9 +222,11 @@ struct cml_termination {
     uint64_t index, absorbed;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y, exit_z, ux, uy, uz, path; /* exit_z: in the frame of the medium */
-    int primitive;                                 /* primitive touched last; 0 on planes */
-    struct cml_trail trail;                        /* P13, P18: if trails are wanted */
+    /* Place (exit_z in the frame of the medium), direction and optical path at the end. */
+    real exit_x, exit_y, exit_z, ux, uy, uz, path;
+    int primitive; /* primitive touched last; 0 on planes */
+    /* Used for detectors and saved packets (P13, P18), if trails are wanted. */
+    struct cml_trail trail;
 };
 
 /* Adds entry i, which has been reflected or transmitted, to its pixel of the map. */

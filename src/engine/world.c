@@ -99,7 +99,7 @@ static real copy_rings(const struct cml_surface_def *from, size_t first, struct 
 {
     const int n = from->num_rings;
     const size_t total = to->num_rings;
-    int *start = to->ring_starts + first; /* scratch for the horizons, before it is filled */
+    int *start = to->ring_starts + first; /* serves as scratch for the horizons before it is filled */
     real *r = to->rings + first, *z = r + total, *slope = z + total, *above = slope + total,
          *below = above + total;
     for (int i = 0; i < n; i++) {

@@ -45,14 +45,14 @@ struct cml_owned_world {
     struct cml_detector *detectors; /* [num_detectors] */
     struct cml_detector_level *detector_levels;
     int *detector_start, *detector_list;
-    real *row_more, *row_hits, *row_part, *row_most; /* as in struct cml_rows */
+    real *row_more, *row_hits, *row_part, *row_most; /* arrays of struct cml_rows */
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
     struct cml_tail_interval *tail_intervals;
     cml_u32 *lowest;                    /* lower ends of the weight windows */
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
-    size_t num_rings, depth_cells, horizon_cells; /* of all boundaries together */
+    size_t num_rings, depth_cells, horizon_cells; /* numbers for all boundaries together */
 };
 
 /* Makes *to, which the caller frees. Scene and surfaces must outlive it. Fails if memory runs out; then there

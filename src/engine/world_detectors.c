@@ -63,7 +63,7 @@ struct place {
 struct level {
     const struct cml_scene *scene;
     const struct place *place;
-    const double *origin; /* position in the scene, cm */
+    const double *origin; /* the scene's origin, cm */
     int count, n;
     struct rectangle all;
 };

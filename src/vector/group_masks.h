@@ -16,7 +16,7 @@
 #include <immintrin.h>
 #endif
 
-#define CML_GROUP 16 /* a vector of AVX-512 */
+#define CML_GROUP 16 /* numbers in a vector of AVX-512 */
 #define CML_GROUP_MASK 0xffffu
 
 /* Returns the mask of the entries that have this value. */

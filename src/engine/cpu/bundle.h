@@ -65,8 +65,8 @@ enum { CML_SAFE_BELOW = 1, CML_SAFE_ABOVE = 2 };
 /* The properties of a medium that lanes need, mostly as in struct cml_medium. Every member is 4 bytes wide.
  * Depths are in the frame of the medium, cm (cml_find_lane_candidates). */
 struct cml_lane_medium {
-    real mut;                    /* 1/cm */
-    real mfp;                    /* cm */
+    real mut;                    /* mua + mus, 1/cm */
+    real mfp;                    /* mean free path, cm */
     real absorb, g, bins;        /* mua / mut; anisotropy; depth of the frame in bins of dz */
     real n, n_above, n_below;    /* indices: of the medium, and of the media beyond its boundaries */
     real stop_above, stop_below; /* depths between which there is no boundary of any kind */
@@ -93,12 +93,14 @@ struct cml_bundle {
     /* Optical depth left to the next interaction. Infinite: it lies in the tail (P2), and is drawn later. */
     real tau[CML_LANES];
     real s[CML_LANES];    /* distance to the next interaction, cm, if no boundary comes first */
-    real path[CML_LANES]; /* as in cml_packet; loops count it only if time is wanted */
-    real mark[CML_LANES]; /* as in cml_packet, if fluence is wanted */
-    real here[CML_LANES], low[CML_LANES], deepest[CML_LANES],
-        momentum[CML_LANES];             /* as in cml_packet, if there are detectors (P13) */
-    cml_u32 before[CML_LANES];           /* as in cml_packet, if there are detectors (P13) */
-    cml_u32 spent[CML_LANES];            /* as in cml_packet, if there are windows (P19) */
+    real path[CML_LANES]; /* optical path, as in cml_packet; loops count it only if time is wanted */
+    real mark[CML_LANES]; /* distance to the next mark, as in cml_packet; used if fluence is wanted */
+    /* Part of the packet's trail, as in cml_packet; used if there are detectors (P13) */
+    real here[CML_LANES], low[CML_LANES], deepest[CML_LANES], momentum[CML_LANES];
+    /* Part of the packet's trail, as in cml_packet; used if there are detectors (P13) */
+    cml_u32 before[CML_LANES];
+    /* Spent branches, as in cml_packet; used if there are windows (P19) */
+    cml_u32 spent[CML_LANES];
     int gate[CML_LANES];                 /* gate of A_t of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight, and deposit of this pass, in units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */
@@ -109,18 +111,20 @@ struct cml_bundle {
     cml_u32 second0[CML_LANES], second1[CML_LANES], second2[CML_LANES];
     cml_u32 third0[CML_LANES], third1[CML_LANES], third2[CML_LANES];
     cml_u32 reflection[CML_LANES], second_reflection[CML_LANES];
-    cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES]; /* as in cml_packet */
+    /* Numbers of events so far, as in cml_packet. */
+    cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES];
     cml_u32 rough_draws[CML_LANES];
     /* Number of interactions before the last boundary event. While it equals `interactions`, bounces and
      * on_boundary are valid. Otherwise the packet has interacted since, stands on nothing and has not
      * bounced. So no loop needs to reset them at every interaction. */
     cml_u32 interactions_at_hit[CML_LANES], bounces[CML_LANES];
     int on_boundary[CML_LANES], on_primitive[CML_LANES], undeflected[CML_LANES];
-    int cell[CML_LANES]; /* cell of A_rz for dw */
+    int cell[CML_LANES]; /* cell of A_rz to which dw is added */
     int task[CML_LANES]; /* enum cml_lane_task */
     int medium[CML_LANES], entered[CML_LANES];
     int safe[CML_LANES]; /* boundaries for which the lane's path is safe: CML_SAFE_BELOW, CML_SAFE_ABOVE */
-    real off_x[CML_LANES], off_y[CML_LANES], off_z[CML_LANES]; /* as in cml_packet; no loop reads them */
+    /* Place on a sphere or cylinder, as in cml_packet; no loop reads it. */
+    real off_x[CML_LANES], off_y[CML_LANES], off_z[CML_LANES];
     /* Columns of struct cml_lane_medium, for the lane's medium. */
     real of_medium[CML_LANE_MEDIUM_MEMBERS][CML_LANES];
 };
@@ -131,7 +135,8 @@ struct cml_bundle {
  * - 1, in order. A group may be read from any entry on. */
 struct cml_launch_queue {
     int first, end;
-    struct cml_block shifts[CML_LATTICE_BLOCKS]; /* shifts of the lattice for the photons in hand */
+    /* The lattice's shifts for the photons of the batch in hand. */
+    struct cml_block shifts[CML_LATTICE_BLOCKS];
     _Alignas(64) cml_u32 index_low[CML_QUEUE + CML_GROUP], index_high[CML_QUEUE + CML_GROUP];
     cml_u32 reversed[CML_QUEUE + CML_GROUP]; /* the photons' points of the lattice */
     cml_u32 draw1[CML_QUEUE + CML_GROUP], draw2[CML_QUEUE + CML_GROUP];

@@ -15,14 +15,14 @@ struct cml_hits {
     int count;
     _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    /* Members for rings: */
+    /* Members for hits on rings: */
     int known[CML_LANES]; /* 1: t is known; 0: t is the root in [t0, t1] */
     real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
     real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
     real t[CML_LANES];
     cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES], reflection[CML_LANES];
-    /* Results: */
-    int doubtful[CML_LANES]; /* 1: must be searched again, by itself */
+    /* Results of the vector loops: */
+    int doubtful[CML_LANES]; /* 1: the hit must be searched again, by itself */
     int through[CML_LANES];
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES];
 };
@@ -78,8 +78,8 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
                                          struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even =
-        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
+    /* Number of first reflections that draw from the lattice. */
+    const cml_u32 even = setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u;
     const int count = h->count, size = cml_whole_vectors(count);
     int overruled = 0;
 #pragma omp simd reduction(+ : overruled)

@@ -74,7 +74,7 @@ struct cml_intervals {
     real from[CML_LANES], to[CML_LANES];
 };
 
-#define CML_GATHERED (CML_LANES + CML_GROUP) /* packing writes whole groups */
+#define CML_GATHERED (CML_LANES + CML_GROUP) /* room for lanes; packing writes whole groups */
 
 /* Lanes of one medium, gathered side by side, so that all examine the same two boundaries and vectors are
  * full. count: number of lanes; size: count rounded up to whole vectors; entries behind the lanes may hold

@@ -22,12 +22,12 @@ struct cml_range_source {
 /* Ballistic packets: packets of a pencil beam that do not interact in their first medium, and leave the
  * material for good behind it. All of them end alike, so they are counted and never take a lane. */
 struct cml_ballistic {
-    int possible;      /* 1: there can be such packets */
+    int possible;      /* 1: the scene can have ballistic packets */
     real path, mfp;    /* path through that medium, and mean free path in it, cm */
     cml_u32 crossings; /* boundary events with unequal indices before the last: the number of its draw */
     real reflectance;  /* reflectance of the boundary behind that medium */
-    struct cml_termination end; /* the end of each of them */
-    uint64_t count;             /* number of them so far */
+    struct cml_termination end; /* the end of each ballistic packet */
+    uint64_t count;             /* number of ballistic packets so far */
 };
 
 /* One thread's flight. The caller sets the members from world to source, and factors. cml_flight_begin works
@@ -41,7 +41,7 @@ struct cml_flight {
     struct cml_tally *tally;
     const struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     const struct cml_range_source *source;
-    struct cml_deposits to;   /* the sink of deposits, into the tally */
+    struct cml_deposits to;   /* the sink of deposits: arrays of the tally */
     struct cml_packet start;  /* a packet as the beam places it */
     int pencil;               /* 1: the beam places all packets alike */
     int elsewhere;            /* 1: packets may start with another weight or in another medium */
@@ -57,8 +57,8 @@ struct cml_flight {
     struct cml_world aware;
     real reflectance; /* reflectance of the first boundary */
     struct cml_ballistic ballistic;
-    int curves;                   /* 1: some boundaries are no planes */
-    real steepest;                /* greatest slope of these boundaries */
+    int curves;                   /* 1: some boundaries are curved, or have a backing */
+    real steepest;                /* greatest slope of the curved boundaries */
     int rough_planes;             /* 1: some planes are rough */
     int safe_cells;               /* 1: some boundaries have safe distances */
     int books_more;               /* 1: deposits also go into gates or rows */

@@ -8,9 +8,9 @@
  * CURVED. */
 enum cml_hook_part {
     CML_HOOK_CLASSIFY,  /* finds the lanes that can meet a curved boundary at all */
-    CML_HOOK_CURVED,    /* all further work for these lanes */
-    CML_HOOK_INTERVALS, /* finds the parts of their paths on which they can meet one */
-    CML_HOOK_HITS,      /* handles lanes that have met one */
+    CML_HOOK_CURVED,    /* all further work for lanes that can meet a curved boundary */
+    CML_HOOK_INTERVALS, /* finds the parts of paths on which lanes can meet a curved boundary */
+    CML_HOOK_HITS,      /* handles lanes that have met a curved boundary */
     CML_HOOK_REFLECT,   /* roots and normals of rings, reflection and refraction */
     CML_HOOK_PARTS
 };

@@ -15,7 +15,7 @@ __attribute__((always_inline)) static inline int
 cml_bundle_hop_drop(const struct cml_setup *shared, struct cml_bundle *b, const int tally, const int trails)
 {
     const int lanes = b->lanes;
-    const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
+    const struct cml_setup setup = *shared; /* a copy, which stores into the bundle cannot change */
     const real *restrict const absorb = CML_OF_MEDIUM(b, absorb), *restrict const bins =
                                                                       CML_OF_MEDIUM(b, bins);
     int low = 0;

@@ -136,7 +136,7 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose_packet(&packet, CML_LOST_NAN);
     } else if (!cml_boundary_events(f, &packet, intervals, &t)) {
-        /* as in cml_interact */
+        /* the same check for a leak as in cml_interact */
         if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
             cml_lose_packet(&packet, CML_LOST_LEAKED);
         else

@@ -14,7 +14,7 @@
 #elif defined(__AVX2__)
 #define CML_VECTOR 8
 #else
-#define CML_VECTOR 1 /* gathering has no vectors at this level */
+#define CML_VECTOR 1 /* the baseline has no vector instructions for gathering */
 #endif
 
 /* Returns a number of lanes, rounded up to whole vectors: a loop over it needs no remainder loop. */
@@ -336,7 +336,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     const int at = f->terminated.count;
     cml_terminated_push(f->world, &f->terminated, &end, f->factors ? &rows : NULL, f->tally);
     if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at, &end.trail);
-    CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
+    CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* the lane held a packet, which ends only once */
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);
 }

@@ -74,7 +74,8 @@ static void cml_end_batch(struct cml_flight *f)
 {
     cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
-        f->ballistic.end.index = (uint64_t)f->batch; /* its batch tells the group */
+        /* The index of a batch's first photon: it tells the group. */
+        f->ballistic.end.index = (uint64_t)f->batch;
         cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, NULL, f->tally);
         cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
@@ -191,7 +192,8 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
     b->here[i] = b->momentum[i] = 0;
     b->low[i] = cml_first_low(b->path[i], b->z[i]);
     b->before[i] = 0;
-    if (f->factors && b->path[i] > 0) b->path[i] = 0; /* as in cml_launch_path */
+    /* With rows the path counts from here, as in cml_launch_path. */
+    if (f->factors && b->path[i] > 0) b->path[i] = 0;
 }
 
 /* Copies the trail of lane `from` into that of lane `to` (P13). */

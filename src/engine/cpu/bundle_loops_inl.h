@@ -46,7 +46,7 @@ static inline cml_u32 cml_even_or_random(int even, cml_u32 lattice, cml_u32 rand
 /* The numbers that the photons of the queue share when they draw for the reflection at a boundary event. */
 struct cml_queue_crossing {
     cml_u32 crossing;         /* number of the boundary event, as in cml_draw_reflection */
-    int even;                 /* 1: draws from the lattice */
+    int even;                 /* 1: the reflection draws from the lattice */
     cml_u32 generator, shift; /* generator and shift of the lattice's dimension */
 };
 
@@ -378,8 +378,8 @@ CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b, int measured)
 CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even =
-        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
+    /* Number of first reflections that draw from the lattice. */
+    const cml_u32 even = setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u;
     const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =

@@ -11,12 +11,12 @@
  * entries behind the walks may hold anything. */
 struct cml_rough_lanes {
     int count;
-    uint64_t walking;                   /* mask: entries that have not left */
-    _Alignas(64) int leaves[CML_LANES]; /* 1: leaves in this round, in direction ux, uy, uz */
+    uint64_t walking;                   /* mask: walks that have not left the surface */
+    _Alignas(64) int leaves[CML_LANES]; /* 1: the walk leaves in this round, in direction ux, uy, uz */
     real ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
     cml_u32 reflection[CML_LANES]; /* word of the lattice for the first facet */
     int even[CML_LANES];           /* 1: the first facet uses this word */
-    /* From here on the columns that close up: */
+    /* The columns from here on close up when walks end: */
     int lane[CML_LANES];
     real side[CML_LANES]; /* +1: the packet comes from below */
     /* Direction and depth, as in struct cml_rough_walk. */
@@ -71,7 +71,8 @@ cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const 
         const struct cml_block draw =
             cml_threefry(stream, w->index_low[k], w->index_high[k], w->first[k], CML_PURPOSE_ROUGH);
         real e = 0;
-        (void)cml_rough_fly(rough, v, &e, draw.w[0]); /* it goes down, so it does not leave */
+        /* A packet that comes goes down, so it does not leave. */
+        (void)cml_rough_fly(rough, v, &e, draw.w[0]);
         w->vx[k] = v.x;
         w->vy[k] = v.y;
         w->vz[k] = v.z;

@@ -169,7 +169,7 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(rule, &packet);
     cml_tally_events(&packet, f->tally);
-    b->interactions[i]++; /* the next pass counts it */
+    b->interactions[i]++; /* counts the interaction that the next pass will count */
     cml_flush_deposits(f, i);
     b->interactions[i]--;
     if (f->factors) {
@@ -553,7 +553,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->rows = cml_row_sums_of(f->world, f->tally);
     f->books_more = f->to.A_t || f->factors;
     for (int i = 0; i < CML_LANES; i++) {
-        f->b->medium[i] = -1; /* no columns yet */
+        f->b->medium[i] = -1; /* no medium has been loaded yet */
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
         CML_OF_MEDIUM(f->b, start_below)[i] = CML_INFINITY;
     }

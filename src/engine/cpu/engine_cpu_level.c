@@ -288,7 +288,7 @@ static double cpu_bytes(const struct cml_scene *scene, const struct cml_surface_
     return cml_world_bytes(scene, surfaces) + media * sizeof(struct cml_lane_medium);
 }
 
-/* declared only in engine_cpu.c, which picks one */
+/* The engine of this level. It is declared only in engine_cpu.c, which picks one. */
 extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
 const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .name = "cpu",

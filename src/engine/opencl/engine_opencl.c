@@ -24,8 +24,8 @@ struct opencl_engine {
     struct cml_opencl_flight *flights; /* [count] */
     /* Packets that a device is given at a time; 0: by the number that is left. */
     uint64_t chunk;
-    uint64_t *cells;        /* cells of one device */
-    struct cml_tally tally; /* zero between calls of run */
+    uint64_t *cells;        /* scratch: the cells of one device */
+    struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
 /* Closes an engine, also one that was opened in part. */
@@ -95,7 +95,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_engine_options *options,
                                         const struct cml_tally_grid *grid)
 {
-    struct cml_tally_grid one_group = *grid; /* a piece is of one batch */
+    struct cml_tally_grid one_group = *grid; /* a piece belongs to one batch, so one group is enough */
     one_group.cell_errors = false;
     struct cml_opencl_scene scene = {
         .world = &engine->owned,

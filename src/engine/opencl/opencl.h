@@ -16,7 +16,7 @@ struct cml_opencl_info {
     uint64_t largest;      /* largest allocation, bytes */
     uint64_t local_memory; /* memory of a work-group, bytes */
     unsigned largest_group;
-    bool atomics64;      /* cl_khr_int64_base_atomics */
+    bool atomics64;      /* has 64-bit atomic additions (cl_khr_int64_base_atomics) */
     bool exact_division; /* 1: division and square root are correctly rounded, as on the CPU */
 };
 

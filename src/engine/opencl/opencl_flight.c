@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define CALL_SECONDS 0.05        /* watchdogs of displays wait seconds; the host looks in between */
-#define GPU_GROUP 128            /* work-items of a group */
+#define GPU_GROUP 128            /* work-items of a group on a GPU */
 #define GPU_ITEMS_PER_UNIT 2048  /* most work-items that a compute unit can keep in flight */
 #define CPU_ITEMS_PER_UNIT 32    /* PoCL hands groups to its threads by 32 */
 #define LANES_ALONE 16           /* packets of a single work-item: as many as a vector has floats */
@@ -61,7 +61,8 @@ static struct cml_local_parts lay_out_parts(const struct cml_opencl_scene *scene
     const struct cml_setup *setup = &scene->world->world.setup;
     const uint64_t most = (flight->group == 1 ? LOCAL_BYTES_ALONE : LOCAL_BYTES_SHARED);
     const uint64_t local = flight->device.info.local_memory / 2;
-    const uint64_t room = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
+    /* Any device has room for at least 2048 cells. */
+    const uint64_t room = (most < local ? most : local) / sizeof(uint64_t);
     const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
     const uint64_t layers = (uint64_t)setup->num_layers + 2 + (uint64_t)setup->num_bodies;
     uint64_t first = 0;

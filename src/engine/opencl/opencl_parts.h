@@ -41,7 +41,8 @@ CML_NODISCARD cml_status cml_opencl_fail(const struct cml_opencl_device *device,
 extern const char cml_opencl_text[];
 extern const size_t cml_opencl_text_size;
 
-typedef void cml_opencl_note(void *context, const char *text); /* as in cml_engine_options; NULL: silent */
+/* Takes a note for people, as in cml_engine_options; NULL: silent. */
+typedef void cml_opencl_note(void *context, const char *text);
 
 /* Builds the kernel text for one device, or takes the binary that an earlier run left in the user's cache
  * directory. The compiler's log goes to standard error in full, its first line that names an error into
@@ -64,7 +65,7 @@ struct cml_opencl_scene {
     bool only_planes; /* the scene has no curved boundaries and no bodies */
     /* Cells of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other. */
     uint64_t cells;
-    const char *build_options; /* NULL: none */
+    const char *build_options; /* options for the device's compiler; NULL: none */
     cml_opencl_note *on_note;
     int group;           /* work-items per group; 0: chosen by the device */
     bool loose_division; /* true: even if the device can round division correctly */
@@ -101,7 +102,7 @@ struct cml_opencl_flight {
     cl_program program;
     cl_kernel kernel;
     cl_mem buffer[CML_NUM_BUFFERS];
-    uint64_t num_cells;                /* cells of the block of tallies */
+    uint64_t num_cells;                /* number of cells in the block of tallies */
     uint32_t group, most_items, lanes; /* work-items of a group; most work-items; packets of a work-item */
     size_t fates;                      /* records that the buffer of fates has room for */
     struct cml_kernel_call call;
@@ -125,7 +126,7 @@ void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, ui
                             uint64_t count);
 /* True if the device has taken all its photons. */
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight);
-/* True if it has taken all, and no packet is under way. */
+/* True if the device has taken all its photons, and no packet is under way. */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight);
 
 /* One call of the kernel. start returns at once. finish waits, reads the counters and adapts the length of

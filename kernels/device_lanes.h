@@ -27,7 +27,8 @@ struct cml_device_lanes {
         bins[CML_DEVICE_LANES]; /* properties of the packet's medium */
     real stop_above[CML_DEVICE_LANES],
         stop_below[CML_DEVICE_LANES]; /* a path that ends between these depths reaches no boundary */
-    /* a path that begins between these z meets no boundary there; infinite if the surface is a plane. */
+    /* Depths: a path that begins between them begins within the heights of no curved boundary. Infinite
+     * beside a plane. */
     real start_above[CML_DEVICE_LANES], start_below[CML_DEVICE_LANES];
     cml_u32 live[CML_DEVICE_LANES]; /* 1: holds a packet */
     /* 1: a boundary was looked for, and none lies before the interaction. */

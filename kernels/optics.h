@@ -147,8 +147,8 @@ CML_FN real cml_phase_one_minus(struct cml_phase_cell cell, cml_u32 polar_word)
     return CML_FMA(cell.slope, y, cell.start);
 }
 
-/* Returns the number whose reciprocal cml_spin needs to build a frame across u; its size lies in 1..2. This
- * frame has no pole [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]. */
+/* Returns the number whose reciprocal cml_deflect needs to build a frame across u; its size lies in 1..2.
+ * This frame has no pole [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]. */
 CML_FN real cml_frame_divisor(struct cml_vec u)
 {
     return CML_COPYSIGN((real)1, u.z) + u.z;
@@ -156,7 +156,7 @@ CML_FN real cml_frame_divisor(struct cml_vec u)
 
 /* Returns the unit vector u turned by the polar angle (cosine ct, sine st) about the azimuth (cp, sp),
  * renormalised. per_divisor: 1 / cml_frame_divisor(u). */
-CML_FN struct cml_vec cml_spin(struct cml_vec u, real per_divisor, real ct, real st, real cp, real sp)
+CML_FN struct cml_vec cml_deflect(struct cml_vec u, real per_divisor, real ct, real st, real cp, real sp)
 {
     const real sign = CML_COPYSIGN((real)1, u.z), p = st * cp, q = st * sp;
     const real along = CML_FMA(p, u.x, q * u.y), k = CML_FMA(-along, per_divisor, ct);
@@ -173,7 +173,7 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     cml_reciprocals(cml_deflection_square(g, s), cml_frame_divisor(u), &per_square, &per_divisor);
     cml_henyey_greenstein(g, s, per_square, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, per_divisor, ct, st, cp, sp);
+    return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
 /* Returns the direction after a scattering (P4) in a medium with a phase table. drawn:
@@ -183,7 +183,7 @@ CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cm
     real ct, st, cp, sp;
     cml_deflection(g, drawn, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
+    return cml_deflect(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
 }
 
 /* Returns the direction after a scattering (P4) in any medium, for vector loops: it computes both ways and
@@ -198,7 +198,7 @@ CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, c
     const real by_law = cml_one_minus_cosine(anisotropy, s, per_square);
     cml_deflection(g, has_table ? drawn : by_law, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, per_divisor, ct, st, cp, sp);
+    return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
 /* Returns the direction after a scattering (P4) in any medium. cells: the tables of all media; NULL: there

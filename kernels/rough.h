@@ -255,7 +255,7 @@ CML_ROUGH_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_
 
 /* ---- the walk ---- */
 
-/* An orthonormal frame: z and two unit vectors across it, as in cml_spin. */
+/* An orthonormal frame: z and two unit vectors across it, as in cml_deflect. */
 struct cml_frame {
     struct cml_vec x, y, z;
 };

@@ -280,8 +280,8 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
  * A direction within CML_NEARLY_LEVEL of square to the axis meets the level further off than anything is. The
  * distance from the source counts as flown. */
 #define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
-CML_FN void cml_bring(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
-                      real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
+CML_FN void cml_place_far(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
+                          real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
 {
     const real cosine = turn.z < CML_NEARLY_LEVEL && turn.z > -CML_NEARLY_LEVEL ? CML_NEARLY_LEVEL : turn.z;
     const real way = source->ahead / cosine, uz = packet->u.z;
@@ -313,7 +313,7 @@ CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL stru
     if (!source->inside) cml_place_above(source, at, packet);
     if (!source->is_far) return;
     const struct cml_vec straight = {0, 0, 1};
-    cml_bring(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
+    cml_place_far(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
 }
 
 /* Places packet `index` where its beam puts it (P1); its optical depth is not drawn yet. Pencils, disks and

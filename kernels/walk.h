@@ -331,8 +331,8 @@ CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct c
     if (backing.kind != CML_BACKING_LAMBERTIAN) return cml_reflect(u, against);
     const real square = cml_uniform(draw.w[1]); /* never 0: no packet flies level */
     cml_circle_point(draw.w[2], &c, &s);
-    return cml_spin(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square), c,
-                    s);
+    return cml_deflect(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square),
+                       c, s);
 }
 
 /* Leaves the share `kept` of a packet's weight in the backing (P12), rounded as in P3. */

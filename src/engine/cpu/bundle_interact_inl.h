@@ -1,18 +1,19 @@
-/* The vector loops of an interaction: hop, drop and spin, in MCML's words for the flight, the absorption and
- * the scattering. This is code that only bundle_walk_inl.h includes, so it is compiled once for each level of
- * the processor (engine_cpu_level.c says why).
+/* The vector loops of an interaction: flight, absorption and scattering, which MCML calls hop, drop and spin.
+ * This is code that only bundle_walk_inl.h includes, so it is compiled once for each level of the processor
+ * (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Moves lanes with INTERACT to their interaction (P2, MCML's hop), and absorbs there (P3, MCML's drop).
- * tally: 1 if deposits go into A_rz; then cell (P7) and dw are filled, dw with 0 in the other lanes, so that
- * all can be added without a branch. trails: 1 if lanes have trails (P13); a lane that does not hop counts
- * its place again, which changes nothing. Both are constant, so that there is a loop for each case. Returns 1
- * if a packet is below the roulette threshold. */
-__attribute__((always_inline)) static inline int
-cml_bundle_hop_drop(const struct cml_setup *shared, struct cml_bundle *b, const int tally, const int trails)
+/* Moves lanes with INTERACT to their interaction (P2), and absorbs there (P3). tally: 1 if deposits go into
+ * A_rz; then cell (P7) and dw are filled, dw with 0 in the other lanes, so that all can be added without a
+ * branch. trails: 1 if lanes have trails (P13); a lane that does not move counts its place again, which
+ * changes nothing. Both are constant, so that there is a loop for each case. Returns 1 if a packet is below
+ * the roulette threshold. */
+__attribute__((always_inline)) static inline int cml_bundle_move_and_absorb(const struct cml_setup *shared,
+                                                                            struct cml_bundle *b,
+                                                                            const int tally, const int trails)
 {
     const int lanes = b->lanes;
     const struct cml_setup setup = *shared; /* a copy, which stores into the bundle cannot change */
@@ -76,8 +77,8 @@ CML_LOOP void cml_bundle_find_later(const struct cml_setup *setup, const struct 
 }
 
 /* Finds the cells of phase tables for all lanes. They are fetched one by one, because gather instructions
- * take longer, and before the hop, whose vectors need not wait for them. Both members of a cell that has
- * parts are negative. */
+ * take longer, and before the lanes move, because those vectors need not wait for them. Both members of a
+ * cell that has parts are negative. */
 CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const struct cml_bundle *b,
                                      struct cml_phase_cell *cell)
 {
@@ -96,9 +97,9 @@ CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const s
 }
 
 /* Scatters the lanes that interact (P4): by cells of tables, as cml_scatter_in does, or by Henyey and
- * Greenstein's function if cell is NULL. only_tables: as in cml_world; trails: as in cml_bundle_hop_drop. All
- * are constant. */
-__attribute__((always_inline)) static inline void cml_bundle_spin(const struct cml_phase_cell *cell,
+ * Greenstein's function if cell is NULL. only_tables: as in cml_world; trails: as in
+ * cml_bundle_move_and_absorb. All are constant. */
+__attribute__((always_inline)) static inline void cml_bundle_turn(const struct cml_phase_cell *cell,
                                                                   struct cml_bundle *b, const int only_tables,
                                                                   const int trails)
 {
@@ -120,14 +121,14 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
 }
 
 /* Scatters lanes by cells of phase tables, with the loop for only_tables and trails. */
-CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
+CML_LOOP void cml_bundle_turn_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
                                         int only_tables)
 {
     const int trails = b->stay != NULL;
     if (only_tables)
-        trails ? cml_bundle_spin(cell, b, 1, 1) : cml_bundle_spin(cell, b, 1, 0);
+        trails ? cml_bundle_turn(cell, b, 1, 1) : cml_bundle_turn(cell, b, 1, 0);
     else
-        trails ? cml_bundle_spin(cell, b, 0, 1) : cml_bundle_spin(cell, b, 0, 0);
+        trails ? cml_bundle_turn(cell, b, 0, 1) : cml_bundle_turn(cell, b, 0, 0);
 }
 
 /* Finds lanes that have interacted and are outside of their windows (P19): outside[CML_LANES] 1. Returns 1 if
@@ -172,8 +173,8 @@ CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struc
  * is below the roulette threshold. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 1, 0);
-    cml_bundle_spin(NULL, b, 0, 0);
+    const int low = cml_bundle_move_and_absorb(setup, b, 1, 0);
+    cml_bundle_turn(NULL, b, 0, 0);
     return low;
 }
 
@@ -181,24 +182,24 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
  * from the weights (cml_flush_deposits). */
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin(NULL, b, 0, 0);
+    const int low = cml_bundle_move_and_absorb(setup, b, 0, 0);
+    cml_bundle_turn(NULL, b, 0, 0);
     return low;
 }
 
 /* cml_bundle_interact for lanes with trails (P13). */
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 1, 1);
-    cml_bundle_spin(NULL, b, 0, 1);
+    const int low = cml_bundle_move_and_absorb(setup, b, 1, 1);
+    cml_bundle_turn(NULL, b, 0, 1);
     return low;
 }
 
 /* cml_bundle_scatter for lanes with trails (P13). */
 CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 0, 1);
-    cml_bundle_spin(NULL, b, 0, 1);
+    const int low = cml_bundle_move_and_absorb(setup, b, 0, 1);
+    cml_bundle_turn(NULL, b, 0, 1);
     return low;
 }
 
@@ -210,9 +211,10 @@ CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct
     cml_bundle_find_phases(world->phase_cells, b, cell);
     const struct cml_setup *setup = &world->setup;
     const int trails = b->stay != NULL;
-    const int low = tally ? trails ? cml_bundle_hop_drop(setup, b, 1, 1) : cml_bundle_hop_drop(setup, b, 1, 0)
-                    : trails ? cml_bundle_hop_drop(setup, b, 0, 1)
-                             : cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin_by_tables(cell, b, world->only_tables);
+    const int low = tally    ? trails ? cml_bundle_move_and_absorb(setup, b, 1, 1)
+                                      : cml_bundle_move_and_absorb(setup, b, 1, 0)
+                       : trails ? cml_bundle_move_and_absorb(setup, b, 0, 1)
+                             : cml_bundle_move_and_absorb(setup, b, 0, 0);
+    cml_bundle_turn_by_tables(cell, b, world->only_tables);
     return low;
 }

@@ -8,8 +8,8 @@
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Finds the cell of the coming interaction of lanes with INTERACT, which have not hopped yet, and its score:
- * 0 in lanes without one. marked: 1 in lanes that interact, but score by marks. */
+/* Finds the cell of the coming interaction of lanes with INTERACT, which have not moved yet, and its score: 0
+ * in lanes without one. marked: 1 in lanes that interact, but score by marks. */
 CML_LOOP void cml_bundle_find_scores(const struct cml_setup *shared, const struct cml_bundle *b,
                                      cml_u32 *cell, cml_u32 *score, int *marked)
 {

@@ -32,8 +32,8 @@ static inline int cml_lane_medium_is_sound(const struct cml_flight *f, int i)
            memcmp(&CML_OF_MEDIUM(b, mfp)[i], &f->media[m].mfp, sizeof(real)) == 0;
 }
 
-/* True if a lane with INTERACT is in its layer after its hop, as in cml_interact. The check uses s, the whole
- * path that was flown, because the direction before the interaction is no longer known. */
+/* True if a lane with INTERACT is in its layer after its move, as in cml_interact. The check uses s, the
+ * whole path that was flown, because the direction before the interaction is no longer known. */
 static inline int cml_lane_place_is_sound(const struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -448,8 +448,8 @@ static void cml_count_lane_paths(struct cml_flight *f)
         }
 }
 
-/* Hops, drops and spins (flies, absorbs and scatters) all lanes that have come to their interaction. Returns
- * 1 if a packet is below the roulette threshold. */
+/* Moves, absorbs and scatters all lanes that have come to their interaction. Returns 1 if a packet is below
+ * the roulette threshold. */
 static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *b, int tally)
 {
     const struct cml_setup *setup = &world->setup;

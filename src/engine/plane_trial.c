@@ -20,8 +20,8 @@
  * that it does, because one of some hundred bins may be off by chance. */
 #define SURE 3.0
 #define SURE_OF_HARM 4.0
-/* Number of packets n times the share p of packets that an effect has, at which the effect may be missed:
- * with probability exp(-n p) none of n packets shows it, here 0.13 %. */
+/* Expected number of packets that show an effect, up to which it may have been missed. If a share p of all
+ * packets shows the effect, none of n packets does with the probability exp(-n p): 0.13 % at n p = 6.6. */
 #define UNSEEN 6.6
 
 /* Neighbouring values that are judged together: a total, or the bins of a profile. */

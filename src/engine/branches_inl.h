@@ -1,5 +1,5 @@
-/* The stack of branches that wait for their flight (P19). This is code that each engine on the host includes,
- * because packets have the engine's precision.
+/* Code, included by each engine on the host, because packets have the engine's precision: the stack of
+ * branches that wait for their flight (P19).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

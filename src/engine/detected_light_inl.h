@@ -1,5 +1,5 @@
-/* Adds light that has left to the sums of the detectors that see it (P13). This is code that
- * terminated_packets_inl.h and row_weights_inl.h include; terminated_packets_inl.h says why it is no .c file.
+/* Code, included by terminated_packets_inl.h, which says why it is no .c file, and by row_weights_inl.h: adds
+ * light that has left to the sums of the detectors that see it (P13).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,6 +1,6 @@
-/* Weights of the rows of a sweep that come of one flight (P16), and scores for derivatives (P17). This is
- * code that each engine on the host includes once, in its precision and for its level of the processor, as
- * terminated_packets_inl.h.
+/* Code, included once by each engine on the host, in its precision and for its level of the processor, as
+ * terminated_packets_inl.h is: weights of the rows of a sweep that come of one flight (P16), and scores for
+ * derivatives (P17).
  *
  *      weight of a row = weight of the packet * factor of the row
  *
@@ -12,7 +12,8 @@
  *
  * Rows are booked where the packet changes the medium, plays roulette, loses weight to the backing, or ends:
  * one vector loop over all rows. Scores are summed as rows are, but their factors add up along the path, and
- * may be negative. SPDX-License-Identifier: MIT */
+ * may be negative.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/detected_light_inl.h"

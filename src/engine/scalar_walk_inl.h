@@ -1,7 +1,6 @@
-/* Walks packets one at a time: ranges of packets into a tally, or as records. This is code that each such
- * engine on the host includes (engine_reference.c in double, each level of engine_cpu_level.c and
- * engine_opencl.c in float), so that the walk of kernels/walk.h is compiled in the engine's precision and for
- * its processor.
+/* Code, included by each engine that walks packets one at a time on the host (engine_reference.c in double,
+ * each level of engine_cpu_level.c and engine_opencl.c in float): ranges of packets into a tally, or as
+ * records. So the walk of kernels/walk.h is compiled in the engine's precision and for its processor.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

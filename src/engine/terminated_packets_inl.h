@@ -1,13 +1,13 @@
-/* Terminated packets on their way into a tally. They are collected, so that one vector loop computes exit
- * bins and sums of many packets, however rarely packets end.
+/* Code, included once by each engine on the host, in its precision (CML_DOUBLE or not) and for its level of
+ * the processor: terminated packets on their way into a tally. They are collected, so that one vector loop
+ * computes exit bins and sums of many packets, however rarely packets end.
  *
  *      packet ends --> push --+
  *      packet ends --> push --+--> struct cml_terminated --> flush: vector loops --> tally
  *      packet ends --> push --+        up to 128
  *
- * This is code that each engine on the host includes once, in its precision (CML_DOUBLE or not) and for its
- * level of the processor. It is no .c file, because entries are pushed member by member from registers, and
- * the sums are vector loops.
+ * It is no .c file, because entries are pushed member by member from registers, and the sums are vector
+ * loops.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,7 @@
-/* Lanes in media with bodies. A vector loop finds lanes that leave their region, which is known to be free of
- * surfaces of bodies. kernels/walk.h takes those of them that may meet a body to their interaction, a lane at
- * a time. This is code that only bundle_walk_inl.h includes, so it is compiled once for each level of the
- * processor (engine_cpu_level.c says why).
+/* Code, included by bundle_walk_inl.h only: lanes in media with bodies. A vector loop finds lanes that leave
+ * their region, which is known to be free of surfaces of bodies. kernels/walk.h takes those of them that may
+ * meet a body to their interaction, a lane at a time.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

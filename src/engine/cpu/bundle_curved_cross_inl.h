@@ -1,6 +1,6 @@
-/* Lanes near curved boundaries, step 4: the gathered hits go back into the lanes, into the next medium, or
- * out of the scene. This is code that only bundle_curved_search_inl.h includes, so it is compiled once for
- * each level of the processor (engine_cpu_level.c says why).
+/* Code, included by bundle_curved_search_inl.h only: lanes near curved boundaries, step 4. The gathered hits
+ * go back into the lanes, into the next medium, or out of the scene.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

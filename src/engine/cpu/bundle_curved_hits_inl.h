@@ -1,7 +1,7 @@
-/* Lanes near curved boundaries, step 3: packets that meet one boundary, gathered. Vector loops find roots and
- * normals of rings, and reflect or refract. This is code that bundle_curved_reach_inl.h and
- * bundle_curved_cross_inl.h include, so it is compiled once for each level of the processor
- * (engine_cpu_level.c says why).
+/* Code, included by bundle_curved_reach_inl.h and bundle_curved_cross_inl.h: lanes near curved boundaries,
+ * step 3. Packets that meet one boundary are gathered. Vector loops find roots and normals of rings, and
+ * reflect or refract.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,7 @@
-/* Lanes near curved boundaries, step 1: the part of its path on which a lane can meet a boundary before it
- * interacts, if any. Vector loops answer this for many lanes, a medium at a time. This is code that only
- * bundle_curved_search_inl.h includes, so it is compiled once for each level of the processor
- * (engine_cpu_level.c says why).
+/* Code, included by bundle_curved_search_inl.h only: lanes near curved boundaries, step 1. Vector loops find
+ * the part of its path on which a lane can meet a boundary before it interacts, if any, for many lanes, a
+ * medium at a time.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,7 @@
-/* Lanes near curved boundaries, step 2: the ring or facet that each lane meets. Most of it goes lane by lane,
- * because each lane walks through other rings, or other nodes of a tree. This is code that only
- * bundle_walk_inl.h includes, so it is compiled once for each level of the processor (engine_cpu_level.c says
- * why).
+/* Code, included by bundle_walk_inl.h only: lanes near curved boundaries, step 2. It finds the ring or facet
+ * that each lane meets, mostly lane by lane, because each lane walks through other rings, or other nodes of a
+ * tree.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

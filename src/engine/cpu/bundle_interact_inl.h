@@ -1,6 +1,6 @@
-/* The vector loops of an interaction: flight, absorption and scattering, which MCML calls hop, drop and spin.
- * This is code that only bundle_walk_inl.h includes, so it is compiled once for each level of the processor
- * (engine_cpu_level.c says why).
+/* Code, included by bundle_walk_inl.h and bundle_marks_inl.h: the vector loops of an interaction, which are
+ * flight, absorption and scattering (MCML's hop, drop and spin).
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,6 +1,6 @@
-/* Lanes at boundaries one by one, by kernels/walk.h: the rare cases that vector loops leave over. This is
- * code that only bundle_curved_cross_inl.h and bundle_bodies_inl.h include, so it is compiled once for each
- * level of the processor (engine_cpu_level.c says why).
+/* Code, included by bundle_curved_cross_inl.h and bundle_bodies_inl.h: lanes at boundaries one by one, by
+ * kernels/walk.h. These are the rare cases that vector loops leave over.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

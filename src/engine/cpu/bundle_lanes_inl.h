@@ -1,6 +1,6 @@
-/* The lanes of a bundle one by one: a packet's columns, its deposits, and its end. This is code that the
- * other bundle_*_inl.h include, so it is compiled once for each level of the processor (engine_cpu_level.c
- * says why).
+/* Code, included by the other bundle_*_inl.h: the lanes of a bundle one by one, that is a packet's columns,
+ * its deposits, and its end.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

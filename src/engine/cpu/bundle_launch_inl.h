@@ -1,10 +1,9 @@
-/* Launches new packets into the lanes of packets that have ended.
+/* Code, included by bundle_walk_inl.h only: launches new packets into the lanes of packets that have ended.
  *
  *      source of photons --> cml_fill_queue --> launch queue, 64 photons --> cml_launch_group --> lanes
  *                                                   | ballistic packets are counted, and get no lane
  *
- * This is code that only bundle_walk_inl.h includes, so it is compiled once for each level of the processor
- * (engine_cpu_level.c says why).
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,8 @@
-/* The vector loops of a pass, for which the levels of the processor exist (engine_cpu_level.c). Every loop
- * goes over all lanes of the bundle. A lane whose task is another one computes as well, and keeps its old
- * values: a select costs less than a branch. Lanes without a packet may hold anything. This is code that the
- * other bundle_*_inl.h include, so it is compiled once for each level.
+/* Code, included by the other bundle_*_inl.h: the vector loops of a pass, for which the levels of the
+ * processor exist. Every loop goes over all lanes of the bundle. A lane whose task is another one computes as
+ * well, and keeps its old values: a select costs less than a branch. Lanes without a packet may hold
+ * anything.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,6 +1,6 @@
-/* Fluence of lanes (P14): scores of interactions, and marks on paths; and the interactions that make up
- * A(r,z) and A(t) of rows (P16). This is code that only bundle_walk_inl.h includes, so it is compiled once
- * for each level of the processor (engine_cpu_level.c says why).
+/* Code, included by bundle_walk_inl.h only: fluence of lanes (P14), that is scores of interactions and marks
+ * on paths, and the interactions that make up A(r,z) and A(t) of rows (P16).
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,7 @@
-/* Places and directions of the photons in the launch queue. Vector loops do what cml_place (kernels/source.h)
- * does for one packet, for beams whose packets differ in nothing else. This is code that only
- * bundle_launch_inl.h includes, so it is compiled once for each level of the processor (engine_cpu_level.c
- * says why).
+/* Code, included by bundle_launch_inl.h only: places and directions of the photons in the launch queue.
+ * Vector loops do what cml_place (kernels/source.h) does for one packet, for beams whose packets differ in
+ * nothing else.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,6 +1,7 @@
-/* Lanes that have come to a rough plane: P20 as in kernels/rough.h, one facet of all walks per round. Walks
- * that have left go back into their lanes, and the others close up. This is code that only bundle_walk_inl.h
- * includes, so it is compiled once for each level of the processor (engine_cpu_level.c says why).
+/* Code, included by bundle_walk_inl.h only: lanes that have come to a rough plane. They walk as in
+ * kernels/rough.h (P20), one facet of all walks per round. Walks that have left go back into their lanes, and
+ * the others close up.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 

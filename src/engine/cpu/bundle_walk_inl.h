@@ -1,7 +1,7 @@
-/* The pass over a bundle: the events of one thread's lanes, in order, until there are no more packets. This
- * is code that only engine_cpu_level.c includes, so it is compiled once for each level of the processor. A .c
- * file of its own could not be inlined into, and loops over lanes become vectors only if all that they call
- * is inlined.
+/* Code, included by engine_cpu_level.c only: the pass over a bundle, which is the events of one thread's
+ * lanes, in order, until there are no more packets.
+ * It is compiled once for each level of the processor. A .c file of its own could not be inlined into, and
+ * loops over lanes become vectors only if all that they call is inlined.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,11 +1,18 @@
-/* Where a packet meets the bodies of its medium: spheres, cylinders and closed meshes.
+/* Crossings of a packet with the bodies of its medium: spheres, cylinders and closed meshes.
  * A body is a medium of its own inside a layer or inside another body. Its surface counts as a boundary whose
- * upper side is outside: normals point outwards, and a packet inside is "below" it.
+ * upper side is outside: normals point outwards, and a packet inside is "below" the boundary.
+ * A packet must not meet again the place where it stands. For spheres and cylinders no small distance is
+ * needed for that, because they are convex:
  *
- * Spheres and cylinders are convex, and that, not a distance, keeps a packet from meeting again the place
- * where it stands: outside it never meets that body again before it meets something else; inside the root at
- * which it stands is divided out. A packet that rounding has put beyond a surface crosses it at once when it
- * heads on, and is back on its own side when it does not. Inside there is always a crossing ahead.
+ *      outside: a packet that leaves the body         inside: the root at which the packet stands
+ *      never meets it again on its straight path      is known, and is divided out
+ *
+ *                     ^                                        . - - .
+ *               . - -/- .                                    *---------> t    the other root
+ *             .     *     .                                .           .
+ *
+ * A packet that rounding has put beyond a surface crosses it at once if it heads on, and is back on its own
+ * side if it does not. A packet inside always has a crossing ahead.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -14,22 +21,25 @@
 
 /* A crossing with a sphere or a cylinder. */
 struct cml_body_hit {
-    real t, along;      /* cm: distance; of a cylinder, place along its axis */
-    int primitive;      /* of a cylinder: 0 the side, 1 the first end, 2 the other; of a sphere 0 */
-    struct cml_vec off; /* place from the centre, or from the axis, not yet on the surface but for rounding */
+    real t, along;      /* distance, cm; of a cylinder, place along its axis, cm */
+    int primitive;      /* cylinder: 0 the side, 1 the first end, 2 the other end; sphere: 0 */
+    struct cml_vec off; /* place from the centre or axis; rounding may have left it beside the surface */
 };
 
-/* A line d + t v, v of any length but 0, and a circle, cylinder or sphere about the origin: it is closest to
- * it at t = middle, and inside from middle - reach to middle + reach. What is counted from there is as sharp
- * as the body is small, however long the way is. The discriminant from the distance at which the line passes
- * does not cancel far from the centre [E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for
- * Ray/Sphere Intersection, Ray Tracing Gems, chapter 7, 2019]. Where the line does not pass, reach is 0. */
+/* A line d + t v, v of any length but 0, against a circle, cylinder or sphere about the origin. The line is
+ * closest to the origin at t = middle, and is inside the body from middle - reach to middle + reach. If the
+ * line misses the body, reach is 0.
+ * Distances from `middle` are as sharp as the body is small, however far away the packet is. The discriminant
+ * is computed from the distance at which the line passes the origin, so it does not cancel far from the
+ * centre [E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection, Ray
+ * Tracing Gems, chapter 7, 2019]. */
 struct cml_pass {
     int passes;
     real middle, reach;
     struct cml_vec foot; /* d + middle v */
 };
 
+/* Returns the pass of the line d + t v by a body of radius r about the origin. */
 CML_FN struct cml_pass cml_pass_quadric(struct cml_vec d, struct cml_vec v, real r)
 {
     const real a = cml_dot(v, v), middle = -cml_dot(d, v) / a;
@@ -39,9 +49,10 @@ CML_FN struct cml_pass cml_pass_quadric(struct cml_vec d, struct cml_vec v, real
     return pass;
 }
 
-/* cml_pass_quadric from a place d on the surface: a chord. So stands a packet that rounding has put beyond
- * the surface that it is to leave: where its line passes beside, the closest approach would be a crossing
- * without an angle, from which no chord leads on. */
+/* Returns the pass of a line that begins at a place d on the surface: a chord of the body. It serves a packet
+ * that rounding has put beyond the surface that it is to leave. If the line of such a packet misses the body,
+ * cml_pass_quadric would give a crossing at the closest approach, where the angle of incidence is undefined
+ * and from which no chord leads on. */
 CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
 {
     const real middle = -cml_dot(d, v) / cml_dot(v, v);
@@ -49,7 +60,8 @@ CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
     return pass;
 }
 
-/* A sphere from outside. d: the packet from its centre. */
+/* Finds the crossing of a packet outside a sphere. Returns 0 if its path misses the sphere. d: the packet
+ * from the centre, cm; r: radius, cm. */
 CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct cml_body_hit *hit)
 {
     if (!(cml_dot(d, u) < 0)) return 0;
@@ -60,8 +72,8 @@ CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct c
     return pass.passes;
 }
 
-/* Where a packet inside a sphere leaves it. d: from the centre, r: radius, cm; stands: whether it is on the
- * sphere. */
+/* Finds the crossing at which a packet inside a sphere leaves it. d: the packet from the centre, cm; r:
+ * radius, cm; stands: 1 if the packet stands on the sphere. */
 CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int stands, struct cml_body_hit *hit)
 {
     const int on = stands | (cml_dot(d, d) >= r * r);
@@ -71,28 +83,30 @@ CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int sta
     hit->off = cml_along(pass.foot, pass.reach, u);
 }
 
-/* A packet as a cylinder with flat ends sees it: along its axis from the middle of its first end, and across
- * it; and where its line is within the infinite cylinder and where between the planes of both ends, both
- * counted from one place of the line. That is where it passes the axis; of a line almost along the axis,
- * which does so far away, it is half-way between the ends: what is counted from far away has the rounding of
- * that distance. */
+/* A packet's line as a cylinder with flat ends sees it. The line lies inside the infinite cylinder from
+ * side_in to side_out, and between the planes of both ends from end_in to end_out. All four distances count
+ * from one place of the line, its middle.
+ * The middle is where the line passes the axis. A line almost along the axis does so far away, and distances
+ * from there would have the rounding of that distance. For such a line the middle is half-way between the
+ * ends. */
 struct cml_cylinder_line {
-    struct cml_vec across, v; /* place and direction across the axis */
-    real rise;                /* direction along it */
-    real middle;              /* cm from the packet: from where is counted */
-    real along;               /* place along the axis there */
-    struct cml_vec foot;      /* and across it */
-    int misses;               /* one of both altogether */
+    struct cml_vec across, v; /* place and direction of the packet across the axis */
+    real rise;                /* component of the direction along the axis */
+    real middle;              /* distance from the packet to the middle, cm */
+    real along;               /* place of the middle along the axis */
+    struct cml_vec foot;      /* place of the middle across the axis */
+    int misses;               /* 1: the line misses the infinite cylinder, or the slab between the ends */
     real side_in, side_out, end_in, end_out;
-    int first_end, last_end; /* primitives */
+    int first_end, last_end; /* primitives: the end where the line comes in, and the other */
 };
 
-/* Square of the sine of the angle to the axis below which a line passes it far from where the cylinder ends.
- */
+/* A line closer to the axis than this counts as lengthwise: square of the sine of the angle between them.
+ * Such a line passes the axis far from the ends of the cylinder. */
 #define CML_LENGTHWISE ((real)1e-4)
 
-/* d: the packet from the cylinder. on_primitive: what of the cylinder it stands on, or -1; off: then its
- * place across the axis. leaves: it is inside. */
+/* Returns a packet's line as the cylinder sees it. d: the packet from the middle of the first end.
+ * on_primitive: the part of the cylinder that the packet stands on, or -1. off: place of a standing packet
+ * across the axis. leaves: 1 if the packet is inside. */
 CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml_body *body, struct cml_vec d,
                                                      struct cml_vec u, int on_primitive, struct cml_vec off,
                                                      int leaves)
@@ -127,7 +141,8 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
     return line;
 }
 
-/* The crossing `from_middle` behind the line's middle, or where the packet is if that lies behind it. */
+/* Fills *hit with the crossing at the distance from_middle behind the line's middle. If this place lies
+ * behind the packet, the crossing is where the packet is. */
 CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_middle, int primitive,
                                struct cml_body_hit *hit)
 {
@@ -138,8 +153,8 @@ CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_m
     hit->off = t > 0 ? cml_along(line->foot, from_middle, line->v) : line->across;
 }
 
-/* From outside. A packet that rounding has put inside crosses at once where it has come in rather than where
- * it goes out. */
+/* Finds the crossing of a packet outside a cylinder. Returns 0 if there is none. A packet that rounding has
+ * put inside crosses at once where it came in, not where it would go out. */
 CML_FN int cml_enter_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
     const int side = line->side_in > line->end_in;
@@ -149,14 +164,15 @@ CML_FN int cml_enter_cylinder(const struct cml_cylinder_line *line, struct cml_b
     return !line->misses & (in < out) & (2 * line->middle + in + out > 0);
 }
 
+/* Finds the crossing at which a packet inside a cylinder leaves it. */
 CML_FN void cml_leave_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
     const int side = line->side_out < line->end_out;
     cml_cross_cylinder(line, side ? line->side_out : line->end_out, side ? 0 : line->last_end, hit);
 }
 
-/* Place and normal of a crossing, put onto the surface exactly but for rounding: between the ends, and across
- * the axis, which a long way to the cylinder may have lost. */
+/* Fills *hit with the place and normal of a crossing. The place is moved onto the surface, exact but for
+ * rounding: between the ends, and at the radius, which a long way to the cylinder may have lost. */
 CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const struct cml_body_hit *at,
                               struct cml_hit *hit)
 {
@@ -176,8 +192,9 @@ CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const stru
     hit->point = cml_along(cml_along(body->centre, along, body->axis), 1, hit->off);
 }
 
-/* Whether a ray from p along u passes the box of a node before t_max. Boxes are larger by more than rounding.
- * What is not a number does not shorten the ray. */
+/* True if a ray from p passes the box of a node before t_max. per_u: inverse of the direction, by component.
+ * Boxes are larger than their bodies by more than rounding. A quotient that is not a number does not shorten
+ * the ray. */
 CML_FN int cml_passes_box(const CML_GLOBAL struct cml_body_node *node, struct cml_vec p, struct cml_vec per_u,
                           real t_max)
 {

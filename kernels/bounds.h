@@ -1,34 +1,36 @@
-/* On which part of its path can a packet meet a surface of its medium? One question, cml_find_intervals at
- * the end of this file, before any surface is asked; what is known of surfaces to answer it comes first:
- * depth bounds and horizons of boundaries, safe distances around meshes that overhang, regions around bodies.
- * Each is proven to be free of surfaces with more to spare than rounding takes (the manual's pages
- * on physics); src/surface/bounds makes them. SPDX-License-Identifier: MIT */
+/* The part of a packet's path on which it can meet a surface of its medium. cml_find_intervals at the end of
+ * this file answers this question before any surface is searched. Before it stand the means to answer: depth
+ * bounds and horizons of boundaries, safe distances around meshes that overhang, and regions around bodies.
+ * Each is proven to be free of surfaces, with a margin above rounding (samples/manual/physics/free-paths.md).
+ * src/surface/bounds makes them.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "mathf.h"
 #include "optics.h"
 #include "types.h"
 
-/* x brought into the range from 0 to most; NaN gives 0. */
+/* Returns x brought into the range from 0 to most; 0 if x is NaN. */
 CML_FN real cml_clamp(real x, real most)
 {
     const real least = x > 0 ? x : (real)0;
     return least < most ? least : most;
 }
 
-/* Depth bounds. Below a mesh level 0 divides a square of the x-y plane into size x size cells; those at the
- * rim also stand for everything outside. Below rings it divides the radius, and the last cell stands for
- * everything outside. Of a mesh that is repeated it divides one period, or as many as make about a square;
- * cells are counted on through all periods, and only their numbers are brought back into the one. */
+/* Domains of depth bounds. A mesh: level 0 divides a square of the x-y plane into size x size cells, and
+ * cells at the rim also stand for everything outside. Rings: level 0 divides the radius, and the last cell
+ * stands for everything outside. A repeated mesh: level 0 divides one period, or as many periods as make
+ * about a square. Cells of a repeated mesh are counted on through all periods, and their numbers are brought
+ * back into one period only when a bound is read. */
 
-/* Cell index along one axis, clamped to the rim; NaN gives 0. */
+/* Returns the index of a cell along one axis, clamped to the rim; 0 if x is NaN. */
 CML_FN int cml_depth_cell(const CML_GLOBAL struct cml_depth_bounds *map, real x, real corner)
 {
     return (int)cml_clamp((x - corner) * map->per_cell, (real)(map->size - 1));
 }
 
-/* Number of bits of n < 2^24: the level whose cells are longer than n cells of level 0. In float from its
- * exponent, which every vector unit can take. */
+/* Returns the number of bits of n < 2^24, which is the level whose cells are longer than n cells of level 0.
+ * Single precision reads it from the exponent of n, because every vector unit can do that. */
 CML_FN int cml_depth_level(int n)
 {
 #ifdef CML_DOUBLE
@@ -38,7 +40,9 @@ CML_FN int cml_depth_level(int n)
 #endif
 }
 
-/* The depth, times side, that a packet must keep to on its way from p to p + d, of a mesh's pyramid. */
+/* Returns the bound on depth for a path from p to p + d over a mesh: side times the least or greatest depth
+ * of the cells under the path. A path whose side * z stays above this value meets nothing. map: the pyramid;
+ * bounds: its depths; side: +1 below the mesh, -1 above. */
 CML_FN real cml_depth_over_box(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
                                struct cml_vec p, struct cml_vec d, real side)
 {
@@ -47,7 +51,8 @@ CML_FN real cml_depth_over_box(const CML_GLOBAL struct cml_depth_bounds *map, co
     const int x1 = cml_depth_cell(map, far_x > p.x ? far_x : p.x, map->corner_x);
     const int y0 = cml_depth_cell(map, far_y < p.y ? far_y : p.y, map->corner_y);
     const int y1 = cml_depth_cell(map, far_y > p.y ? far_y : p.y, map->corner_y);
-    const int level = cml_depth_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
+    /* Has as many bits as the larger number of cells. */
+    const int level = cml_depth_level((x1 - x0) | (y1 - y0));
     const int size = map->size >> level, offset = map->first + map->level_offset[level];
     const int row0 = offset + (y0 >> level) * size, row1 = offset + (y1 >> level) * size;
     const real a = side * bounds[row0 + (x0 >> level)], b = side * bounds[row0 + (x1 >> level)];
@@ -56,15 +61,15 @@ CML_FN real cml_depth_over_box(const CML_GLOBAL struct cml_depth_bounds *map, co
     return ab > ce ? ab : ce;
 }
 
-/* A range of cells along an axis of a period, counted on through all periods: the first, and how many lie
- * behind it, at most as many as a period has. */
+/* A range of cells along an axis of a period, counted on through all periods. more: the number of cells
+ * behind the first, at most as many as a period has. */
 struct cml_cell_range {
     int first, more;
 };
 
-/* The cells from x to x + d. Positions count in cells here, and the further they are from the corner the
- * larger is their rounding: 16 times that, at least. Beyond 2^30 cells that is more than a period. NaN gives
- * any range. */
+/* Returns the range of cells from x to x + d along one axis of a period. Rounding of a position grows with
+ * its distance from the corner, so the range is widened by at least 16 times that rounding. A position beyond
+ * 2^30 cells is widened by more than a period. NaN gives any range. */
 CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, real per_cell, int size)
 {
     const real from = (x - corner) * per_cell, to = (x + d - corner) * per_cell, most = 1073741824;
@@ -76,8 +81,8 @@ CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, re
     return range;
 }
 
-/* cml_depth_over_box of a period. On the level whose cells are longer than the range, cells that follow one
- * another cover it, the last and the first of a period too. */
+/* cml_depth_over_box for a repeated mesh. On the level whose cells are longer than the range, two
+ * neighbouring cells cover the range, also the last and the first cell of a period. */
 CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
                                   real side)
@@ -97,8 +102,8 @@ CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
     return ab > ce ? ab : ce;
 }
 
-/* cml_cell_horizon of a period: the highest of the cells in which rounding may have put the point; infinite
- * where they are too many. */
+/* cml_cell_horizon for a repeated mesh: the highest horizon among the cells in which rounding may have put
+ * the point; infinite if they are too many. */
 CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *horizon, struct cml_vec p)
 {
@@ -113,12 +118,12 @@ CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
     return (x.more | y.more) > 1 ? CML_INFINITY : most;
 }
 
-/* All horizons are raised by so much, as slopes: more than rounding turns a direction, which float does by
- * 1e-7. */
+/* Slope by which all horizons are raised. Rounding in single precision turns a direction by only 1e-7. */
 #define CML_HORIZON_RAISED 0.001
 
-/* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
- * their side of the mesh, that go away from it meet it never again (src/surface/bounds/cell_horizon.h). */
+/* Returns the horizon of the cell below or above a point of a mesh: a slope. A packet in this cell, on its
+ * side of the mesh, that leads away from the mesh at least as steeply never meets the mesh again
+ * (src/surface/bounds/cell_horizon.h). */
 CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *horizon,
                              struct cml_vec p, const int form)
 {
@@ -128,8 +133,8 @@ CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_depth_bounds *map, cons
     return horizon[map->first_horizon + y * (map->size >> map->horizon_level) + x];
 }
 
-/* cml_depth_over_box of the pyramid of rings. The way comes closest to the axis at an end or, where it
- * turns outwards between them, abreast of it. */
+/* cml_depth_over_box for rings. A path comes closest to the axis at one of its ends, or, if it turns outwards
+ * between them, where it passes the axis. */
 CML_FN real cml_depth_over_radii(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
                                  struct cml_vec p, struct cml_vec d, real side)
 {
@@ -146,16 +151,18 @@ CML_FN real cml_depth_over_radii(const CML_GLOBAL struct cml_depth_bounds *map, 
     return a > b ? a : b;
 }
 
-/* The part of a path on which a packet can meet a surface, if any: distances from its start. */
+/* The part of a path on which a packet can meet a surface, from and to in cm from the path's start. meets: 0
+ * if there is no such part. */
 struct cml_interval {
     int meets;
     real from, to;
 };
 
-/* What is left of an interval without what keeps clear of the surface, for a packet on the given side (+1
- * below, -1 above) that begins it at p, in the boundary's frame, x and y from the scene's axis. Below rings
- * its ends are cut as well, but for a 1024th of the distance, which is more than rounding; a mesh has a tree
- * for that. Where an interval is not finite nothing is known to be free. */
+/* Returns the interval `s` without the parts that keep clear of the surface by its depth bounds. p: the
+ * packet at the start of the interval, in the boundary's frame, x and y from the scene's axis. side: +1 the
+ * packet is below, -1 above.
+ * The beginning is cut for all surfaces, the end only for rings, because a mesh has a tree to search. Cuts
+ * leave a margin of 1/1024 of the distance, more than rounding. An interval that is not finite is not cut. */
 CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_depth_bounds *map,
                                              const CML_GLOBAL real *bounds, struct cml_vec p,
                                              struct cml_vec u, real side, struct cml_interval s,
@@ -178,10 +185,11 @@ CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_depth_b
 }
 
 #ifndef __OPENCL_VERSION__
-/* Whether a path of length s from p is safe: the surface is further from all of it than rounding can put
- * a packet. p in the boundary's frame, x and y from the scene's origin. The cell that the middle of the path
- * is in decides, or the closest one: its ball, which the surface does not enter, holds the whole path
- * where it holds the farther of both ends. A path that is not finite is not safe. */
+/* True if a path of length s from p is safe: the surface is further from all of it than rounding can put a
+ * packet. p: in the boundary's frame, x and y from the scene's origin.
+ * The cell that holds the path's middle decides, or the cell closest to it. No surface enters the ball of
+ * this cell. The ball is convex, so it holds the whole path if it holds the farther of both ends. A path that
+ * is not finite is not safe. */
 CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p, struct cml_vec u, real s)
 {
     const real per_cell = cells->per_cell, half = (real)0.5 * s * per_cell;
@@ -205,31 +213,35 @@ CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
     return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
 }
 
-/* A point's x and y from the field's axis instead of the origin. */
+/* Returns p with x and y counted from the scene's axis instead of the origin. */
 CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
 {
     const struct cml_vec moved = {p.x + world->setup.x0, p.y + world->setup.y0, p.z};
     return moved;
 }
 
-/* Part of a ball that no surface of a body passes: what lies higher than `least` over its middle along
- * `normal`, which is 0 where the whole ball is free. In the frame of the layer, cm; square: of the radius, 0:
- * nothing is known. A path that begins and ends in it lies in it. */
+/* A region near bodies that no surface of a body passes: the part of a ball above the height `least` over the
+ * middle, along `normal`. normal is 0 if the whole ball is free. The region is convex, so it holds a path
+ * that begins and ends in it. Places are in the frame of the layer, lengths in cm. square: square of the
+ * radius; 0: nothing is known. */
 struct cml_body_region {
     struct cml_vec middle, normal;
     real square, least;
 };
 
-/* A place q on a path along u, and the closest cell of a grid. All in cells: */
+/* A place q on a path along u, and the cell of a body grid that is closest to q. All lengths are in cells. */
 struct cml_body_view {
     const CML_GLOBAL struct cml_body_cell *cell;
-    struct cml_vec q, off;      /* from the corner of the grid, and from the middle of the cell */
-    struct cml_vec beyond;      /* from the grid itself; 0 inside */
-    real gap, distance, square; /* squares: of `beyond`, of `off`, of the ball's radius */
-    real height, rate;          /* over the planes' middle, and of u */
-    int in_ball, above, below;  /* the ball, and both planes */
+    struct cml_vec q, off;      /* place from the corner of the grid; place from the middle of the cell */
+    struct cml_vec beyond;      /* vector from the grid to the place; 0 inside the grid */
+    real gap, distance, square; /* squares of the lengths of `beyond` and `off`, and of the ball's radius */
+    /* Height of the place above the cell's middle along the planes' normal, and its rate along u. */
+    real height, rate;
+    int in_ball, above, below; /* flags: the place is inside the ball; above both planes; below both planes */
 };
 
+/* Returns the view from the place q on a path along u: the closest cell of the grid, and distances to its
+ * ball and planes. */
 CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
                                           const CML_GLOBAL struct cml_body_grid *grid, struct cml_vec q,
                                           struct cml_vec u)
@@ -257,7 +269,7 @@ CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
     return view;
 }
 
-/* Whether a path of this length (cells) stays in the ball, and on its side of the planes. */
+/* True if a path of this length (in cells) stays in the ball, and on its side of the planes. */
 CML_FN int cml_stays_in_ball(const struct cml_body_view *view, struct cml_vec u, real path)
 {
     const struct cml_vec end = cml_along(view->off, path, u);
@@ -267,6 +279,7 @@ CML_FN int cml_stays_in_ball(const struct cml_body_view *view, struct cml_vec u,
     return view->in_ball & beside & (distance < view->square);
 }
 
+/* Fills *region with the part of the viewed ball on the packet's side of the planes. */
 CML_FN void cml_region_of_ball(const CML_GLOBAL struct cml_body_grid *grid, const struct cml_body_view *view,
                                struct cml_body_region *region)
 {
@@ -280,11 +293,12 @@ CML_FN void cml_region_of_ball(const CML_GLOBAL struct cml_body_grid *grid, cons
     region->least = sign * (view->above ? view->cell->upper : view->cell->lower) * size;
 }
 
-/* The share that is taken of a way that is free: the rest is more than single precision rounds it by. */
+/* The share of a free way that a packet is moved along it. The rest is more than rounding in single
+ * precision. */
 #define CML_BODY_WAY 0.9999
 
-/* Whether a path of this length (cells) from outside of the grid ends beyond the same of its faces: that
- * which it begins furthest beyond. Then that half-space is the region. */
+/* True if a path of this length (in cells), which begins outside of the grid, ends beyond the face of the
+ * grid that it begins furthest beyond. Then *region is the half-space beyond this face. */
 CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
                                  const struct cml_body_view *view, struct cml_vec u, real path,
                                  struct cml_body_region *region)
@@ -305,8 +319,8 @@ CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
     return 1;
 }
 
-/* How far a packet in the ball can fly before it may meet the surface there. path: how far it would fly; end:
- * where it leaves the ball. In cells. */
+/* Returns the distance that a packet in the ball can fly before it may meet the surface there. path: the
+ * length that it would fly; end: the distance at which it leaves the ball. All lengths are in cells. */
 CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real path, real end)
 {
     const CML_GLOBAL struct cml_body_cell *cell = view->cell;
@@ -318,26 +332,35 @@ CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real p
     return way < end ? way : end;
 }
 
-/* Whether a path may meet a body; from afar: from a place further from all surfaces than rounding could put a
- * packet. */
+/* Answers to the question whether a path may meet a body. FROM_AFAR: it may, and it begins further from all
+ * surfaces than rounding could put a packet. */
 enum cml_bodies_ahead { CML_NO_BODIES, CML_BODIES, CML_BODIES_FROM_AFAR };
 
-/* Afar is outside the grid, or beyond the planes and in the ball by a twentieth of its radius. */
+/* Returns CML_BODIES_FROM_AFAR for a place outside the grid, or beyond the planes and inside the ball by a
+ * twentieth of its radius; else CML_BODIES. */
 CML_FN int cml_bodies_from(const struct cml_body_view *view)
 {
     const int off_planes = (view->distance < (real)0.9 * view->square) & (view->above | view->below);
     return view->gap > 0 || off_planes ? CML_BODIES_FROM_AFAR : CML_BODIES;
 }
 
-/* From ball to ball: through so many at most, and no further than this, cells, for rounding grows with the
- * way, and CML_CELL_MARGIN is all that cells have to spare for it. */
+/* Limits of a search from ball to ball: the number of balls, and the distance in cells. Rounding grows with
+ * the distance, and cells have only CML_CELL_MARGIN to spare for it. */
 #define CML_BODY_BALLS 6
 #define CML_BODY_FARTHEST 10000
 
-/* Whether (enum cml_bodies_ahead) a packet at p can meet the surface of a body within t_max along u: from
- * ball to ball along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527].
- * *region: of a path that meets none, one in which it ends, if one is known. Outside of the grid the way to
- * it is free. What is not a number may meet one. */
+/* Returns enum cml_bodies_ahead: can a packet at p meet the surface of a body within t_max along u? The path
+ * is followed from ball to ball [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527]:
+ *
+ *            ball of p's cell     next ball
+ *                . - .         . - ~ - .
+ *              .       .     .           .
+ *      u ---> p---------->o-------------------->     each ball is free of surfaces, or its surface
+ *              .       .     .           .           lies between two planes
+ *                ' - '         ' - _ - '
+ *
+ * *region: if the path meets none, a free region in which it ends, if one is known. Outside of the grid, the
+ * way to the grid is free. A path that is not a number may meet a body. */
 CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
                             real t_max, struct cml_body_region *region)
 {
@@ -371,8 +394,9 @@ CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cm
     return ahead;
 }
 
-/* The slope from which on packets at p (boundary's frame) that leave a surface to their side of it meet it
- * never again: on a ring that of all they see from there, over a mesh that of its cell, 0 of a plane. */
+/* Returns the horizon at p, a slope: a packet at p that leaves the surface to its own side at least as
+ * steeply never meets the surface again. On a ring it is the ring's horizon, over a mesh that of the cell at
+ * p, and for a plane 0. p: in the boundary's frame. */
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, real side, int on_primitive)
 {
@@ -385,13 +409,14 @@ CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct c
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];
 }
 
-/* Whether a direction leads away from the surface, and as steeply as that. */
+/* True if a direction leads away from the surface at least as steeply as `horizon`, a slope. */
 CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
 {
     return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
 }
 
-/* Whether a path keeps to what is known to be free of a boundary. p in the boundary's frame. */
+/* True if a path is known to be free of a boundary by the boundary's safe distances. p: in the boundary's
+ * frame. */
 CML_FN int cml_is_safe(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                        struct cml_vec p, struct cml_vec u, real t_max)
 {
@@ -403,17 +428,19 @@ CML_FN int cml_is_safe(const struct cml_world *world, const CML_GLOBAL struct cm
 #endif
 }
 
-/* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
- * below it, -1 above. on_primitive: what of it, -1 or CML_NEAR_FACETS. */
+/* Returns the interval of a path on which a packet can meet a curved surface within t_max. p: in the
+ * boundary's frame. side: +1 the packet is below the surface, -1 above. on_primitive: primitive of the
+ * surface that it stands on, -1 or CML_NEAR_FACETS. */
 CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
                                                const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
                                                struct cml_vec u, real side, int on_primitive, real t_max)
 {
     const real horizon = cml_horizon(world, surface, p, side, on_primitive);
     const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
-    const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
+    /* Depth of the part that faces the packet. */
+    const real nearest = side > 0 ? surface->highest : surface->lowest;
     const real inside = side * (nearest - p.z), away = side * u.z;
-    const int passes = inside < away * t_max; /* that depth */
+    const int passes = inside < away * t_max; /* the path passes this depth */
     struct cml_interval s = {0, 0, t_max};
     if (cml_is_safe(world, surface, p, u, t_max)) return s;
     if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
@@ -426,7 +453,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     return cml_clip_interval(&surface->depths, bounds, start, u, side, s, form);
 }
 
-/* Where a packet can meet a surface of any kind within t_max (cml_curved_interval). */
+/* cml_curved_interval for a surface of any kind. */
 CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
                                                 const CML_GLOBAL struct cml_surface *surface,
                                                 struct cml_vec p, struct cml_vec u, real side,
@@ -439,34 +466,33 @@ CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
     return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
 }
 
-/* Where a packet can meet the boundaries of its medium; bodies: whether it can meet one within `reach`, enum
- * cml_bodies_ahead. */
+/* The parts of a path on which a packet can meet the boundaries above and below its medium. bodies: enum
+ * cml_bodies_ahead, for bodies within `reach` (cm). */
 struct cml_boundary_intervals {
     struct cml_interval above, below;
     int bodies;
     real reach;
 };
 
-/* Above or below the layers, not in a body. */
+/* True if a medium lies above or below all layers. */
 CML_FN int cml_is_outer(const struct cml_world *world, int medium)
 {
     return medium == 0 || medium == world->setup.num_layers + 1;
 }
 
-/* Whether a medium is the inside of a body. */
+/* True if a medium is the inside of a body. */
 CML_FN int cml_is_body(const struct cml_world *world, int medium)
 {
     return CML_MAY_HAVE_BODIES && medium > world->setup.num_layers + 1;
 }
 
-/* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
+/* Returns the primitive of a boundary that the packet stands on; -1: none, or CML_NEAR_FACETS. */
 CML_FN int cml_on_primitive(CML_PACKET const struct cml_packet *packet, int boundary)
 {
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
-/* On which parts of its path a packet can meet the boundaries of its layer; bodies in it are not looked at.
- * */
+/* Returns the parts of a path on which a packet can meet the boundaries of its layer. Bodies are left out. */
 CML_FN struct cml_boundary_intervals
 cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
 {
@@ -486,6 +512,7 @@ cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_p
     return intervals;
 }
 
+/* Returns the parts of a path on which a packet can meet the boundaries of its layer, and a body. */
 CML_FN struct cml_boundary_intervals
 cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
 {

@@ -1,30 +1,30 @@
-/* A ray against a revolved heightfield: rings of cones, marched in the order in which the ray's r(t) visits
- * them.
+/* Crossings of a ray with a radial heightfield: rings of cones about the z axis, searched in the order in
+ * which the ray visits them.
  *
- *   from above: circles r_1 and r_2         along the ray: side * f, its height over the surface
+ *    from above: circles r_1 and r_2         along the ray: side * f, its height over the surface
  *
- *             . - ' ' - .                    |\                 .-.
- *           .   . - - .   .                  | \              .'   '.
- *   p o----+---+-------+---+----> u          |  '.         _.'       \
- *         t_1 t_2     t_3 t_4                |    '-.___.-'           \
- *           .   ' - - '   .                0 +---+----+-------+------+-x---> t
- *             ' - . . - '                       t_1  t_2     t_3    t_4  hit
+ *              . - ' ' - .                    |\                 .-.
+ *            .   . - - .   .                  | \              .'   '.
+ *    p o----+---+-------+---+----> u          |  '.         _.'       \
+ *          t_1 t_2     t_3 t_4                |    '-.___.-'           \
+ *            .   ' - - '   .                0 +---+----+-------+------+-x---> t
+ *              ' - . . - '                       t_1  t_2     t_3    t_4  hit
  *
- *   cml_cone_go, span by span:  below 0 at its end  ---> the only root of the ring's cone in it
- *                               else convex         ---> may dip below 0 and come up again: the first root
- *                               else                ---> the next span, which shares the height at its end
+ *    cml_cone_go, span by span:  below 0 at its end  ---> the only root of the ring's cone in it
+ *                                else convex         ---> may dip below 0 and come up again: the first root
+ *                                else                ---> the next span, which shares the height at its end
  *
  * The cylinders r = r_i cut the ray into spans. In a span the height of the ray above the surface,
  *   f(t) = z(t) - (z_i + m_i (r(t) - r_i)),   r(t) = sqrt(a t^2 + 2 b t + c),
  * is convex or concave, so it has at most two roots. f at a shared radius is evaluated once, from that radius
- * itself, and serves both neighbours: no ray slips between two rings. The side on which the packet is at the
- * start is state, never computed; a packet that stands on a ring has the root t = 0, which is divided out. No
- * epsilon anywhere.
- *
- * Quadratic: (w + uz t)^2 = m^2 r(t)^2 with w = z - z_i + m r_i, i.e. A t^2 + 2 B t + C = 0,
+ * itself, and both neighbours use it: no ray slips between two rings. The packet's side of the surface at the
+ * start is known, and never computed. A packet that stands on a ring has the root t = 0, which is divided
+ * out. The search needs no fixed small length.
+ * The roots of a ring's cone solve (w + uz t)^2 = m^2 r(t)^2 with w = z - z_i + m r_i, i.e. A t^2 + 2 B t + C
+ * = 0:
  *   A = uz^2 - m^2 a,  B = w uz - m^2 b,  C = (w - m r)(w + m r),
- *   B^2 - A C = m^2 (|w u_xy - uz p_xy|^2 - m^2 k^2),  k = x uy - y ux,
- * the last form without the cancellation that loses the axial ray.
+ *   B^2 - A C = m^2 (|w u_xy - uz p_xy|^2 - m^2 k^2),  k = x uy - y ux.
+ * The last form has no cancellation for a ray along the axis.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -33,8 +33,8 @@
 
 struct cml_rings {
     CML_GLOBAL const real *r, *z, *slope; /* [n], see struct cml_world */
-    CML_GLOBAL const int *start;          /* [n], of the parts that cml_ring_part numbers */
-    real per_part;                        /* parts per cm */
+    CML_GLOBAL const int *start;          /* [n] first rings of the parts that cml_ring_part numbers */
+    real per_part;                        /* parts of the search table per cm */
     int n;
 };
 
@@ -48,14 +48,15 @@ CML_FN struct cml_ring cml_ring_at(struct cml_rings rings, int i)
     return ring;
 }
 
-/* A ray relative to the field's axis, with what all rings need of it. side: +1 the packet is below the
- * surface (f > 0) and can only leave upwards, -1 above. */
+/* A ray relative to the field's axis, with the terms that all rings need. side: +1 the packet is below the
+ * surface (f > 0) and can only leave upwards; -1 it is above. */
 struct cml_cone_ray {
     struct cml_vec p, u;
     real side;
     real a, b, c, r, k; /* r^2(t) = a t^2 + 2 b t + c; r = r(0); k = x uy - y ux */
 };
 
+/* Returns the ray from p along u, with the terms that all rings need. */
 CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u, real side)
 {
     struct cml_cone_ray ray;
@@ -70,29 +71,30 @@ CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u,
     return ray;
 }
 
-/* The depth at which ring i ends; that of the outermost is its own. */
+/* Returns the depth at which ring i ends; for the outermost ring its own depth. */
 CML_FN real cml_ring_end(struct cml_rings rings, int i)
 {
     return rings.z[i + 1 < rings.n ? i + 1 : i];
 }
 
-/* Depth of a place on a ring that begins and ends at these: between walls that are steep, rounding across
- * them would else carry a packet out beyond where they meet, deeper with every reflection. */
+/* Returns z clamped to the depths at which a ring begins and ends. Without it, rounding between steep walls
+ * would carry a packet out beyond the place where they meet, deeper with every reflection. */
 CML_FN real cml_clamp_to_ring(real begin, real end, real z)
 {
     const real low = begin < end ? begin : end, high = begin < end ? end : begin;
     return z > low ? (z < high ? z : high) : low;
 }
 
-/* Which of the n - 1 > 0 equal parts of a field holds r. Rising with r, so rings that begin in parts before
- * or behind also begin before or behind r, whatever rounding does. */
+/* Returns the part of the field that holds r, of its n - 1 > 0 equal parts. The result rises with r, whatever
+ * rounding does. So rings that begin in an earlier or later part also begin before or behind r. */
 CML_FN int cml_ring_part(real per_part, int n, real r)
 {
     const int part = (int)(r * per_part);
     return part < n - 1 ? part : n - 2;
 }
 
-/* The ring whose span holds r: largest i with r_i <= r. Rings of even width are found at once. */
+/* Returns the ring whose span holds r: the largest i with r_i <= r. In a field of even rings it is found at
+ * once. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {
     const int last = rings.n - 1;
@@ -110,7 +112,7 @@ CML_FN int cml_ring_of(struct cml_rings rings, real r)
 }
 
 #ifndef __OPENCL_VERSION__
-/* Fills start and returns per_part of n rings, from their radii. */
+/* Fills start[n] from the radii of n rings, and returns the number of parts per cm. */
 static inline real cml_ring_starts(const real *r, int n, int *start)
 {
     const real per_part = n > 1 ? (real)(n - 1) / r[n - 1] : (real)0;
@@ -123,10 +125,10 @@ static inline real cml_ring_starts(const real *r, int n, int *start)
 }
 #endif
 
-/* Where the ray leaves ring i: *next is i - 1 (inwards), i + 1 (outwards) or -1 (never, t is infinite). While
- * the ray moves inwards it crosses r_i only if its least radius |k|/sqrt(a) lies inside. Of the two forms of
- * the discriminant the one for rays that go outwards has no cancellation: a tangent at r_i+1 leaves at once.
- */
+/* Returns the t at which the ray leaves ring i. *next: i - 1 (inwards), i + 1 (outwards), or -1 (never, t is
+ * infinite). While the ray moves inwards, it crosses r_i only if its least radius |k|/sqrt(a) is smaller. The
+ * discriminant has two forms; the one for rays that go outwards does not cancel, so a tangent at r_(i+1)
+ * leaves at once. */
 CML_FN real cml_ring_exit(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int inwards,
                           int *next)
 {
@@ -146,8 +148,8 @@ CML_FN real cml_ring_exit(struct cml_rings rings, const struct cml_cone_ray *ray
     return ray->b > 0 ? gap / (root + ray->b) : (root - ray->b) / ray->a;
 }
 
-/* side * f at the end t of a span of ring i; next says which ring's radius it is, -1: none, r(t) is computed.
- */
+/* Returns side * f at the end t of a span of ring i. next: the ring that begins at this radius or ends there;
+ * -1: none, and r(t) is computed. */
 CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next, real t)
 {
     const real z = ray->p.z + t * ray->u.z;
@@ -157,11 +159,12 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
     return ray->side * (z - rings.z[i] - rings.slope[i] * (r - rings.r[i]));
 }
 
-/* The quadratic of a ring's cone; C is left to the root. */
+/* The quadratic of a ring's cone. C is left to the caller that needs it. */
 struct cml_cone_quadratic {
-    real w, A, B, D; /* D = B^2 - A C */
+    real w, A, B, D; /* A, B and discriminant D = B^2 - A C of the quadratic */
 };
 
+/* Returns the quadratic that a ray and the cone of a ring make. */
 CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const struct cml_cone_ray *ray)
 {
     const real m = ring.slope, mm = m * m, w = ray->p.z - ring.z + m * ring.r;
@@ -172,9 +175,10 @@ CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const 
     return q;
 }
 
-/* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1); *t where it
- * goes below, *half_root_gap from there to the deepest point. A < 0 puts both roots on one nappe. The height
- * at the deepest point itself decides, and says how far from it the root is: a discriminant would have lost
+/* True if the ray goes below the real nappe of ring i and comes up again, with its deepest point in (t0, t1).
+ * *t: where it goes below; *half_root_gap: the distance from there to the deepest point. A < 0 puts both
+ * roots on one nappe.
+ * The height at the deepest point decides, and gives the root's distance. A discriminant would have lost
  * these digits where the ray just touches the cone. */
 CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                          real *t, real *half_root_gap)
@@ -192,10 +196,10 @@ CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* The only root of a ring's cone, of slope other than 0, at which the ray leaves its side: of the two roots
- * the one where side * f falls. A change of sign or a dip has shown that it is real: a discriminant below 0
- * is rounding, the ray passes through the tip. standing: t = 0 is a root and is divided out. *half_root_gap:
- * half the distance between the two roots. */
+/* Returns the root of a ring's cone, of slope other than 0, at which the ray leaves its side: of both roots
+ * the one where side * f falls. The caller knows from a change of sign or a dip that this root is real. So a
+ * discriminant below 0 comes from rounding, and the ray passes through the tip. standing: t = 0 is a root and
+ * is divided out. *half_root_gap: half the distance between both roots. */
 CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray *ray, int standing,
                                  real *half_root_gap)
 {
@@ -210,7 +214,7 @@ CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray
     return (larger ? q : C) / (larger ? c.A : q_other);
 }
 
-/* The root in a ring of any slope. Returns 0 when there is none; *t may lie outside the span. */
+/* Finds the root in a ring of any slope. Returns 0 if there is none. *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
                          real *half_root_gap)
 {
@@ -225,8 +229,9 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* Where side * f falls below 0 in [t0, t1], by halves from t on; at once where it already is. What is before
- * t is searched in steps that do not depend on t0: a march that begins later finds the same. */
+/* Returns the place in [t0, t1] where side * f falls below 0, by bisection from t on; t0 if it is below 0
+ * there already. If it falls before t, the search goes back from t in steps that do not depend on t0. So a
+ * march that begins later finds the same place. */
 CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                             real t)
 {
@@ -247,10 +252,11 @@ CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *r
     return low;
 }
 
-/* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
- * close to the apex, the height at the root does not. Where the ray just touches the cone, or lies almost in
- * it, the root may have lost all of them and the step goes anywhere. It counts, and 1 is returned, when it is
- * small against `half_root_gap` and the distance from the axis, between which the slope changes. */
+/* Improves a root by one Newton step on the height itself. The quadratic's root loses digits if a ray from
+ * far away passes close to the apex; the height at the root does not. If the ray just touches the cone, or
+ * lies almost in it, the root may have lost all digits, and the step goes anywhere. Returns 1 if the step is
+ * small against half_root_gap and the distance from the axis, between which the slope changes; only then
+ * *better may be used. */
 CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray, real t0, real t1, real t,
                            real half_root_gap, real *better)
 {
@@ -264,11 +270,12 @@ CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray,
     return (r > 0) & (ray->side * rate < 0) & small & (moved >= t0) & (moved <= t1);
 }
 
-/* The root after that step. Where the step does not count the sign of the height decides, step by step. A
- * packet that stands on the ring has no sign at its start; for it the step takes back what it has been beside
- * the surface, which else would grow with every reflection along a hollow, and the sign half way tells
- * whether it has left the surface at all before: beside a tip the root may be one of the cone's other nappe.
- */
+/* Returns the root after Newton's step. If the step is of no use, the sign of the height decides by
+ * bisection.
+ * A packet that stands on the ring has no sign at its start. For it Newton's step also removes its distance
+ * from the surface, which would else grow with every reflection along a hollow. The sign half-way tells if
+ * the packet has left the surface before at all: beside a tip the root may be that of the cone's other
+ * nappe. */
 CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                             int standing, real t, real half_root_gap)
 {
@@ -278,20 +285,21 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
     return cml_ring_search(rings, ray, i, apart ? t / 2 : t0, t1, t);
 }
 
-/* What lies nearest to a root in a span. */
+/* Returns the place in a span that is nearest to a root. */
 CML_FN real cml_clamp_to_span(real root, real t0, real t1)
 {
     return root > t0 ? (root < t1 ? root : t1) : t0;
 }
 
-/* Whether rounding may have put the packet on any side of the field's tip. */
+/* True if rounding may have put the packet on any side of the field's tip. */
 CML_FN int cml_ring_in_tip(struct cml_rings rings, const struct cml_cone_ray *ray, int i)
 {
     return i == 0 && rings.r[0] == 0 && ray->r <= 8 * CML_EPSILON * (CML_FABS(ray->p.z) + rings.r[1]);
 }
 
-/* One span [t0, t1] of ring i. end: side * f at t1. Crossed when that is negative, or dips below 0 in
- * between, which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
+/* Searches one span [t0, t1] of ring i. end: side * f at t1. The surface is crossed if `end` is negative, or
+ * if side * f dips below 0 in between, which only a convex side * f can. Returns 1, and *t in [t0, t1], if
+ * the surface is crossed. */
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real end,
                          int standing, real t0, real t1, real *t)
 {
@@ -304,8 +312,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
         return 0;
     }
     if (standing && !(root >= 0 && root <= t1)) {
-        /* the sign at t1 was rounding: the packet has just left the ring, but not where it may have been any
-         * part of it */
+        /* The sign at t1 comes from rounding: the packet has just left the ring. At the tip this proves
+         * nothing, because the packet may have been on any side of it. */
         *t = t0;
         return cml_ring_in_tip(rings, ray, i);
     }
@@ -314,7 +322,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* A ray parallel to the axis stays at one radius: its height is linear in t. */
+/* Finds the crossing of a ray parallel to the axis. The ray stays at one radius, so its height is linear in
+ * t. */
 CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing,
                                  real t_max, real *t)
 {
@@ -325,13 +334,14 @@ CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_r
     return *t < t_max;
 }
 
-/* A ray on its way from ring to ring, in the span [t0, t1] of one. */
+/* The state of a search: a ray on its way from ring to ring, now in the span [t0, t1] of one ring. */
 struct cml_cone_march {
     struct cml_cone_ray ray;
     int ring, inwards, standing;
     real t0, t1;
 };
 
+/* Begins a search at t_min: returns the march with the ring that the ray is in there, or stands on. */
 CML_FN struct cml_cone_march cml_cone_begin(struct cml_rings rings, struct cml_vec p, struct cml_vec u,
                                             real side, real t_min, int on_ring)
 {
@@ -346,17 +356,19 @@ CML_FN struct cml_cone_march cml_cone_begin(struct cml_rings rings, struct cml_v
 enum cml_cone_verdict {
     CML_CONE_MISSED,
     CML_CONE_HIT,
-    CML_CONE_ENTERED, /* crossed in the span, for the first time, at its only root */
+    CML_CONE_ENTERED, /* the ray crosses in the span, for the first time, at its only root */
 };
 
 #ifndef __OPENCL_VERSION__
-/* A march that goes on for as many spans looks at as many together. */
+/* Spans are searched one by one until CML_CONE_ALONE have been passed, then CML_CONE_TOGETHER at a time in
+ * vector loops. */
 #define CML_CONE_ALONE 3
 #define CML_CONE_TOGETHER 16
 
-/* Spans in which the march, which stands on no ring, provably meets nothing, by the arithmetic of
- * cml_cone_go: they end before t_max, on its side, and the ray comes nowhere closest to their cones. Goes on
- * to the first other, and returns how many there were. There are as many rings that way. */
+/* Skips spans in which a march that stands on no ring provably meets nothing, by the arithmetic of
+ * cml_cone_go: they end before t_max, on the packet's side, and in none of them does the ray come closest to
+ * its cone. Moves the march to the first other span, and returns the number of spans skipped. The caller
+ * makes sure that CML_CONE_TOGETHER rings lie ahead. */
 __attribute__((always_inline)) static inline int
 cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_max, const int inwards)
 {
@@ -367,7 +379,7 @@ cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_m
     t[0] = march->t0;
 #pragma omp simd
     for (int k = 0; k < CML_CONE_TOGETHER; k++) {
-        const int at = inwards ? from - k : from + 1 + k; /* whose radius ends the span */
+        const int at = inwards ? from - k : from + 1 + k; /* ring whose radius ends the span */
         const real r = rings.r[at], gap = (r - ray.r) * (r + ray.r);
         const real turning = ray.a * r * r - ray.k * ray.k,
                    square = (outwards & rising) ? ray.b * ray.b + ray.a * gap : turning;
@@ -394,6 +406,7 @@ cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_m
     return first;
 }
 
+/* Skips spans that meet nothing, CML_CONE_TOGETHER at a time, as long as enough rings lie ahead. */
 __attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rings,
                                                             struct cml_cone_march *march, real t_max)
 {
@@ -408,11 +421,12 @@ __attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rin
 }
 #else
 #define CML_CONE_ALONE 1
-#define cml_cone_skip(rings, march, t_max) ((void)0) /* others of a work group would wait */
+/* On a device the other items of a work-group would wait. */
+#define cml_cone_skip(rings, march, t_max) ((void)0)
 #endif
 
-/* On to the first crossing before t_max: *t, on march->ring. leave_roots: most roots are left to the caller.
- */
+/* Moves a march to the first crossing before t_max: *t, on march->ring. leave_roots: 1 leaves most roots to
+ * the caller, with the verdict CML_CONE_ENTERED. */
 CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone_march *march, real t_max,
                                          int leave_roots, real *t)
 {
@@ -449,9 +463,9 @@ CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone
     }
 }
 
-/* The first crossing of the surface with t_min <= t < t_max (infinite allowed); there must be none before
- * t_min. p is relative to the axis and to the boundary's frame; on_ring is the ring the packet stands on, -1:
- * none, or else t_min must be 0. Returns 1, *t and *ring at a crossing, else 0. */
+/* Finds the first crossing of the surface with t_min <= t < t_max (which may be infinite). There must be none
+ * before t_min. p: relative to the axis, in the boundary's frame. on_ring: the ring that the packet stands on
+ * (then t_min must be 0), or -1. Returns 1, *t and *ring if there is a crossing, else 0. */
 CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_min,
                         real t_max, int on_ring, real *t, int *ring)
 {
@@ -461,7 +475,8 @@ CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec
     return verdict == CML_CONE_HIT;
 }
 
-/* Unit normal of a cone of slope m at (x, y), r = sqrt(x^2 + y^2) > 0; up is against z. */
+/* Returns the unit normal, pointing up (against z), of a cone of slope m at (x, y). r = sqrt(x^2 + y^2) >
+ * 0. */
 CML_FN struct cml_vec cml_cone_normal_of_slope(real m, real x, real y, real r)
 {
     const real k = (real)1 / CML_SQRT((real)1 + m * m);
@@ -469,8 +484,8 @@ CML_FN struct cml_vec cml_cone_normal_of_slope(real m, real x, real y, real r)
     return up;
 }
 
-/* Unit normal of ring i alone, pointing up, at a point relative to the axis; on the axis the axis itself. It
- * says on which side of the ring a direction goes. */
+/* Returns the unit normal of ring i alone, pointing up, at a point relative to the axis. On the axis it is
+ * the axis itself. This normal decides on which side of the ring a direction goes. */
 CML_FN struct cml_vec cml_cone_facet(struct cml_rings rings, int i, real x, real y)
 {
     const struct cml_vec axis = {0, 0, -1};
@@ -478,8 +493,8 @@ CML_FN struct cml_vec cml_cone_facet(struct cml_rings rings, int i, real x, real
     return r > 0 ? cml_cone_normal_of_slope(rings.slope[i], x, y, r) : axis;
 }
 
-/* Unit normal of the surface at a point of ring i: the facet's, but exactly on a ridge the mean of both
- * rings'. */
+/* Returns the unit normal of the surface at a point of ring i: the ring's own normal, or exactly on a ridge
+ * the mean of both rings' normals. */
 CML_FN struct cml_vec cml_cone_normal(struct cml_rings rings, int i, real x, real y)
 {
     const real r = CML_SQRT(x * x + y * y);

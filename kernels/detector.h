@@ -1,19 +1,19 @@
-/* Which detectors see a packet that has left for good (P13). On the host only.
+/* Detectors: which of them see a packet that has left for good (P13). For the host only.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "optics.h"
 #include "types.h"
 
-/* Light that goes out along a straight line: through p, cm from the scene's origin and in the frame of the
- * outer medium, in direction u. */
+/* Light that leaves along a straight line through p in direction u. p: in cm from the scene's origin, in the
+ * frame of the outer medium. */
 struct cml_ray_out {
     struct cml_vec p, u;
-    int below; /* on the bottom side */
-    int fresh; /* never was in the material */
+    int below; /* 1: the light leaves on the bottom side */
+    int fresh; /* 1: the light has never been in the material */
 };
 
-/* Where the whole line crosses a level; 0: nowhere. */
+/* Finds *x, *y where the whole line crosses the level z. Returns 0 if the line is level. */
 CML_FN int cml_crosses_level(const struct cml_ray_out *ray, real z, real *x, real *y)
 {
     const real t = (z - ray->p.z) / ray->u.z;
@@ -23,7 +23,8 @@ CML_FN int cml_crosses_level(const struct cml_ray_out *ray, real z, real *x, rea
     return 1;
 }
 
-/* Sines tell small angles, cosines do not. */
+/* True if the direction u lies in the detector's cone. The comparison uses sines, because cosines do not
+ * resolve small angles. */
 CML_FN int cml_is_in_cone(const struct cml_detector *detector, struct cml_vec u)
 {
     const struct cml_vec a = detector->axis;
@@ -32,8 +33,8 @@ CML_FN int cml_is_in_cone(const struct cml_detector *detector, struct cml_vec u)
     return cml_dot(u, a) > 0 && cml_dot(cross, cross) <= detector->most_sine2;
 }
 
-/* Whether x, y (scene coordinates) lie in the shape. A border belongs to the shape on its upper side, so that
- * shapes side by side see all and nothing twice. */
+/* True if x, y (cm from the scene's origin) lie in the detector's shape; *pixel is then the pixel of a map. A
+ * border belongs to the shape on its upper side, so shapes side by side see everything, and nothing twice. */
 CML_FN int cml_is_in_shape(const struct cml_detector *detector, real x, real y, cml_u64 *pixel)
 {
     const struct cml_map *map = &detector->pixels;
@@ -52,23 +53,26 @@ CML_FN int cml_is_in_shape(const struct cml_detector *detector, real x, real y, 
     return 1;
 }
 
-/* Share of a circle of radius r that lies in a disk whose middle is `away` from the circle's. */
+/* Returns the share of a circle of radius r that lies in a disk. away: distance between both middles. All
+ * lengths in cm. */
 CML_FN real cml_share_in_disk(real r, real away, real radius)
 {
-    const real square =
-        (radius - (r - away)) * (radius + (r - away)) / (4 * r * away); /* of the sine of half the angle */
+    /* Square of the sine of half the angle. */
+    const real square = (radius - (r - away)) * (radius + (r - away)) / (4 * r * away);
     const real per_turn = (real)0.3183098861837907;
     if (!(square > 0)) return 0;
     if (square >= 1) return 1;
     return square < (real)0.5 ? per_turn * cml_acos(1 - 2 * square) : 1 - per_turn * cml_acos(2 * square - 1);
 }
 
+/* Returns the share of a circle of radius r about the beam that lies in the ring of `arc`. */
 CML_FN real cml_arc_share(struct cml_arc arc, real r)
 {
     return cml_share_in_disk(r, arc.away, arc.outer) - cml_share_in_disk(r, arc.away, arc.inner);
 }
 
-/* x, y: where the ray crosses the detector's level, from the scene's origin. */
+/* True if the detector sees the ray. x, y: where the ray crosses the detector's level, from the scene's
+ * origin. */
 CML_FN int cml_detects(const struct cml_detector *detector, const struct cml_ray_out *ray, real x, real y,
                        cml_u64 *pixel)
 {
@@ -76,7 +80,7 @@ CML_FN int cml_detects(const struct cml_detector *detector, const struct cml_ray
     return cml_is_in_shape(detector, x, y, pixel) && (!detector->aimed || cml_is_in_cone(detector, ray->u));
 }
 
-/* The cell of the grid over a level's detectors; -1: there are none. */
+/* Returns the cell of the grid over a level's detectors that holds x, y; -1 if there are no detectors. */
 CML_FN int cml_detector_cell(const struct cml_detector_level *level, real x, real y)
 {
     const real ix = (x - level->corner_x) * level->per_cell_x, iy = (y - level->corner_y) * level->per_cell_y;

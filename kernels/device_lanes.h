@@ -1,7 +1,8 @@
-/* The packets of one work-item as structure of arrays, and the loops over them: draw, fly, hop, drop, spin.
- * With several lanes, for a CPU, compilers make vector loops of them; with one, for a GPU, the arrays are
- * registers. The arithmetic is that of walk.h. What few packets do, boundaries, roulette and ends, is done a
- * lane at a time (transport.cl). OpenCL C only. SPDX-License-Identifier: MIT */
+/* The packets of one work-item as a structure of arrays, and the loops over them: draw, fly, interact,
+ * deposit. With several lanes, for a CPU, compilers turn these into vector loops. With one lane, for a GPU,
+ * the arrays are registers. The arithmetic is that of walk.h. Rare events (boundaries, roulette, ends) are
+ * handled one lane at a time in transport.cl. For OpenCL C only.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "walk.h"
@@ -14,50 +15,53 @@ struct cml_device_lanes {
     cml_u32 index_low[CML_DEVICE_LANES], index_high[CML_DEVICE_LANES];
     real x[CML_DEVICE_LANES], y[CML_DEVICE_LANES], z[CML_DEVICE_LANES], ux[CML_DEVICE_LANES],
         uy[CML_DEVICE_LANES], uz[CML_DEVICE_LANES];
-    real tau[CML_DEVICE_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
+    /* Optical depth; below 0: not drawn yet; infinite: to be drawn from the tail. */
+    real tau[CML_DEVICE_LANES];
     cml_u32 w[CML_DEVICE_LANES];
-    cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to the balance */
+    cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the balance last got the deposits */
     cml_u32 interactions[CML_DEVICE_LANES];
-    cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
+    cml_u32 touched[CML_DEVICE_LANES]; /* interactions before the last boundary event */
     cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
-        draw3[CML_DEVICE_LANES]; /* words of the next interaction's block */
+        draw3[CML_DEVICE_LANES]; /* random words of the next interaction */
     real mfp[CML_DEVICE_LANES], absorb[CML_DEVICE_LANES], g[CML_DEVICE_LANES],
-        bins[CML_DEVICE_LANES]; /* of the medium */
+        bins[CML_DEVICE_LANES]; /* properties of the packet's medium */
     real stop_above[CML_DEVICE_LANES],
-        stop_below[CML_DEVICE_LANES]; /* z between which there is no boundary */
-    real start_above[CML_DEVICE_LANES],
-        start_below[CML_DEVICE_LANES];      /* the same for surfaces that are no planes */
-    cml_u32 live[CML_DEVICE_LANES];         /* 1: holds a packet */
-    cml_u32 path_is_free[CML_DEVICE_LANES]; /* 1: a boundary was looked for, and there is none before the
-                                          interaction */
-    /* of this pass */
+        stop_below[CML_DEVICE_LANES]; /* a path that ends between these depths reaches no boundary */
+    /* Depths: a path that begins between them begins within the heights of no curved boundary. Infinite
+     * beside a plane. */
+    real start_above[CML_DEVICE_LANES], start_below[CML_DEVICE_LANES];
+    cml_u32 live[CML_DEVICE_LANES]; /* 1: holds a packet */
+    /* 1: a boundary was looked for, and none lies before the interaction. */
+    cml_u32 path_is_free[CML_DEVICE_LANES];
+    /* Members of the present pass: */
     cml_u32 mine[CML_DEVICE_LANES]; /* 1: the packet flies s to its interaction */
     real s[CML_DEVICE_LANES];
     cml_u32 dw[CML_DEVICE_LANES];
-    cml_u32 cell[CML_DEVICE_LANES]; /* of A_rz */
+    cml_u32 cell[CML_DEVICE_LANES]; /* cell of A_rz */
 };
 
 #if CML_DEVICE_LANES > 1
-#define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
+/* A function of its own, so that the compiler makes its loop a vector loop. */
+#define CML_DEVICE_LOOP static __attribute__((noinline))
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #define CML_FORGET_REGISTERS ((void)0)
-#pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
+#pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than clang looks for them */
 #else
 #define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
 #define CML_ONE_COPY _Pragma("unroll 1")
-/* What has been stored is read again from memory, rather than kept in a register as well. */
+/* Makes the compiler read stored values again from memory, so that it need not keep them in registers. */
 #define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
-/* Interactions that a lane may have before those that have come to a boundary go there: at
- * these 32 lanes waited least for each other, counted over S1 to S6 and a hill. */
+/* Most interactions of a lane between two stops of its work-group for boundaries. With these numbers 32 lanes
+ * waited least for each other, measured over S1 to S6 and a hill. */
 #define CML_DEVICE_PASSES (CML_ALL_PLANES ? 8u : 2u)
 #endif
 
-/* Number of the lowest bit set, which is that of a lane. */
+/* Returns the number of the lowest bit that is set, which is the number of a lane. */
 #define CML_LOWEST(mask) (CML_DEVICE_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
 
-/* Whether lane i may meet a boundary before its interaction, s away: 0 only where none can be met. What is
- * not a number, or infinite, may. A plane is met at the end of the path or before, never by a packet that
+/* Returns 0 only if lane i can meet no boundary before its interaction, s (cm) away. A path that is infinite
+ * or not a number may meet one. A plane is met at the end of a path or before, and never by a packet that
  * stands on it and leads away. */
 CML_FN cml_u32 cml_device_may_hit(const struct cml_device_lanes *l, cml_u32 i, real s)
 {
@@ -66,9 +70,9 @@ CML_FN cml_u32 cml_device_may_hit(const struct cml_device_lanes *l, cml_u32 i, r
              (z - err_depth > l->start_above[i]) & (z + err_depth < l->start_below[i]));
 }
 
-/* The block of lane i's next interaction, its optical depth if it has none yet, and how far it goes. A lane
- * whose last event was no interaction draws the block that it has. even: words may come from the lattice.
- * Returns 1 when the lane is live and may meet a boundary; other live lanes are to interact. */
+/* Draws the block of lane i's next interaction, and its optical depth if it has none yet, and sets its path.
+ * A lane whose last event was no interaction draws the same block again. even: 1 if words may come from the
+ * lattice. Returns 1 if the lane is live and may meet a boundary; other live lanes are to interact. */
 CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cml_device_lanes *restrict l,
                                    cml_u32 i)
 {
@@ -95,8 +99,8 @@ CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cm
 }
 
 #if CML_DEVICE_LANES > 1
-/* All lanes, none of which draws from the lattice. Returns the mask of those for which cml_device_fly_lane
- * returns 1. */
+/* Runs cml_device_fly_lane on all lanes, none of which draws from the lattice. Returns the mask of lanes for
+ * which it returns 1. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 may_hit = 0;
@@ -105,7 +109,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct c
     return may_hit;
 }
 
-/* cml_device_fly_random where some lanes may draw from the lattice. */
+/* cml_device_fly_random for lanes of which some may draw from the lattice. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 may_hit = 0;
@@ -114,7 +118,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml
     return may_hit;
 }
 
-/* The second only where it must be: it takes twice as many random numbers. */
+/* Runs cml_device_fly_even only if a lane needs the lattice, because it takes twice as many random
+ * numbers. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 even = 0;
@@ -122,7 +127,7 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
     return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
 #else
-/* The only lane; one whose path is free meets no boundary. */
+/* cml_device_fly_lane for the only lane. A lane whose path is known to be free meets no boundary. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     const cml_u32 may_hit = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);
@@ -133,8 +138,8 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
 }
 #endif
 
-/* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of
- * those that are below the roulette's threshold. */
+/* Absorbs and scatters (P3, P4) the lanes that interact: fills dw and, if absorption is tallied, cell.
+ * Returns the mask of lanes below the roulette's threshold. */
 CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict setup,
                                             __global const struct cml_phase_cell *restrict phases,
                                             struct cml_device_lanes *restrict l)
@@ -165,6 +170,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
     return low_lanes;
 }
 
+/* Adds the deposits of all lanes that interact to A_rz. */
 CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)

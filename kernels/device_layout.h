@@ -1,5 +1,5 @@
-/* What the host and an OpenCL device hand each other, read by both; the host compares the layout of every
- * struct with the device's before the first packet flies.
+/* The data that the host and an OpenCL device hand each other. Both compile this file, and before the first
+ * packet flies the host compares the device's layout of every struct with its own.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -13,66 +13,67 @@
 #define CML_OFFSET(type, member) ((cml_u32)(size_t) & ((type *)0)->member)
 #endif
 
-/* All tallies of a device are one block of 64-bit cells: weight balance, counts, A_l, Rd_ra, Tt_ra,
- * A_rz. A weight in it counts in units of 1/CML_WEIGHT_ONE of a packet. */
+/* The tallies of a device are one block of 64-bit cells: weight balance, counts, A_l, Rd_ra, Tt_ra, A_rz, in
+ * this order. Weights in it are in units of 1/CML_WEIGHT_ONE of a packet. */
 #define CML_CELL_BALANCE 0
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 
-/* Where a device has the radial bin ir of A_rz, 0..nr. With one packet a work-item, as on a GPU, what lies
- * beyond the last one comes first, because many packets end there, and the first cells are those in local
- * memory. */
+/* Returns the column of A_rz in which a device stores the radial bin ir, 0..nr. A device with one packet per
+ * work-item (a GPU) stores the overflow bin nr first: many packets end there, and the first cells are the
+ * ones in local memory. */
 CML_FN int cml_device_column(int ir, int nr, int lanes)
 {
     if (lanes > 1) return ir;
     return ir < nr ? ir + 1 : 0;
 }
 
-/* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
- * the kernel ends. Cells count from 0. */
+/* A part of the block of tallies. A work-group keeps the part's first cells, which are hit most, in local
+ * memory until the kernel ends. Cells count from 0. */
 struct cml_local_part {
-    cml_u64 first;       /* cell of the block */
-    cml_u32 first_local; /* cell of the local memory */
+    cml_u64 first;       /* first cell in the block */
+    cml_u32 first_local; /* first cell in local memory */
     cml_u32 count;       /* cells in local memory */
 };
 
 struct cml_local_parts {
-    /* sums: balance to A_l; begins both memories, and its cells below CML_CELL_LAYER are always in the local
-     * one */
+    /* sums: balance to A_l. It begins both memories, and its cells below CML_CELL_LAYER are always in local
+     * memory. */
     struct cml_local_part sums, reflected, transmitted, absorbed;
 };
 
-/* One call of the kernel. */
+/* Parameters of one call of the kernel. */
 struct cml_kernel_call {
-    cml_u32 items;     /* work-items that may fly; the others of the last group rest */
-    cml_u32 steps;     /* events per work-item at most: watchdogs end what takes too long */
+    cml_u32 items;     /* work-items that may fly; the others of the last work-group rest */
+    cml_u32 steps;     /* most events per work-item, because a watchdog ends a kernel that takes too long */
     cml_u32 record;    /* 1: write the fates, 0: do not */
-    cml_u32 num_local; /* cells of the local memory */
+    cml_u32 num_local; /* cells in local memory */
 };
 
 #define CML_LOST_KEPT 64
 
-/* Counters that work-items share: photons first, first + stride, first + 2 stride and so on, `count` of them,
- * of which `taken` have been taken. */
+/* Counters that all work-items share. The call has `count` photons with the indices first, first + stride,
+ * first + 2 stride and so on; `taken` of them have been taken. */
 struct cml_counters {
-    cml_u64 first, stride;       /* index of a photon; difference of two indices */
-    cml_u32 count, taken;        /* photons */
-    cml_u32 alive;               /* packets that the next call goes on with */
-    cml_u32 num_lost;            /* photons, of which the first CML_LOST_KEPT are listed */
-    cml_u64 lost[CML_LOST_KEPT]; /* indices of photons, the first of a call */
+    cml_u64 first, stride;       /* index of the first photon; step between two indices */
+    cml_u32 count, taken;        /* numbers of photons */
+    cml_u32 alive;               /* packets that the next call continues */
+    cml_u32 num_lost;            /* lost photons; the first CML_LOST_KEPT are listed */
+    cml_u64 lost[CML_LOST_KEPT]; /* indices of the first lost photons of a call */
 };
 
-/* How one packet ended. Weights are in units of 1/CML_WEIGHT_ONE of a whole packet. */
+/* The end of one packet, recorded on request. Weights are in units of 1/CML_WEIGHT_ONE of a whole packet. */
 struct cml_device_fate {
-    cml_u64 absorbed, backing;             /* weights */
-    int fate, cause;                       /* enum cml_fate, cml_lost_cause */
-    cml_u32 w;                             /* weight at the end */
-    cml_u32 interactions, boundary_events; /* numbers of them */
-    real exit_x, exit_y;                   /* cm, from the scene's origin */
-    struct cml_vec u;                      /* unit direction */
+    cml_u64 absorbed, backing;
+    int fate, cause; /* enum cml_fate, cml_lost_cause */
+    cml_u32 w;       /* weight at the end */
+    cml_u32 interactions, boundary_events;
+    real exit_x, exit_y; /* cm, from the scene's origin */
+    struct cml_vec u;    /* unit direction at the end */
 };
 
-/* Of a packet the host has more behind what a device has. */
+/* Size of a packet on a device. A packet on the host has extra members behind those it shares with the
+ * device. */
 #ifdef __OPENCL_VERSION__
 #define CML_DEVICE_PACKET ((cml_u32)sizeof(struct cml_packet))
 #else

@@ -1,34 +1,38 @@
-/* Numbers that spread evenly over the photons of a batch, in place of random ones: a randomly shifted rank-1
- * lattice rule for the first scatterings of every packet, its first two reflections, and where it starts.
- * Point p of a batch has the coordinate (reversed(p) z_d mod 2^32 + shift_d) mod 2^32 in dimension d, where
- * reversed(p) are its bits in reverse order. So any 2^m points are a lattice, whatever m is, and a batch may
- * grow [Hickernell, Hong, L'Ecuyer, Lemieux: Extensible lattice sequences for quasi-Monte Carlo quadrature,
- * SIAM J. Sci. Comput. 22 (2000) 1117]. Shifts are random words of the batch; with them every single point is
- * uniform, so that all means keep their expected values [Cranley, Patterson, SIAM J. Numer. Anal. 13 (1976)
- * 904]. Packets of a batch depend on each other, batches do not. SPDX-License-Identifier: MIT */
+/* Random numbers that are spread evenly over the photons of a batch: a randomly shifted rank-1 lattice rule.
+ * It serves the first scatterings of every packet, its first two reflections, and its start.
+ * Point p of a batch has in dimension d the word (reversed(p) z_d mod 2^32 + shift_d) mod 2^32, where
+ * reversed(p) has the bits of p in reverse order. Then any 2^m points are a lattice, whatever m is, and a
+ * batch may grow [Hickernell, Hong, L'Ecuyer, Lemieux: Extensible lattice sequences for quasi-Monte Carlo
+ * quadrature, SIAM J. Sci. Comput. 22 (2000) 1117].
+ * The shifts are random words of the batch. They make every single point uniform, so all means keep their
+ * expected values [Cranley, Patterson, SIAM J. Numer. Anal. 13 (1976) 904]. Packets of one batch depend on
+ * each other; batches do not.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "balance.h"
 #include "rng.h"
 
-/* Interactions whose depth, cosine and azimuth come from the lattice; those that follow draw at random. */
+/* Number of a packet's first interactions whose depth, cosine and azimuth come from the lattice. Later
+ * interactions draw at random. */
 #define CML_LATTICE_EVENTS 3u
 
-/* Boundary events with unequal indices whose reflection does. Two, because above a curved boundary the first
- * one is where a packet enters. */
+/* Number of a packet's first boundary events with unequal indices whose reflection comes from the lattice.
+ * Two, because above a curved boundary the first one is where a packet enters. */
 #define CML_LATTICE_REFLECTIONS 2u
 
-/* Dimension 4 e + k is word k of interaction e, k < 3. The others are something else. */
-#define CML_LATTICE_REFLECTION 3u     /* the first of those boundary events */
-#define CML_LATTICE_SPARE 7u          /* not in use: it lies badly with dimension 0 where points are few */
-#define CML_LATTICE_LAUNCH_RADIUS 11u /* the launch's word 0 */
+/* Dimensions of the lattice. Dimension 4 e + k is word k of interaction e, for k < 3. The dimensions with k =
+ * 3, and those from 12 on, serve other draws: */
+#define CML_LATTICE_REFLECTION 3u     /* reflection at a packet's first boundary event */
+#define CML_LATTICE_SPARE 7u          /* not in use: it lies badly with dimension 0 if points are few */
+#define CML_LATTICE_LAUNCH_RADIUS 11u /* word 0 of the launch */
 #define CML_LATTICE_SECOND_REFLECTION 12u
-#define CML_LATTICE_LAUNCH_POLAR 13u /* the launch's word 2 */
+#define CML_LATTICE_LAUNCH_POLAR 13u /* word 2 of the launch */
 #define CML_LATTICE_DIMENSIONS 14u
-#define CML_LATTICE_BLOCKS 4u /* of four dimensions, the last one not full */
+#define CML_LATTICE_BLOCKS 4u /* blocks of four dimensions; the last is not full */
 
-/* z_d: found by `bench/choices/lattice.c`, which says by what criterion. Selects, because vector loops have
- * no tables. */
+/* Returns the generator z_d of a dimension. `bench/choices/lattice.c` found these numbers and states the
+ * criterion. They are selected by comparisons, because vector loops have no tables. */
 CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
 {
     const cml_u32 e = dimension / 4u, k = dimension % 4u;
@@ -39,8 +43,8 @@ CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
     return e == 0u ? first : (e == 1u ? second : (e == 2u ? third : fourth));
 }
 
-/* Point of a photon in its batch, modulo 2^32, with its bits in reverse order. Every 2^32 points get new
- * shifts. */
+/* Returns a photon's point in its batch, modulo 2^32, with its bits in reverse order. Every 2^32 points of a
+ * batch get new shifts. */
 CML_FN cml_u32 cml_lattice_reversed(cml_u32 photon_low, cml_u32 photon_high)
 {
     cml_u32 x = photon_low / CML_NUM_BATCHES | photon_high << (32 - CML_LOG2_BATCHES);
@@ -51,7 +55,7 @@ CML_FN cml_u32 cml_lattice_reversed(cml_u32 photon_low, cml_u32 photon_high)
     return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
 }
 
-/* Shifts of dimensions 4 e to 4 e + 3, for the batch of a photon. */
+/* Returns the shifts of dimensions 4 e to 4 e + 3, for the batch of a photon. */
 CML_FN struct cml_block cml_lattice_shifts(struct cml_stream stream, cml_u32 photon_low, cml_u32 photon_high,
                                            cml_u32 e)
 {
@@ -59,21 +63,22 @@ CML_FN struct cml_block cml_lattice_shifts(struct cml_stream stream, cml_u32 pho
     return cml_threefry(stream, batch, beyond, e, (cml_u32)CML_PURPOSE_SHIFT);
 }
 
-/* The point of an index in one piece. */
+/* Returns cml_lattice_reversed of a photon's 64-bit index. */
 CML_FN cml_u32 cml_lattice_point(cml_u64 photon)
 {
     return cml_lattice_reversed((cml_u32)photon, (cml_u32)(photon >> 32));
 }
 
-/* A word of the lattice in place of a random one. Its lowest 8 bits stay random: they round absorbed weight
- * (P3), and make every word possible. shifts: of the dimension's four. */
+/* Returns a word of the lattice in place of a random one. Its lowest 8 bits stay random: they round absorbed
+ * weight (P3), and make every word possible. shifts: those of the block of four that holds the dimension. */
 CML_FN cml_u32 cml_lattice_word(cml_u32 reversed, cml_u32 dimension, struct cml_block shifts, cml_u32 random)
 {
     const cml_u32 word = reversed * cml_lattice_generator(dimension) + shifts.w[dimension % 4u];
     return (word & ~255u) | (random & 255u);
 }
 
-/* cml_lattice_word of one dimension of a photon, whose point and shifts are computed for it alone. */
+/* Returns cml_lattice_word for one dimension of a photon, and computes the photon's point and shifts for
+ * it. */
 CML_FN cml_u32 cml_lattice_draw(struct cml_stream stream, cml_u64 photon, cml_u32 dimension, cml_u32 random)
 {
     const struct cml_block shifts =
@@ -81,8 +86,8 @@ CML_FN cml_u32 cml_lattice_draw(struct cml_stream stream, cml_u64 photon, cml_u3
     return cml_lattice_word(cml_lattice_point(photon), dimension, shifts, random);
 }
 
-/* The block of interaction e < CML_LATTICE_EVENTS: the random one with three of its words replaced. shifts:
- * of dimensions 4 e to 4 e + 3. */
+/* Returns the block of interaction e < CML_LATTICE_EVENTS: the random block with three of its words replaced.
+ * shifts: of dimensions 4 e to 4 e + 3. */
 CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cml_block shifts,
                                           struct cml_block random)
 {
@@ -93,9 +98,9 @@ CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cm
     return block;
 }
 
-/* ---- what a packet draws: from the lattice as long as the stream has one ---- */
+/* ---- draws of a packet: from the lattice, as long as the stream has one ---- */
 
-/* The random words of a packet's interaction number `event`. */
+/* Returns the random words of a packet's interaction number `event`. */
 CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 photon, cml_u32 event)
 {
     const struct cml_block random = cml_draw(stream, photon, CML_PURPOSE_INTERACTION, event);
@@ -105,14 +110,15 @@ CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 p
                              random);
 }
 
-/* The dimension of the reflection at boundary event `crossing` with unequal indices, one of
- * CML_LATTICE_REFLECTIONS. */
+/* Returns the dimension that decides the reflection at boundary event `crossing` with unequal indices.
+ * crossing < CML_LATTICE_REFLECTIONS. */
 CML_FN cml_u32 cml_lattice_reflection(cml_u32 crossing)
 {
     return crossing == 0u ? CML_LATTICE_REFLECTION : CML_LATTICE_SECOND_REFLECTION;
 }
 
-/* Word that decides the reflection at a photon's boundary event `crossing` with unequal indices. */
+/* Returns the word that decides the reflection at a photon's boundary event `crossing` with unequal
+ * indices. */
 CML_FN cml_u32 cml_draw_reflection(struct cml_stream stream, cml_u64 photon, cml_u32 crossing)
 {
     const cml_u32 random = cml_draw(stream, photon, CML_PURPOSE_BOUNDARY, crossing).w[0];
@@ -120,9 +126,10 @@ CML_FN cml_u32 cml_draw_reflection(struct cml_stream stream, cml_u64 photon, cml
     return cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), random);
 }
 
-/* Words that place a photon in its beam, 0 and 1, and that draw its direction, 2 and 3. Words 0 and 2 come
- * from the lattice. Words 1 and 3 are random: directions, pixels and facets ask where both words of a pair
- * lie, and the lattice puts too many points side by side there. */
+/* Returns the words of a photon's launch: words 0 and 1 place it in its beam, words 2 and 3 draw its
+ * direction. Words 0 and 2 come from the lattice. Words 1 and 3 are random, because directions, pixels and
+ * facets ask where a pair of words lies, and the lattice puts too many points side by side there. direction:
+ * 1 if word 2 is used. */
 CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon, int direction)
 {
     struct cml_block draw = cml_draw(stream, photon, CML_PURPOSE_LAUNCH, 0);

@@ -1,4 +1,5 @@
-/* Fluence, by interactions and by marks along the paths of packets (P14). A device has none.
+/* Scoring of fluence by marks along the paths of packets, and by interactions in dense media (P14). For the
+ * host only: a device scores no fluence.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,23 +9,25 @@
 #include "source.h"
 #include "types.h"
 
-/* A straight part of a packet's path: from p along u, p in the frame of the medium that it crosses. events:
- * those before it, which no other part of the path has as many of. */
+/* A straight part of a packet's path, from p along u. p: in the frame of the medium that it crosses. events:
+ * interactions and boundary events before it, a number that no other part of the packet's path has. */
 struct cml_stretch {
     cml_u64 index;
     struct cml_vec p, u;
     int medium;
     cml_u32 events;
-    cml_u64 w; /* weight that flies along it */
+    cml_u64 w; /* weight that flies along the stretch */
     real path; /* optical path of the packet at p; below 0: its clock has not started (P11) */
 };
 
-/* More than so many marks, or a length that may be infinite, and they are placed one by one no more. */
+/* Limits for long stretches. From CML_MARKS_ONE_BY_ONE spacings on, or if the length may be infinite, only
+ * marks within the grid's depths are placed. If more than CML_MARKS_DRAWN of these are left, only some of
+ * them are placed. */
 #define CML_MARKS_ONE_BY_ONE 64
 #define CML_MARKS_DRAWN 1024
 
-/* Cell of the fluence that a place of a packet belongs to; bins: of the medium. Those of its batch have cells
- * beyond the grid as A_rz has. */
+/* Returns the cell of the fluence of a packet's batch that holds p. A batch has cells beyond the grid, as
+ * A_rz has. index: lower half of the packet's index; bins: depth of the medium's frame in bins of dz. */
 CML_FN cml_u32 cml_mark_cell(const struct cml_setup *setup, cml_u32 index, struct cml_vec p, real bins)
 {
     const int cell = cml_radial_bin(setup, p.x, p.y) * (setup->nz + 2) + cml_depth_bin(setup, p.z, bins);
@@ -44,7 +47,7 @@ CML_FN void cml_mark_time(const struct cml_setup *setup, const struct cml_deposi
         &to->phi_rzt[place * ((cml_u64)setup->gates.count + 1) + (cml_u64)cml_gate(setup->gates, path)], w);
 }
 
-/* What a mark at p scores, weight w, into the voxel there; nothing outside of the volume. */
+/* Scores a mark of weight w into the voxel at p. A mark outside of the volume scores nothing. */
 CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                            struct cml_vec p, real bins, cml_u64 w)
 {
@@ -53,6 +56,7 @@ CML_FN void cml_mark_voxel(const struct cml_setup *setup, const struct cml_depos
         cml_add_shared(&to->phi_xyz[voxel * CML_NUM_GROUPS + index % CML_NUM_GROUPS], w);
 }
 
+/* Scores a mark of weight w into bins of r and z, at the distance t (cm) along a stretch. */
 CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real t, cml_u64 w)
 {
@@ -60,7 +64,7 @@ CML_FN void cml_score_mark(const struct cml_world *world, const struct cml_depos
     cml_add_mark(to, cml_mark_cell(&world->setup, (cml_u32)s->index, p, world->media[s->medium].bins), w);
 }
 
-/* True where marks score voxels or bins of time besides bins of r and z. */
+/* True if marks score voxels or bins of time besides bins of r and z. */
 CML_FN int cml_marks_score_more(const struct cml_deposits *to)
 {
     return to->phi_xyz || to->phi_rzt;
@@ -74,6 +78,7 @@ CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposi
     if (to->phi_rzt) cml_mark_time(setup, to, index, p, bins, path, w);
 }
 
+/* Scores a mark of weight w into voxels and bins of time, at the distance t (cm) along a stretch. */
 CML_FN void cml_score_more(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real t, cml_u64 w)
 {
@@ -90,8 +95,8 @@ CML_RARE void cml_mark_stretch_more(const struct cml_world *world, const struct 
     for (; mark < t; mark += world->setup.marks.spacing) cml_score_more(world, to, s, mark, s->w);
 }
 
-/* The part of a stretch of length t whose depths are those of the grid, or of voxels: from *begin to *end,
- * cm. */
+/* Finds the part of a stretch of length t within the depths of the grid or of the voxels: *begin to *end, cm
+ * from its beginning. */
 CML_FN void cml_clip_to_grid(const struct cml_world *world, const struct cml_stretch *s, real t, real *begin,
                              real *end)
 {
@@ -107,15 +112,16 @@ CML_FN void cml_clip_to_grid(const struct cml_world *world, const struct cml_str
     *end = last < t ? last : t;
 }
 
-/* Number of the first mark that is not before `at`. */
+/* Returns the number of the first mark that does not come before `at`. mark: place of mark 0; all in cm. */
 CML_FN int64_t cml_first_mark(double mark, double spacing, double at)
 {
     const double most = 1073741824.0, number = (at - mark) / spacing;
     return number > 0 ? (int64_t)ceil(number < most ? number : most) : 0;
 }
 
-/* Marks of a long stretch: only those within the depths of the grid, and of many only every 2^k-th, which
- * then counts for as many; which of them is random. */
+/* Scores the marks of a long stretch of length t: only those within the depths of the grid. If they are many,
+ * only every 2^k-th scores, but with the weight of 2^k; a random word says which. Returns the distance from
+ * the stretch's end to the next mark. */
 CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real mark, real t)
 {
@@ -137,8 +143,8 @@ CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_depos
     return ahead > 0 ? (real)ahead : (real)0;
 }
 
-/* Scores the marks of a stretch of length t, the first of which is `mark` (cm) from its beginning; returns
- * how far the next one is from its end. */
+/* Scores the marks of a stretch of length t. mark: distance of the first one from its beginning, cm. Returns
+ * the distance of the next mark from its end. */
 CML_FN real cml_mark_stretch(const struct cml_world *world, const struct cml_deposits *to,
                              const struct cml_stretch *s, real mark, real t)
 {
@@ -149,6 +155,7 @@ CML_FN real cml_mark_stretch(const struct cml_world *world, const struct cml_dep
     return mark - t;
 }
 
+/* Returns the stretch that a packet is about to fly or has flown, from `from` in its direction. */
 CML_FN struct cml_stretch cml_stretch_of(const struct cml_packet *packet, struct cml_vec from, real path)
 {
     const struct cml_stretch s = {
@@ -157,21 +164,22 @@ CML_FN struct cml_stretch cml_stretch_of(const struct cml_packet *packet, struct
     return s;
 }
 
-/* Whether interactions of a medium with this mean free path score, and its flights do not. */
+/* True if a medium is dense: its interactions score fluence, and its flights do not (P14). mfp: mean free
+ * path, cm. */
 CML_FN int cml_is_dense(struct cml_marks marks, real mfp)
 {
     return mfp * marks.per_spacing < 2;
 }
 
-/* What an interaction of a packet of weight w scores in a dense medium: what all marks of a mean free path
- * would. It has 32 bits. */
+/* Returns the score of an interaction in a dense medium: the weight w times the number of marks in a mean
+ * free path. The score fits into 32 bits. */
 CML_FN cml_u32 cml_interaction_score(struct cml_marks marks, real mfp, cml_u32 w)
 {
     return (cml_u32)CML_FMA((real)w, mfp * marks.per_spacing, (real)0.5);
 }
 
-/* The packet flies t (cm) from `from`, where its optical path was `path`; its direction, medium and weight
- * are still those of the flight. */
+/* Scores the marks of a flight of t (cm) from `from`, where the optical path was `path`. The packet still has
+ * the direction, medium and weight of the flight. */
 CML_FN void cml_mark_path(const struct cml_world *world, const struct cml_deposits *to,
                           struct cml_packet *packet, struct cml_vec from, real path, real t)
 {
@@ -180,8 +188,8 @@ CML_FN void cml_mark_path(const struct cml_world *world, const struct cml_deposi
     packet->mark = cml_mark_stretch(world, to, &s, packet->mark, t);
 }
 
-/* The packet has flown t (cm) from `from`, where its optical path was `path`, to its interaction, and has all
- * its weight yet. */
+/* Scores an interaction: in a dense medium itself, else the marks of the flight to it. The packet has flown t
+ * (cm) from `from`, where its optical path was `path`, and still has all its weight. */
 CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml_deposits *to,
                                  struct cml_packet *packet, struct cml_vec from, real path, real t)
 {
@@ -198,7 +206,7 @@ CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml
     }
 }
 
-/* The flight of a packet that has left for good, to infinity. */
+/* Scores the flight to infinity of a packet that has left for good. */
 CML_FN void cml_mark_last(const struct cml_world *world, const struct cml_deposits *to,
                           const struct cml_packet *packet)
 {
@@ -208,8 +216,8 @@ CML_FN void cml_mark_last(const struct cml_world *world, const struct cml_deposi
     (void)cml_mark_far(world, to, &s, packet->mark, CML_INFINITY);
 }
 
-/* A packet that starts below planes: what has come down to them and what goes up for good, and in a clear
- * first layer what goes to and fro there. */
+/* Scores the light above a packet that starts below planes (P1): above the planes all light that comes down
+ * to them and the specular part that goes up; in a clear first layer the light that goes to and fro. */
 CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_packet *packet, real mark)
 {
@@ -226,7 +234,8 @@ CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_depos
     (void)cml_mark_far(world, to, &s, mark, s.p.z);
 }
 
-/* At the launch: places the first mark, and scores those of the line that the packet has come along. */
+/* Places a packet's first mark at its launch, and scores the marks of the line along which the packet has
+ * come. */
 CML_FN void cml_mark_first(const struct cml_world *world, const struct cml_deposits *to,
                            struct cml_packet *packet)
 {

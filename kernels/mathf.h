@@ -1,11 +1,14 @@
-/* Logarithm, exponential, circle points and arc cosine with stated errors: in float our own polynomials,
- * which vectorise and give the same bits with every compiler; in double the C library's functions.
- * Coefficients: Cephes (S. Moshier), logf, expf, sinf, cosf, asinf. SPDX-License-Identifier: MIT */
+/* Logarithm, exponential, points of a circle and arc cosine with stated errors. In single precision they are
+ * polynomials, which compilers turn into vector code and which give the same bits with every compiler. In
+ * double precision they are the C library's functions. Coefficients: Cephes (S. Moshier), logf, expf, sinf,
+ * cosf, asinf.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "port.h"
 
 #if !defined(CML_DOUBLE)
+/* Returns the bits of a float. */
 CML_FN cml_u32 cml_bits_of(float x)
 {
 #ifdef __OPENCL_VERSION__
@@ -17,6 +20,7 @@ CML_FN cml_u32 cml_bits_of(float x)
 #endif
 }
 
+/* Returns the float that has these bits. */
 CML_FN float cml_float_of(cml_u32 bits)
 {
 #ifdef __OPENCL_VERSION__
@@ -29,7 +33,7 @@ CML_FN float cml_float_of(cml_u32 bits)
 }
 #endif
 
-/* x or, where the word's highest bit is set, -x. */
+/* Returns x, or -x if the word's highest bit is set. */
 CML_FN real cml_flip(real x, cml_u32 word)
 {
 #ifdef CML_DOUBLE
@@ -39,19 +43,19 @@ CML_FN real cml_flip(real x, cml_u32 word)
 #endif
 }
 
-/* Natural logarithm. x: normal, > 0. Relative error < 1.2e-7 in float (unit.mathf), the C library's in
- * double. */
+/* Returns the natural logarithm of x > 0, which must be normal. Relative error < 1.2e-7 in float
+ * (unit.mathf), the C library's in double. */
 CML_FN real cml_log(real x)
 {
 #ifdef CML_DOUBLE
     return log(x);
 #else
-    /* x = 2^e m, sqrt(1/2) <= m < sqrt(2): the constant moves the cut between two exponents to sqrt(1/2) */
+    /* x = 2^e m, sqrt(1/2) <= m < sqrt(2). The constant moves the cut between two exponents to sqrt(1/2). */
     const cml_u32 shifted = cml_bits_of(x) - 0x3f3504f3u;
     const int e = (int)shifted >> 23;
     const float m = cml_float_of((shifted & 0x007fffffu) + 0x3f3504f3u) - 1.0f;
     const float z = m * m;
-    /* Estrin's scheme: half as many steps one after the other as Horner's */
+    /* Estrin's scheme has half as many steps in sequence as Horner's. */
     const float cube = z * m;
     const float a = CML_FMA(CML_FMA(2.0000714765e-1f, m, -2.4999993993e-1f), m, 3.3333331174e-1f);
     const float b = CML_FMA(-1.2420140846e-1f, m, 1.4249322787e-1f);
@@ -63,15 +67,14 @@ CML_FN real cml_log(real x)
 #endif
 }
 
-/* exp(-x) for x >= 0; 0 below 1e-30. Relative error < 1.2e-7 in float (unit.mathf), the C library's in
- * double.
- */
+/* Returns exp(-x) for x >= 0; 0 if the result is below 1e-30. Relative error < 1.2e-7 in float (unit.mathf),
+ * the C library's in double. */
 CML_FN real cml_exp_minus(real x)
 {
 #ifdef CML_DOUBLE
     return exp(-x);
 #else
-    /* -x = k ln 2 + r, |r| <= ln 2 / 2: adding 1.5 2^23 rounds to the next integer */
+    /* -x = k ln 2 + r, |r| <= ln 2 / 2. Adding 1.5 2^23 rounds to the next integer. */
     const float within = x < 69.0f ? x : 69.0f;
     const float shifted = CML_FMA(-within, 1.44269504088896341f, 12582912.0f), k = shifted - 12582912.0f;
     const float r = CML_FMA(k, 2.12194440e-4f, CML_FMA(k, -0.693359375f, -within));
@@ -86,8 +89,8 @@ CML_FN real cml_exp_minus(real x)
 #endif
 }
 
-/* A point of the unit circle at a uniform angle from a word: quadrant from 2 bits, angle within +-pi/4 from
- * the other 30. Absolute error of either coordinate < 1.2e-7 in float, 2e-16 in double. */
+/* Finds a point of the unit circle at a uniform angle: 2 bits of the word give the quadrant, the other 30 an
+ * angle within +-pi/4. Absolute error of either coordinate < 1.2e-7 in float, 2e-16 in double. */
 CML_FN void cml_circle_point(cml_u32 word, real *c, real *s)
 {
     const real x = (real)(int)(word << 2) * (real)3.657295198167899e-10; /* pi/4 / 2^31 */
@@ -106,7 +109,8 @@ CML_FN void cml_circle_point(cml_u32 word, real *c, real *s)
     *s = cml_flip(odd ? cx : sx, word);
 }
 
-/* Arc cosine of 0 <= c <= 1. Absolute error < 1.4e-7 in float (unit.mathf), the C library's in double. */
+/* Returns the arc cosine of 0 <= c <= 1. Absolute error < 1.4e-7 in float (unit.mathf), the C library's in
+ * double. */
 CML_FN real cml_acos(real c)
 {
 #ifdef CML_DOUBLE

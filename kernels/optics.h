@@ -1,5 +1,5 @@
-/* The optics of one packet: free path, scattering, reflection, refraction. Pure functions without a branch
- * that a vector loop could not take as a select. Equations: Wang & Jacques, Monte Carlo Modeling of Light
+/* The optics of one packet: free path, scattering, reflection, refraction. All are pure functions without
+ * branches that a vector loop could not take. Equations: Wang & Jacques, Monte Carlo Modeling of Light
  * Transport in Multi-layered Tissues (1992, reprinted with corrections 1995), chapter 3.
  * SPDX-License-Identifier: MIT */
 #pragma once
@@ -9,20 +9,21 @@
 #include "rng.h"
 #include "types.h"
 
+/* Returns the scalar product of two vectors. */
 CML_FN real cml_dot(struct cml_vec a, struct cml_vec b)
 {
     return CML_FMA(a.x, b.x, CML_FMA(a.y, b.y, a.z * b.z));
 }
 
-/* a + s b */
+/* Returns a + s b. */
 CML_FN struct cml_vec cml_along(struct cml_vec a, real s, struct cml_vec b)
 {
     const struct cml_vec v = {CML_FMA(s, b.x, a.x), CML_FMA(s, b.y, a.y), CML_FMA(s, b.z, a.z)};
     return v;
 }
 
-/* One Newton step towards |u| = 1; enough once per event, because every event changes |u| by rounding only.
- */
+/* Returns u after one Newton step towards |u| = 1. One step per event is enough, because every event changes
+ * |u| by rounding only. */
 CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
 {
     const real k = CML_FMA((real)-0.5, cml_dot(u, u), (real)1.5);
@@ -30,7 +31,8 @@ CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
     return v;
 }
 
-/* u / |u| of any length but 0. Within the reach of the Newton step it is cml_renormalise, bit for bit. */
+/* Returns u / |u| for u of any length but 0. For a length close to 1 it equals cml_renormalise, bit for
+ * bit. */
 CML_FN struct cml_vec cml_normalise(struct cml_vec u)
 {
     const real square = cml_dot(u, u), off = square - 1;
@@ -39,9 +41,9 @@ CML_FN struct cml_vec cml_normalise(struct cml_vec u)
     return v;
 }
 
-/* P2: optical depth to the next interaction: -ln(u), exponential with mean 1 [eq. 3.9, dimensionless].
- * A word of 0 stands for all u < 2^-32: by the lack of memory its depth is 32 ln 2 plus a fresh draw, so the
- * tail has no end at 22 mean free paths. */
+/* Returns the optical depth to the next interaction (P2): -ln(u), exponential with mean 1 [eq. 3.9,
+ * dimensionless]. A word of 0 stands for all u < 2^-32. Since an exponential depth has no memory, its depth
+ * is 32 ln 2 plus that of a fresh word; without this the tail would end at 23 mean free paths. */
 CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 event, cml_u32 word)
 {
     real tau = 0;
@@ -53,14 +55,14 @@ CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 
     return tau - cml_log(cml_uniform(word));
 }
 
-/* cml_optical_depth but for a word of 0: infinite, to be drawn later. */
+/* Returns cml_optical_depth, or infinity for a word of 0, whose depth is drawn later. */
 CML_FN real cml_depth_or_tail(cml_u32 word)
 {
     const real depth = -cml_log(cml_uniform(word));
     return word ? depth : CML_INFINITY;
 }
 
-/* Two reciprocals for one division, each with up to three roundings; a b must not overflow. */
+/* Finds 1 / a and 1 / b with one division; each has up to three roundings. a b must not overflow. */
 CML_FN void cml_reciprocals(real a, real b, real *per_a, real *per_b)
 {
     const real q = (real)1 / (a * b);
@@ -68,18 +70,19 @@ CML_FN void cml_reciprocals(real a, real b, real *per_a, real *per_b)
     *per_b = q * a;
 }
 
-/* Henyey-Greenstein deflection [eq. 3.22]: cosine c and sine of the polar angle. s = 2 xi - 1 in (-1, 1); g
- * in [-1, 1], where a negative one gives the mirror image of -g. With d = 1 + |g| s
- *   1 - c = (1-|g|)^2 (1-s) (1+|g| + d) / (2 d^2):
- * products and sums of what is not negative, so nothing cancels near the direction that is scattered to most,
- * and g = 0 and g = +-1 need no case of their own. d^2 comes from cml_deflection_square, its reciprocal from
- * the caller, who may have another one to take with it. */
+/* Returns the square d^2 in Henyey and Greenstein's formula [eq. 3.22], with d = 1 + |g| s, s = 2 xi - 1 in
+ * (-1, 1), g in [-1, 1]:
+ *   1 - c = (1-|g|)^2 (1-s) (1+|g| + d) / (2 d^2),   c: cosine of the polar angle; a negative g mirrors it
+ * All factors are products and sums of numbers >= 0, so nothing cancels near the direction of most light, and
+ * g = 0 and g = +-1 are no special cases. The square is a function of its own, because a caller may take its
+ * reciprocal together with another one (cml_reciprocals). */
 CML_FN real cml_deflection_square(real g, real s)
 {
     const real size = CML_FABS(g), d = CML_FMA(size, (real)1 + s, (real)1 - size);
     return d * d;
 }
 
+/* Returns 1 - c, 0..2, by Henyey and Greenstein's formula. per_square: 1 / cml_deflection_square(g, s). */
 CML_FN real cml_one_minus_cosine(real g, real s, real per_square)
 {
     const real size = CML_FABS(g), below = (real)1 - size, above = (real)1 + size;
@@ -88,32 +91,35 @@ CML_FN real cml_one_minus_cosine(real g, real s, real per_square)
     return part < 2 ? part : (real)2;
 }
 
-/* one_minus: 1 - c, 0..2, of light that is mirrored where g is negative. */
+/* Finds the cosine and sine of the polar angle. one_minus: 1 - cosine, 0..2, of the unmirrored function; a
+ * negative g mirrors it. */
 CML_FN void cml_deflection(real g, real one_minus, real *cosine, real *sine)
 {
     *cosine = CML_COPYSIGN((real)1, g) * ((real)1 - one_minus);
     *sine = CML_SQRT(one_minus * ((real)2 - one_minus));
 }
 
+/* Finds cosine and sine of the polar angle by Henyey and Greenstein's function. per_square: 1 /
+ * cml_deflection_square(g, s). */
 CML_FN void cml_henyey_greenstein(real g, real s, real per_square, real *cosine, real *sine)
 {
     cml_deflection(g, cml_one_minus_cosine(g, s, per_square), cosine, sine);
 }
 
-/* Whether a medium of this g has a table (struct cml_medium). */
+/* True if a medium of this g has a phase table (struct cml_medium). */
 CML_FN int cml_has_phase_table(real g)
 {
     return CML_FABS(g) > 1;
 }
 
-/* The number that is drawn, in units of 2^-32, for a word: 0 straight on, so that a table of Henyey and
- * Greenstein's function deflects as that does. */
+/* Returns the number v of a phase table for a word, in units of 2^-32. v = 0 means straight on. v falls as
+ * the signed word rises, so a table of Henyey and Greenstein's function deflects as the closed form does. */
 CML_FN cml_u32 cml_phase_draw(cml_u32 polar_word)
 {
     return polar_word ^ 0x7fffffffu;
 }
 
-/* The cell of a word in the table of a medium; 0 where it has none. */
+/* Returns the number of a word's cell in the table of a medium with this g; 0 if the medium has no table. */
 CML_FN cml_u32 cml_phase_cell_number(real g, cml_u32 polar_word)
 {
     const real size = CML_FABS(g);
@@ -122,7 +128,7 @@ CML_FN cml_u32 cml_phase_cell_number(real g, cml_u32 polar_word)
     return table * CML_PHASE_CELLS + (size > 1 ? cell : 0u);
 }
 
-/* The cell of a table that a polar word leads to: cell `number`, or, where that is divided, a part of it. */
+/* Returns the cell of a table for a polar word: cell `number`, or a part of it if it is divided. */
 CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 number,
                                                cml_u32 polar_word)
 {
@@ -132,8 +138,8 @@ CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase
     return cell.slope < 0 ? cells[(cml_u32)(int)-cell.start + part] : cell;
 }
 
-/* 1 - c of a word in its cell, 0..2. As for Henyey and Greenstein's function the lowest 8 bits have no part
- * in it, which round absorbed weight (P3). */
+/* Returns 1 - c, 0..2, of a word in its cell. The lowest 8 bits of the word are not used, because they round
+ * absorbed weight (P3). */
 CML_FN real cml_phase_one_minus(struct cml_phase_cell cell, cml_u32 polar_word)
 {
     const cml_u32 within = cml_phase_draw(polar_word) << CML_PHASE_LOG2_CELLS >> (CML_PHASE_LOG2_CELLS + 8);
@@ -141,16 +147,16 @@ CML_FN real cml_phase_one_minus(struct cml_phase_cell cell, cml_u32 polar_word)
     return CML_FMA(cell.slope, y, cell.start);
 }
 
-/* The frame across a unit vector [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]: no
- * pole needs a case of its own. Needs the reciprocal of this, which lies in 1..2 but for its sign. */
+/* Returns the number whose reciprocal cml_deflect needs to build a frame across u; its size lies in 1..2.
+ * This frame has no pole [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]. */
 CML_FN real cml_frame_divisor(struct cml_vec u)
 {
     return CML_COPYSIGN((real)1, u.z) + u.z;
 }
 
-/* Turns the unit vector u by the polar angle (cosine ct, sine st) about the azimuth (cp, sp), renormalised.
- * per_divisor: 1 / cml_frame_divisor(u). */
-CML_FN struct cml_vec cml_spin(struct cml_vec u, real per_divisor, real ct, real st, real cp, real sp)
+/* Returns the unit vector u turned by the polar angle (cosine ct, sine st) about the azimuth (cp, sp),
+ * renormalised. per_divisor: 1 / cml_frame_divisor(u). */
+CML_FN struct cml_vec cml_deflect(struct cml_vec u, real per_divisor, real ct, real st, real cp, real sp)
 {
     const real sign = CML_COPYSIGN((real)1, u.z), p = st * cp, q = st * sp;
     const real along = CML_FMA(p, u.x, q * u.y), k = CML_FMA(-along, per_divisor, ct);
@@ -158,7 +164,8 @@ CML_FN struct cml_vec cml_spin(struct cml_vec u, real per_divisor, real ct, real
     return cml_renormalise(v);
 }
 
-/* P4: the direction after a scattering; words: of the interaction's block. */
+/* Returns the direction after a scattering by Henyey and Greenstein's function (P4). The words are those of
+ * the interaction's block. */
 CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, cml_u32 azimuth_word)
 {
     const real s = cml_uniform_symmetric(polar_word);
@@ -166,20 +173,21 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     cml_reciprocals(cml_deflection_square(g, s), cml_frame_divisor(u), &per_square, &per_divisor);
     cml_henyey_greenstein(g, s, per_square, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, per_divisor, ct, st, cp, sp);
+    return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
-/* The direction after scattering (P4) in a medium with a table; drawn: cml_phase_one_minus. */
+/* Returns the direction after a scattering (P4) in a medium with a phase table. drawn:
+ * cml_phase_one_minus. */
 CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cml_u32 azimuth_word)
 {
     real ct, st, cp, sp;
     cml_deflection(g, drawn, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
+    return cml_deflect(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
 }
 
-/* The direction after scattering (P4) in any medium, for vector loops: both ways, of which it takes one.
- * drawn: anything in 0..2 where the medium has no table. */
+/* Returns the direction after a scattering (P4) in any medium, for vector loops: it computes both ways and
+ * takes one. drawn: any number in 0..2 if the medium has no table. */
 CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, cml_u32 polar_word,
                                          cml_u32 azimuth_word)
 {
@@ -190,10 +198,11 @@ CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, c
     const real by_law = cml_one_minus_cosine(anisotropy, s, per_square);
     cml_deflection(g, has_table ? drawn : by_law, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
-    return cml_spin(u, per_divisor, ct, st, cp, sp);
+    return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
-/* The direction after scattering (P4), with the tables of all media; NULL: there are none. */
+/* Returns the direction after a scattering (P4) in any medium. cells: the tables of all media; NULL: there
+ * are none. */
 CML_FN struct cml_vec cml_scatter_in(CML_GLOBAL const struct cml_phase_cell *cells, struct cml_vec u, real g,
                                      cml_u32 polar_word, cml_u32 azimuth_word)
 {
@@ -203,11 +212,11 @@ CML_FN struct cml_vec cml_scatter_in(CML_GLOBAL const struct cml_phase_cell *cel
     return cml_scatter_either(u, g, cml_phase_one_minus(cell, polar_word), polar_word, azimuth_word);
 }
 
-/* P5: Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.
- * n1, n2 > 0  indices on the near, far side; ci cosine of incidence, 0..1
- * ct          out: cosine of transmission by Snell's law, 0 at total reflection
- * returns R, 0..1; exactly 1 at total reflection. Absolute error < 1e-6 in float, 1e-14 in double, plus what
- * a few roundings of ci do: that is more near the critical angle, where R has an infinite slope. */
+/* Returns Fresnel's reflectance R of unpolarised light, 0..1, exactly 1 at total reflection (P5) [eqs
+ * 3.25-3.26]. The formula is in cosines: no angle is computed. n1, n2 > 0: indices on the near and far side;
+ * ci: cosine of incidence, 0..1; *ct: cosine of transmission by Snell's law, 0 at total reflection. Absolute
+ * error < 1e-6 in float, 1e-14 in double, plus the effect of a few roundings of ci. This effect is larger
+ * near the critical angle, where R has an infinite slope. */
 CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
 {
     const real ratio = n1 / n2;
@@ -221,9 +230,9 @@ CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
     return total ? (real)1 : R;
 }
 
-/* P12: the same of a medium with the index n + i k, relative to that of the near side [Born & Wolf,
- * Principles of Optics, section 14.2, with p^2 - q^2 = n^2 - k^2 - sin^2 and p q = n k]. Nothing cancels
- * where k is large. */
+/* Returns the reflectance of a metal with the index n + i k, relative to that of the near side (P12), for the
+ * cosine of incidence ci, 0..1 [Born & Wolf, Principles of Optics, section 14.2, with p^2 - q^2 = n^2 - k^2 -
+ * sin^2 and p q = n k]. Nothing cancels if k is large. */
 CML_FN real cml_metal_reflectance(real n, real k, real ci)
 {
     const real c2 = ci * ci, s2 = 1 - c2, nk = n * k, d = CML_FMA(n, n, -(k * k)) - s2;
@@ -235,16 +244,15 @@ CML_FN real cml_metal_reflectance(real n, real k, real ci)
     return ci > 0 ? (R > 0 ? R : (real)0) : (real)1;
 }
 
-/* Mirror direction; normal is a unit vector, its sign is free. */
+/* Returns the direction of u after a mirror. normal: a unit vector of either sign. */
 CML_FN struct cml_vec cml_reflect(struct cml_vec u, struct cml_vec normal)
 {
     return cml_renormalise(cml_along(u, (real)-2 * cml_dot(u, normal), normal));
 }
 
-/* Refracted direction [Snell's law in vector form]: normal is a unit vector against u (dot(u, normal) = -ci),
- * ct from cml_fresnel, ratio = n1 / n2. Its length is off by the rounding of ci times the square of the
- * ratio.
- */
+/* Returns the refracted direction by Snell's law in vector form. normal: a unit vector against u (dot(u,
+ * normal) = -ci); ct: from cml_fresnel; ratio: n1 / n2. Before it is normalised, its length is off by the
+ * rounding of ci times the square of the ratio. */
 CML_FN struct cml_vec cml_refract(struct cml_vec u, struct cml_vec normal, real ratio, real ci, real ct)
 {
     const struct cml_vec scaled = {ratio * u.x, ratio * u.y, ratio * u.z};

@@ -1,6 +1,7 @@
-/* What C and OpenCL C do not share: integer names, address spaces, the maths functions' names.
- * Every other header here is plain C that both compilers read. `real` is float unless CML_DOUBLE is defined
- * by the file that includes us: the same physics in two precisions, one per translation unit.
+/* The differences between C and OpenCL C: names of integers, address spaces, names of mathematical functions.
+ * Every other header in this folder is plain C that both compilers read. `real` is float, or double in a file
+ * that defines CML_DOUBLE before it includes these headers: the same physics in two precisions, one per
+ * translation unit.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -9,13 +10,15 @@
 typedef uint cml_u32;
 typedef ulong cml_u64;
 #define CML_GLOBAL __global
-/* Where the rarely used members of packets are: a device with one lane keeps its registers free of them. */
+/* Address space of the rarely used members of packets. A device with one lane keeps them out of its
+ * registers. */
 #if CML_DEVICE_LANES > 1
 #define CML_PACKET __private
 #else
 #define CML_PACKET __global
 #endif
-#define CML_FN static inline __attribute__((always_inline)) /* lanes must live in registers */
+/* Inlined, because lanes must live in registers. */
+#define CML_FN static inline __attribute__((always_inline))
 #define CML_RARE CML_FN
 #define CML_SQRT sqrt
 #define CML_FMA fma
@@ -23,7 +26,7 @@ typedef ulong cml_u64;
 #define CML_FLOOR floor
 #define CML_COPYSIGN copysign
 #define CML_CLZ(n) clz((uint)(n))
-#define CML_MAY_HAVE_MESHES 0 /* a device has none */
+#define CML_MAY_HAVE_MESHES 0 /* the host refuses meshes for devices */
 #else
 #include <math.h>
 #include <stdint.h>
@@ -35,11 +38,11 @@ typedef uint64_t cml_u64;
 #define CML_CLZ(n) __builtin_clz((unsigned)(n))
 #define CML_MAY_HAVE_MESHES 1
 #define CML_FN static inline
-#define CML_RARE static __attribute__((noinline, unused)) /* so that what calls it stays short */
+#define CML_RARE static __attribute__((noinline, unused)) /* not inlined, so that its callers stay short */
 #endif
 
-/* An invariant. Checked on the host in builds without NDEBUG (Debug, and the one with sanitizers); in release
- * builds and on devices it is not even computed. */
+/* States an invariant. Host builds without NDEBUG (Debug, sanitizers) check it; release builds and devices do
+ * not even compute it. */
 #if defined(__OPENCL_VERSION__) || defined(NDEBUG)
 #define CML_ASSERT(condition) ((void)0)
 #else
@@ -47,8 +50,8 @@ typedef uint64_t cml_u64;
 #define CML_ASSERT(condition) assert(condition)
 #endif
 
-/* Multiply-adds are written out as CML_FMA, one rounding each, and compilers contract nothing by themselves:
- * that way every compiler, vector width and device gives the same bits. */
+/* Multiply-adds are written out as CML_FMA, with one rounding each, and compilers contract nothing by
+ * themselves. So every compiler, vector width and device gives the same bits. */
 #ifdef CML_DOUBLE
 typedef double real;
 #define CML_SQRT sqrt
@@ -67,7 +70,7 @@ typedef float real;
 #endif
 #endif
 
-/* A device's compiler is told when a scene has no curved boundary, and when it has no body. */
+/* Features that a scene may lack. A device's compiler is told which, so that it leaves their code out. */
 #ifdef CML_ONLY_PLANES
 #define CML_ALL_PLANES 1
 #else
@@ -78,7 +81,7 @@ typedef float real;
 #else
 #define CML_MAY_HAVE_BODIES 1
 #endif
-#ifdef CML_WITHOUT_PHASES /* of a table */
+#ifdef CML_WITHOUT_PHASES /* the scene has no phase table */
 #define CML_MAY_HAVE_PHASES 0
 #else
 #define CML_MAY_HAVE_PHASES 1
@@ -90,7 +93,7 @@ typedef float real;
 #define CML_MAY_BE_ROUGH 1
 #endif
 
-/* Spacing of real at 1. */
+/* The spacing of `real` at 1. */
 #ifdef CML_DOUBLE
 #define CML_EPSILON ((real)2.220446049250313e-16)
 #else

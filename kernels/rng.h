@@ -1,31 +1,41 @@
-/* Random numbers: a photon owns its stream. Every block of four 32-bit words is a pure function of
- * (seed, run, photon index, purpose, event): no state, no order, nothing of threads or devices.
- * Threefry4x32 with 12 rounds, the fewest that pass BigCrush with a margin in
- * [Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC11, table 2]. Bit-equal to
- * Random123's threefry4x32_R(12, ...), tested. Additions, rotations and exclusive-ors only: every compiler
- * makes vector code of it. SPDX-License-Identifier: MIT */
+/* Random numbers. Each photon owns a stream: every block of four 32-bit words is a pure function of (seed,
+ * run, photon index, purpose, event). So no number depends on the order of events, on threads or on devices.
+ *
+ *      key      seed low, seed high, run, 0    --+
+ *                                                +--> Threefry4x32, 12 rounds --> words 0, 1, 2, 3
+ *      counter  photon low, photon high,       --+
+ *               event, purpose
+ *
+ * 12 rounds are the fewest that pass BigCrush with a margin [Salmon, Moraes, Dror, Shaw: Parallel random
+ * numbers: as easy as 1, 2, 3; SC11, table 2]. The words are bit-equal to Random123's threefry4x32_R(12,
+ * ...), which a test checks. The function uses only additions, rotations and exclusive-ors, so every compiler
+ * makes vector code of it.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "port.h"
 
-/* What a block is for; part of the counter, so that adding boundary events leaves the scattering draws
- * unchanged. */
+/* The purpose of a block, a part of the counter: with it, additional boundary events leave the scattering
+ * draws unchanged. "[k]" is word k of a block. */
 enum cml_purpose {
-    CML_PURPOSE_INTERACTION, /* event e: [0] optical depth to interaction e, [1] [2] its angles, [3] its
-                                roulette */
-    CML_PURPOSE_BOUNDARY,    /* event c: [0] reflection at the c-th boundary event with unequal indices */
-    CML_PURPOSE_TAIL,    /* event e: further optical depths when word [0] of interaction e fell in the lowest
-                            cell */
-    CML_PURPOSE_LAUNCH,  /* event 0: where in the beam */
-    CML_PURPOSE_SHIFT,   /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
-    CML_PURPOSE_BACKING, /* event c, counted among those of CML_PURPOSE_BOUNDARY: [0] [3] what a backing
-                            keeps, [1] [2] the direction from it */
-    CML_PURPOSE_MARK,    /* event 0: [0] place of the first mark (marks.h); event 1 + e: [0] which marks of a
-                            long    flight count, e interactions and boundary events before it */
-    CML_PURPOSE_BRANCH,  /* event 64 j + k: [0] [1] index of part k of a packet that is split after j
-                            interactions; event 0: [0] rounding of what a detector sees of a circle */
-    CML_PURPOSE_ROUGH,   /* event b, counted over the packet's life: [0] flight to the next facet of a rough
-                            boundary, [1] [2] its normal, [3] reflection at it */
+    /* Event e: [0] optical depth to interaction e, [1] [2] its angles, [3] its roulette. */
+    CML_PURPOSE_INTERACTION,
+    CML_PURPOSE_BOUNDARY, /* event c: [0] reflection at the c-th boundary event with unequal indices */
+    CML_PURPOSE_TAIL,     /* event e: further optical depths if word [0] of interaction e is 0 (P2) */
+    CML_PURPOSE_LAUNCH,   /* event 0: [0] [1] place in the beam, [2] [3] direction */
+    CML_PURPOSE_SHIFT,    /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
+    /* Event c, counted as for CML_PURPOSE_BOUNDARY: [0] [3] rounding of the weight that a backing keeps, [1]
+     * [2] direction. */
+    CML_PURPOSE_BACKING,
+    /* Event 0: [0] place of the first mark (marks.h); event 1 + e: [0] marks of a long flight that count,
+     * after e events. */
+    CML_PURPOSE_MARK,
+    /* Event 64 j + k: [0] [1] index of part k of a packet split after j interactions; event 0: [0] rounding
+     * of a share of a circle (P13) */
+    CML_PURPOSE_BRANCH,
+    /* Event b, counted over the packet's life: [0] flight to the next facet of a rough boundary, [1] [2] its
+     * normal, [3] reflection there. */
+    CML_PURPOSE_ROUGH,
 };
 
 struct cml_block {
@@ -33,9 +43,9 @@ struct cml_block {
 };
 
 struct cml_stream {
-    cml_u32 key[4];  /* seed low, seed high, run, 0 */
-    cml_u32 lattice; /* interactions of a packet that draw from the lattice: CML_LATTICE_EVENTS or 0
-                        (lattice.h) */
+    cml_u32 key[4]; /* seed low, seed high, run, 0 */
+    /* Interactions of a packet that draw from the lattice (lattice.h): CML_LATTICE_EVENTS or 0. */
+    cml_u32 lattice;
 };
 
 CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)
@@ -49,8 +59,8 @@ CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)
         (b) = cml_rotate_left(b, n) ^ (a);                                                                   \
     } while (0)
 
-/* Four rounds: two column rounds alternating with two diagonal ones; the rotations come in two sets of four.
- */
+/* Four rounds of Threefry: column rounds alternate with diagonal rounds. The rotations come in two sets of
+ * four. */
 #define CML_FOUR_ROUNDS(r0, r1, r2, r3, r4, r5, r6, r7)                                                      \
     do {                                                                                                     \
         CML_MIX(x0, x1, r0);                                                                                 \
@@ -71,7 +81,7 @@ CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)
         x3 += (d) + (s);                                                                                     \
     } while (0)
 
-/* Threefry4x32-12 of the counter (c0, c1, c2, c3) under the stream's key. */
+/* Returns Threefry4x32-12 of the counter (c0, c1, c2, c3) under the stream's key. */
 CML_FN struct cml_block cml_threefry(struct cml_stream stream, cml_u32 c0, cml_u32 c1, cml_u32 c2, cml_u32 c3)
 {
     const cml_u32 k0 = stream.key[0], k1 = stream.key[1], k2 = stream.key[2], k3 = stream.key[3];
@@ -88,20 +98,21 @@ CML_FN struct cml_block cml_threefry(struct cml_stream stream, cml_u32 c0, cml_u
     return block;
 }
 
+/* Returns the block of random words of a photon for an event and purpose. */
 CML_FN struct cml_block cml_draw(struct cml_stream stream, cml_u64 photon, enum cml_purpose purpose,
                                  cml_u32 event)
 {
     return cml_threefry(stream, (cml_u32)photon, (cml_u32)(photon >> 32), event, (cml_u32)purpose);
 }
 
-/* Uniform in (0, 1]: (k + 1/2) / 2^32, rounded to real; never 0. */
+/* Returns (k + 1/2) / 2^32 for a word k, rounded to real: uniform in (0, 1], never 0. */
 CML_FN real cml_uniform(cml_u32 word)
 {
     return CML_FMA((real)word, (real)2.3283064365386963e-10, (real)1.1641532182693481e-10);
 }
 
-/* Uniform in (-1, 1), symmetric, never +-1, exact in float: the odd multiples of 2^-24 from the upper 24
- * bits. */
+/* Returns a number uniform in (-1, 1), symmetric, never +-1, exact in float: an odd multiple of 2^-24, from
+ * the word's upper 24 bits. */
 CML_FN real cml_uniform_symmetric(cml_u32 word)
 {
     return CML_FMA((real)((int)word >> 8), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);

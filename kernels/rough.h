@@ -1,30 +1,31 @@
-/* A rough boundary (P20): the walk of one packet on Smith's surface of tiny facets. Weight 1 comes in, and
- * one packet of weight 1 goes out, on this side or the other.
+/* The event of one packet at a rough boundary (P20): its walk on Smith's surface of tiny facets. Weight 1
+ * comes in, and one packet of weight 1 goes out, on this side or the other.
  *
- *        v \      / v (leaves: no facet above hides it)
- *           \    /            height is known by u = C1(h) only, the share of the surface that lies lower:
- *        m ^ \  /             u = 1 on top; here e = -ln u, so that u near 1 keeps its digits
- *      ____|__\/_   ___
- *     /    |    \  /   \      1  fly to the next facet: u' = u xi1^(-1 / Lambda(v)); up and u' >= 1: leave
- *    /           \/     \     2  draw its normal m as seen from -v
- *                             3  reflect about m, or refract: then the same walk goes on beyond, upside down
+ *         v \      / v (leaves: no facet above hides it)
+ *            \    /            height is known by u = C1(h) only, the share of the surface that lies lower:
+ *         m ^ \  /             u = 1 on top; here e = -ln u, so that u near 1 keeps its digits
+ *       ____|__\/_   ___
+ *      /    |    \  /   \      1  fly to the next facet: u' = u xi1^(-1 / Lambda(v)); up and u' >= 1: leave
+ *     /           \/     \     2  draw its normal m as seen from -v
+ *                              3  reflect about m, or refract: then the same walk goes on beyond, upside down
  *
  * Heitz, Hanika, d'Eon, Dachsbacher, Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH
- * 2016. Knows nothing of packets, surfaces and media. SPDX-License-Identifier: MIT */
+ * 2016. The functions here know nothing of packets, surfaces and media.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lattice.h"
 #include "optics.h"
 #include "types.h"
 
-#define CML_ROUGH_LIMIT 1000                               /* facets met in one event */
-#define CML_ROUGH_FN CML_FN __attribute__((always_inline)) /* in vector loops, however large */
+/* Most facets that a packet may meet in one event. */
+#define CML_ROUGH_LIMIT 1000
+#define CML_ROUGH_FN CML_FN __attribute__((always_inline)) /* inlined in vector loops too, however large */
 
 /* ---- functions of the error integral ---- */
 
-/* exp(x^2) erfc(x) for x >= 0. Relative error < 5e-7 in float (unit.rough): a polynomial in
- * (x - 2) / (x + 2), fitted at Chebyshev's nodes, after Shepherd, Laframboise, Math. Comput. 36, 249 (1981).
- */
+/* Returns exp(x^2) erfc(x) for x >= 0. Relative error < 5e-7 in float (unit.rough): a polynomial in (x - 2) /
+ * (x + 2), fitted at Chebyshev's nodes, after Shepherd, Laframboise, Math. Comput. 36, 249 (1981). */
 CML_ROUGH_FN real cml_erfcx(real x)
 {
 #ifdef CML_DOUBLE
@@ -33,7 +34,7 @@ CML_ROUGH_FN real cml_erfcx(real x)
                   : 0.5641895835477563 / x * (1 - q * (0.5 - q * (0.75 - q * (1.875 - q * 6.5625))));
 #else
     const float t = x < 1e30f ? (x - 2.0f) / (x + 2.0f) : 1.0f;
-    /* Estrin's scheme: half as many steps one after the other as Horner's */
+    /* Estrin's scheme has half as many steps in sequence as Horner's. */
     const float s = t * t, q = s * s;
     const float a = CML_FMA(-9.27630812e-2f, t, 1.27697837f), b = CML_FMA(1.64035842e-1f, t, -1.66031092e-1f);
     const float c = CML_FMA(-7.94272125e-3f, t, -5.42119592e-2f),
@@ -45,9 +46,9 @@ CML_ROUGH_FN real cml_erfcx(real x)
 #endif
 }
 
-/* The x of erf(x) = 1 - y, for 1e-7 < y < 2 - 1e-7. In float erfc(x) is y to 4e-7, and in the tail to
+/* Returns the x with erfc(x) = y, for 1e-7 < y < 2 - 1e-7. In float erfc(x) is y to 4e-7, and in the tail to
  * 1e-6 (1 + x^2) of y (unit.rough). Giles, Approximating the erfinv function, GPU Computing Gems Jade (2012);
- * in double two of Newton's steps more. */
+ * in double with two more Newton steps. */
 CML_ROUGH_FN real cml_erfc_inverse(real y)
 {
     const real w = -cml_log(y * (2 - y));
@@ -82,8 +83,8 @@ CML_ROUGH_FN real cml_erfc_inverse(real y)
     return x;
 }
 
-/* -ln(1 - exp(-e)) for e > 0: the depth e of a facet seen from the other side. Finite; relative error < 5e-7
- * in float. */
+/* Returns -ln(1 - exp(-e)) for e > 0: the depth e of a facet as seen from the other side. Finite; relative
+ * error < 5e-7 in float. */
 CML_ROUGH_FN real cml_other_depth(real e)
 {
 #ifdef CML_DOUBLE
@@ -91,13 +92,13 @@ CML_ROUGH_FN real cml_other_depth(real e)
 #else
     const float x = cml_exp_minus(e);
     if (x > 0.5f) {
-        /* e / (1 - exp(-e)) = 1 + e / 2 + e^2 / 12 - e^4 / 720 + ..., Bernoulli's numbers */
+        /* e / (1 - exp(-e)) = 1 + e / 2 + e^2 / 12 - e^4 / 720 + ..., with Bernoulli's numbers. */
         const float s = e * e;
         const float p = CML_FMA(s, CML_FMA(s, 3.3068783e-5f, -1.3888889e-3f), 8.3333333e-2f);
         const float share = e / CML_FMA(s, p, CML_FMA(e, 0.5f, 1.0f));
         return share > 1e-36f ? -cml_log(share) : 83.0f;
     }
-    /* -ln(1 - x) = 2 artanh(x / (2 - x)), whose argument is at most 1/3 */
+    /* -ln(1 - x) = 2 artanh(x / (2 - x)), whose argument is at most 1/3. */
     const float y = x / (2 - x), s = y * y;
     float sum = 6.6666667e-2f;
     sum = CML_FMA(sum, s, 7.6923077e-2f);
@@ -112,21 +113,22 @@ CML_ROUGH_FN real cml_other_depth(real e)
 
 /* ---- Smith's shadowing ---- */
 
-/* Lambda of a direction with z > 0, >= 0: infinite where it is level. */
+/* Returns Smith's Lambda, >= 0, of a direction with z > 0 (its size is used); infinite if the direction is
+ * level. */
 CML_ROUGH_FN real cml_rough_lambda(struct cml_rough rough, struct cml_vec v)
 {
     const real across = rough.alpha * rough.alpha * CML_FMA(v.x, v.x, v.y * v.y), z = CML_FABS(v.z);
     if (rough.kind == CML_ROUGH_GGX) return (real)0.5 * across / (z * (z + CML_SQRT(CML_FMA(z, z, across))));
     const real t = CML_SQRT(across) / z;
     const real x = 1 / t, flat = (real)0.5641895835477563 * t; /* t / sqrt(pi) */
-    const int level = !(t < (real)1e9), some = t > (real)0.05; /* exp(-400) */
+    const int level = !(t < (real)1e9), some = t > (real)0.05; /* below 0.05 the share is exp(-400) */
     const real above = flat - cml_erfcx(x), lambda = (real)0.5 * cml_exp_minus(x * x) * above;
     return level ? (real)0.5 * flat : ((some & (above > 0)) ? lambda : (real)0);
 }
 
 /* ---- the normals that a direction sees ---- */
 
-/* The direction in which a stretched surface of alpha 1 is seen from -v. */
+/* Returns the direction -v as seen on the surface stretched to alpha 1, a unit vector. */
 CML_ROUGH_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
 {
     const struct cml_vec w = {-alpha * v.x, -alpha * v.y, -v.z};
@@ -135,14 +137,15 @@ CML_ROUGH_FN struct cml_vec cml_rough_stretched(real alpha, struct cml_vec v)
     return unit;
 }
 
-/* Uniform in (0, 1), never 0 or 1, exact in float. */
+/* Returns a number uniform in (0, 1), never 0 or 1, exact in float. */
 CML_ROUGH_FN real cml_uniform_inside(cml_u32 word)
 {
     return CML_FMA((real)(int)(word >> 9), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);
 }
 
-/* A normal of ggx: a point of the unit sphere's cap about w, half-way to w. Dupuy, Benyoub, Sampling visible
- * GGX normals with spherical caps (2023). Nothing cancels where w.z is near -1. */
+/* Returns a normal of ggx, not of unit length: a point of the unit sphere's cap about w, half-way to w. w:
+ * direction from the stretched surface. Dupuy, Benyoub, Sampling visible GGX normals with spherical caps
+ * (2023). Nothing cancels if w.z is near -1. */
 CML_FN struct cml_vec cml_rough_normal_ggx(real alpha, struct cml_vec w, cml_u32 azimuth_word, cml_u32 word)
 {
     real c, s;
@@ -154,8 +157,8 @@ CML_FN struct cml_vec cml_rough_normal_ggx(real alpha, struct cml_vec w, cml_u32
     return h;
 }
 
-/* What w sees of slopes: F(x) is the integral from -infinity to x of (wz - t side) exp(-t^2). Returns F(x),
- * for x < 0 times exp(x^2), and side exp(-x^2) / F(x). */
+/* Returns F(x), the integral from -infinity to x of (wz - t side) exp(-t^2): the slopes up to x that the
+ * direction w sees. For x < 0 it returns F(x) exp(x^2). *density: side exp(-x^2) / F(x). */
 CML_ROUGH_FN real cml_rough_share(real wz, real side, real x, real *density)
 {
     const real tail = cml_erfcx(CML_FABS(x)), part = x < 0 ? (real)0.5 : (real)-0.5 * cml_exp_minus(x * x);
@@ -166,15 +169,17 @@ CML_ROUGH_FN real cml_rough_share(real wz, real side, real x, real *density)
     return kept;
 }
 
-/* A slope x below top = wz / side, and y = top - x > 0, each with its own digits. */
+/* A slope x below top = wz / side, and its distance y = top - x > 0 from the top. Each is kept with its own
+ * digits. */
 struct cml_rough_at {
     real x, y;
 };
 
-/* A first guess of the slope with F(x) / F(top) = xi = exp(-v^2), whose F / F(top) is off by 0.02 at most.
- * Near the top, and wherever top < 0.95, y is a rational function of v; k = sqrt(2 F(top) exp(top^2) / side)
+/* Returns a first guess of the slope with F(x) / F(top) = xi = exp(-v^2). F / F(top) is off by 0.02 at most.
+ * Near the top, and for all top < 0.95, y is a rational function of v; k = sqrt(2 F(top) exp(top^2) / side)
  * makes its first two terms k v - 2 top (k v)^2 / 3 exact. Light from higher above sees slopes by the normal
- * law, whose x would be g, lowered by some 1 / (2 top - g). Numbers were fitted to slopes by bisection. */
+ * law, with x = g, lowered by about 1 / (2 top - g). The constants were fitted to slopes found by
+ * bisection. */
 CML_ROUGH_FN struct cml_rough_at cml_rough_guess(real top, real k, real v, real xi)
 {
     struct cml_rough_at at = {0, 0};
@@ -195,9 +200,9 @@ CML_ROUGH_FN struct cml_rough_at cml_rough_guess(real top, real k, real v, real 
     return at;
 }
 
-/* The slope x of beckmann along w's azimuth, with density (wz - x side)+ exp(-x^2), by Halley's step for
- * V = sqrt(-ln(F(x) / F(top))), which is almost straight; in double by two. F(x) / F(top) is xi to 1e-6 in
- * float for light from less than 120 degrees, 1e-5 to 150 (unit.rough). */
+/* Returns a slope x of beckmann along w's azimuth, with the density (wz - x side)+ exp(-x^2). It takes one
+ * step of Halley's method, in double two, for V = sqrt(-ln(F(x) / F(top))), which is almost straight. In
+ * float F(x) / F(top) is xi to 1e-6 for light from less than 120 degrees, to 1e-5 up to 150 (unit.rough). */
 CML_ROUGH_FN real cml_rough_slope(real wz, real side, real xi)
 {
     real density = 2;
@@ -220,7 +225,7 @@ CML_ROUGH_FN real cml_rough_slope(real wz, real side, real xi)
     return at.x;
 }
 
-/* A normal of beckmann, not of unit length. */
+/* Returns a normal of beckmann, not of unit length. w: direction from the stretched surface. */
 CML_ROUGH_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec w, cml_u32 along_word,
                                                       cml_u32 across_word)
 {
@@ -234,7 +239,8 @@ CML_ROUGH_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec
     return m;
 }
 
-/* The unit normal of the facet that is met from -v; v may go up. */
+/* Returns the unit normal of the facet that a packet in direction v meets, drawn as seen from -v. v may go
+ * up. */
 CML_ROUGH_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_vec v, cml_u32 first,
                                              cml_u32 second)
 {
@@ -249,11 +255,12 @@ CML_ROUGH_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_
 
 /* ---- the walk ---- */
 
-/* Two unit vectors across a unit vector, as in cml_spin. */
+/* An orthonormal frame: z and two unit vectors across it, as in cml_deflect. */
 struct cml_frame {
     struct cml_vec x, y, z;
 };
 
+/* Returns an orthonormal frame about the unit vector z. */
 CML_ROUGH_FN struct cml_frame cml_frame_about(struct cml_vec z)
 {
     const real sign = CML_COPYSIGN((real)1, z.z), k = -1 / cml_frame_divisor(z), both = z.x * z.y * k;
@@ -263,27 +270,30 @@ CML_ROUGH_FN struct cml_frame cml_frame_about(struct cml_vec z)
     return frame;
 }
 
+/* Returns u in the coordinates of a frame. */
 CML_ROUGH_FN struct cml_vec cml_in_frame(struct cml_frame frame, struct cml_vec u)
 {
     const struct cml_vec v = {cml_dot(u, frame.x), cml_dot(u, frame.y), cml_dot(u, frame.z)};
     return v;
 }
 
+/* Returns v, given in the coordinates of a frame, in those of the scene. */
 CML_ROUGH_FN struct cml_vec cml_from_frame(struct cml_frame frame, struct cml_vec v)
 {
     const struct cml_vec none = {0, 0, 0};
     return cml_along(cml_along(cml_along(none, v.x, frame.x), v.y, frame.y), v.z, frame.z);
 }
 
-/* A packet on the surface, seen from the side that it is on: z up, away from the surface. */
+/* A packet on the rough surface, seen from the side that it is on: z points up, away from the surface. */
 struct cml_rough_walk {
     struct cml_vec v; /* direction, unit */
-    real e;           /* depth -ln u */
-    int beyond;       /* 1: on the other side than at first */
-    int steps;        /* facets met */
+    real e;           /* depth -ln u, where u is the share of the surface that lies lower */
+    int beyond;       /* 1: on the other side of the boundary than at first */
+    int steps;        /* number of facets that the packet has met */
 };
 
-/* Step 1 in direction v: whether the packet leaves; else it is at the next facet, whose depth is *e. */
+/* Step 1: flies in direction v. Returns 1 if the packet leaves; else it is at the next facet, whose depth is
+ * *e. */
 CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e, cml_u32 word)
 {
     const real flown = -cml_log(cml_uniform_inside(word)), lambda = cml_rough_lambda(rough, v), from = *e;
@@ -293,7 +303,8 @@ CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e
     return leaves;
 }
 
-/* Step 3 at a facet with the unit normal m: reflection by Fresnel's share R, else refraction. */
+/* Step 3 at a facet with the unit normal m: returns the walk after reflection, by Fresnel's share R, or
+ * refraction. */
 CML_ROUGH_FN struct cml_rough_walk cml_rough_turn(struct cml_rough_walk walk, struct cml_vec m, real n1,
                                                   real n2, cml_u32 word)
 {
@@ -311,7 +322,8 @@ CML_ROUGH_FN struct cml_rough_walk cml_rough_turn(struct cml_rough_walk walk, st
     return walk;
 }
 
-/* Step 3 on a backing: the share of the weight that is reflected. */
+/* Step 3 on a backing: reflects the packet at the facet, and returns the share of the weight that is
+ * reflected. */
 CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, const struct cml_backing *backing)
 {
     const real cosine = -cml_dot(walk->v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
@@ -320,8 +332,9 @@ CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, cons
     return backing->kept < 1 ? 1 - backing->kept : (real)0;
 }
 
-/* Random words of step `step` of a packet's boundary event `crossing`, `event` blocks after the first of its
- * life. The first reflections of its life come of the lattice. */
+/* Returns the random words of step `step` at a packet's boundary event `crossing`. event: number of the block
+ * among all that the packet has drawn at rough boundaries. The first reflections of a packet's life come from
+ * the lattice. */
 CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
                                        cml_u32 event, int step)
 {
@@ -331,17 +344,18 @@ CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon,
     return block;
 }
 
-/* The end of a walk: a packet that leaves the rough boundary. */
+/* The end of a walk on facets: a packet that leaves the rough boundary. */
 struct cml_rough_exit {
-    struct cml_vec u; /* unit */
+    struct cml_vec u; /* direction of the packet, unit */
     int transmitted;
-    int steps;  /* facets met; CML_ROUGH_LIMIT: it is lost */
+    int steps;  /* number of facets met; CML_ROUGH_LIMIT: the packet is lost */
     real stays; /* backing: share of the weight that comes back, the product over all facets */
 };
 
-/* P20: u comes against the boundary, whose unit normal `against` points to where it comes from. n1: index
- * there, n2: beyond. blocks: of random words that the packet has drawn at rough boundaries; counted on.
- * backing: what reflects at every facet in place of n2; NULL: nothing does. */
+/* Walks a packet through a rough boundary (P20). u: direction of the packet; against: unit normal of the
+ * boundary, towards the side from which it comes; n1: index there; n2: index beyond. *blocks: number of
+ * random blocks that the packet has drawn at rough boundaries; it is counted on. backing: reflects at every
+ * facet in place of n2; NULL: there is none. */
 CML_FN struct cml_rough_exit cml_rough_event(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
                                              cml_u32 *blocks, struct cml_rough rough, struct cml_vec u,
                                              struct cml_vec against, real n1, real n2,
@@ -352,7 +366,8 @@ CML_FN struct cml_rough_exit cml_rough_event(struct cml_stream stream, cml_u64 p
     struct cml_rough_exit exit = {u, 0, 0, 1};
     struct cml_block draw = cml_draw_rough(stream, photon, crossing, (*blocks)++, 0);
     while (walk.steps < CML_ROUGH_LIMIT && !cml_rough_fly(rough, walk.v, &walk.e, draw.w[0])) {
-        /* The next step needs this block for sure: a processor draws it while it waits for what follows. */
+        /* The next step needs this block for certain, so a processor draws it while it waits for the results
+         * below. */
         const struct cml_block next = cml_draw_rough(stream, photon, crossing, (*blocks)++, ++walk.steps);
         const struct cml_vec m = cml_rough_normal(rough, walk.v, draw.w[1], draw.w[2]);
         if (backing)

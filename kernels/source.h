@@ -1,4 +1,4 @@
-/* Where packets start (P1): which source a packet is of, its place, the medium there, its direction.
+/* The start of a packet (P1): its source, place, medium and direction.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -7,13 +7,14 @@
 #include "surface_hit.h"
 #include "types.h"
 
-/* The source of packet `index`: which it is stands above the 48 bits of its number there. */
+/* Returns the source of packet `index`. With several sources, the index holds the number of the source above
+ * the 48 bits of the packet's number. */
 CML_FN const CML_GLOBAL struct cml_source *cml_source_of(const struct cml_world *world, cml_u64 index)
 {
     return world->sources + (world->setup.num_sources > 1 ? (int)(index >> CML_SOURCE_SHIFT) : 0);
 }
 
-/* What is split off a packet at its launch, in weight units. */
+/* Returns the weight units that are split off packet `index` at its launch. */
 CML_FN cml_u32 cml_split_off(const struct cml_world *world, cml_u64 index)
 {
     return cml_source_of(world, index)->specular;
@@ -21,7 +22,8 @@ CML_FN cml_u32 cml_split_off(const struct cml_world *world, cml_u64 index)
 
 /* ---- place ---- */
 
-/* Which of the words first[0] = 0 <= first[1] <= ... is the last that is not above `word`. */
+/* Returns the last part that begins at or below `word`, 0 to count - 1. first: the word at which each part
+ * begins, rising from 0. */
 CML_FN int cml_word_part(const CML_GLOBAL cml_u32 *first, int count, cml_u32 word)
 {
     int low = 0, high = count;
@@ -35,16 +37,16 @@ CML_FN int cml_word_part(const CML_GLOBAL cml_u32 *first, int count, cml_u32 wor
     return low;
 }
 
-/* How far `word` lies in the part of words from `first` on, 0 to 1; next: where the one behind it begins, 0
- * for the last part. */
+/* Returns the place of `word` in a part of words, 0 to 1. first: word at which the part begins; next: word at
+ * which the next part begins, 0 for the last part. */
 CML_FN real cml_word_share(cml_u32 word, cml_u32 first, cml_u32 next)
 {
     const cml_u32 count = next - first;
     return ((real)(word - first) + (real)0.5) / (count ? (real)count : (real)4294967296.0);
 }
 
-/* Position in pixels: a row or a column of an image, and how far in it. words: their number in use, and what
- * leads to each. */
+/* Returns a position in pixels: the row or column of an image, plus the place within it. words: the number of
+ * rows or columns in use, then the lowest word of each. *which: its number among those in use. */
 CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *which)
 {
     const int used = (int)words[0], k = cml_word_part(words + 1, used, word);
@@ -52,7 +54,8 @@ CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *
     return (real)k + cml_word_share(word, words[1 + k], k + 1 < used ? words[2 + k] : 0u);
 }
 
-/* Distance from the middle of a round shape, and the direction there. */
+/* Returns the distance (cm) of a random place from the middle of a round shape. *c, *s: cosine and sine of
+ * its azimuth. */
 CML_FN real cml_round_offset(const CML_GLOBAL struct cml_source *source, struct cml_block draw, real *c,
                              real *s)
 {
@@ -63,7 +66,7 @@ CML_FN real cml_round_offset(const CML_GLOBAL struct cml_source *source, struct 
     return CML_SQRT(CML_FMA(xi, source->b, source->a));
 }
 
-/* A place of the shape along e1 and e2. */
+/* Finds a random place in the source's shape, along e1 and e2 from the middle, cm. */
 CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                               struct cml_block draw, real *x, real *y)
 {
@@ -90,8 +93,8 @@ CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL st
 /* ---- the medium at a place ---- */
 
 #ifndef __OPENCL_VERSION__
-/* Whether p lies below a mesh, or inside a closed one: what a path straight up comes to first, it comes to
- * from there. */
+/* True if p lies below a mesh, or inside a closed one. The first crossing on a path straight up decides: p is
+ * below if the path comes to this crossing from below. */
 CML_FN int cml_is_below_mesh(const struct cml_world *world, int boundary, struct cml_vec p)
 {
     const struct cml_vec up = {0, 0, -1};
@@ -103,7 +106,7 @@ CML_FN int cml_is_below_mesh(const struct cml_world *world, int boundary, struct
 }
 #endif
 
-/* Whether p, in the frame of a boundary between layers, lies below it. */
+/* True if p lies below a boundary between layers. p: in the boundary's frame. */
 CML_FN int cml_is_below(const struct cml_world *world, int boundary, struct cml_vec p)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
@@ -120,7 +123,7 @@ CML_FN int cml_is_below(const struct cml_world *world, int boundary, struct cml_
     return p.z >= CML_FMA(rings.slope[ring], r - rings.r[ring], rings.z[ring]);
 }
 
-/* Whether p, in the frame of its layer, lies inside a body. */
+/* True if p lies inside a body. p: in the frame of the body's layer. */
 CML_FN int cml_is_inside(const struct cml_world *world, int body, struct cml_vec p)
 {
     const int boundary = world->setup.num_layers + 1 + body, kind = world->surfaces[boundary].kind;
@@ -135,7 +138,7 @@ CML_FN int cml_is_inside(const struct cml_world *world, int body, struct cml_vec
     return (along > 0) & (along < shape->length) & (cml_dot(across, across) < shape->radius * shape->radius);
 }
 
-/* The body that p lies in of those in a medium, -1: none. */
+/* Returns the body in a medium that p lies in; -1 if none. */
 CML_FN int cml_body_at(const struct cml_world *world, int medium, struct cml_vec p)
 {
     const int end = world->media[medium].end_node;
@@ -149,8 +152,8 @@ CML_FN int cml_body_at(const struct cml_world *world, int medium, struct cml_vec
     return -1;
 }
 
-/* The medium at *p, which is in the frame of layer (or outer medium) `medium` and comes into that of the
- * medium that is found. */
+/* Returns the medium at *p. On entry *p is in the frame of `medium`, a layer or outer medium; on return it is
+ * in the frame of the medium that was found. */
 CML_FN int cml_medium_at(const struct cml_world *world, int medium, struct cml_vec *p)
 {
     const int layers = world->setup.num_layers;
@@ -169,7 +172,8 @@ CML_FN int cml_medium_at(const struct cml_world *world, int medium, struct cml_v
 
 /* ---- direction ---- */
 
-/* 1 - cosine, of a table. Within a cell the density is linear in it. */
+/* Returns 1 - cosine of a direction drawn from a table. Within a part of the table, the density is linear in
+ * the cosine. */
 CML_FN real cml_table_polar(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                             cml_u32 word)
 {
@@ -189,14 +193,15 @@ CML_FN real cml_table_polar(const struct cml_world *world, const CML_GLOBAL stru
     return CML_FMA(cell.width, xi * (cell.begin + cell.end) / (cell.begin + CML_SQRT(square)), cell.v);
 }
 
-/* A direction along e1, e2 and the axis, drawn with words 2 and 3; n: of the medium. */
+/* Returns a direction along e1, e2 and the axis, drawn with words 2 and 3. n: index of the medium at the
+ * start. */
 CML_FN struct cml_vec cml_source_turn(const struct cml_world *world,
                                       const CML_GLOBAL struct cml_source *source, struct cml_block draw,
                                       real n)
 {
     real v, c, s, cosine, sine;
     if (source->light == CML_LIGHT_COSINE) {
-        const real square = cml_uniform(draw.w[2]); /* never 0: light is level in no packet */
+        const real square = cml_uniform(draw.w[2]); /* never 0: no packet flies level */
         cosine = CML_SQRT(square);
         sine = CML_SQRT(1 - square);
     } else {
@@ -213,7 +218,8 @@ CML_FN struct cml_vec cml_source_turn(const struct cml_world *world,
     return turn;
 }
 
-/* The launch direction in the coordinates of the scene: cml_source_turn about the axis of the source. */
+/* Returns the launch direction in the coordinates of the scene: cml_source_turn about the axis of the
+ * source. */
 CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
                                            const CML_GLOBAL struct cml_source *source, struct cml_block draw,
                                            real n)
@@ -225,7 +231,7 @@ CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
 
 /* ---- launch ---- */
 
-/* Sets the optical path that a packet has behind it (P11); a device keeps no time. */
+/* Sets the optical path that a packet has behind it (P11). A device keeps no time. */
 CML_FN void cml_set_path(CML_PACKET struct cml_packet *packet, real path)
 {
 #ifdef __OPENCL_VERSION__
@@ -235,13 +241,14 @@ CML_FN void cml_set_path(CML_PACKET struct cml_packet *packet, real path)
 #endif
 }
 
-/* P11: of a packet that has come straight through planes into a medium, from boundary 0 on, cm. */
+/* Returns the optical path (cm) from boundary 0 into a medium for a packet that has come straight through
+ * planes (P11). */
 CML_FN real cml_path_above(const struct cml_world *world, int medium)
 {
     return medium > 1 ? world->media[1].n * world->media[1].span : (real)0;
 }
 
-/* A packet that starts at the place itself. */
+/* Starts a packet of a source inside at its place in the shape, and finds its medium there. */
 CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                              struct cml_vec at, CML_PACKET struct cml_packet *packet)
 {
@@ -255,7 +262,7 @@ CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL str
     packet->exit_y = at.y;
 }
 
-/* Onto the line through `at`, where the source's packets start above all surfaces. */
+/* Starts a packet above all surfaces, on its line through `at`, its place in the shape. */
 CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct cml_vec at,
                             CML_PACKET struct cml_packet *packet)
 {
@@ -263,12 +270,18 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
     packet->p.z = source->start;
 }
 
-/* A packet of a source far outside of the scene, x and y from the source's middle, along its line onto the
- * level `start`. turn: its direction along e1, e2 and the axis; within CML_NEARLY_LEVEL of square to the axis
- * it meets the level further off than anything is. The distance from the source is flown already. */
+/* Starts a packet of a source far outside of the scene: moves it along its line onto the level `start` (P1).
+ *
+ *         source, far away             x, y: place in the source's shape
+ *             \      .                 turn: direction along e1, e2 and the axis
+ *              \    '
+ *      ---------*--'---------------    level `start`, near the scene; the packet starts here
+ *
+ * A direction within CML_NEARLY_LEVEL of square to the axis meets the level further off than anything is. The
+ * distance from the source counts as flown. */
 #define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
-CML_FN void cml_bring(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
-                      real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
+CML_FN void cml_place_far(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
+                          real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
 {
     const real cosine = turn.z < CML_NEARLY_LEVEL && turn.z > -CML_NEARLY_LEVEL ? CML_NEARLY_LEVEL : turn.z;
     const real way = source->ahead / cosine, uz = packet->u.z;
@@ -282,7 +295,7 @@ CML_FN void cml_bring(const struct cml_world *world, const CML_GLOBAL struct cml
     cml_set_path(packet, way + rest > 0 ? world->media[source->medium].n * (way + rest) : (real)0);
 }
 
-/* Places a packet of a source of any shape and light, and gives it its direction. */
+/* Places a packet of a source of any shape and light, and gives the packet its direction. */
 CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                             CML_PACKET struct cml_packet *packet)
 {
@@ -300,11 +313,11 @@ CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL stru
     if (!source->inside) cml_place_above(source, at, packet);
     if (!source->is_far) return;
     const struct cml_vec straight = {0, 0, 1};
-    cml_bring(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
+    cml_place_far(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
 }
 
-/* P1: the packet where the beam puts it; its draws are not made yet. Pencils, disks and Gaussians of parallel
- * light from above are the most common, and short. */
+/* Places packet `index` where its beam puts it (P1); its optical depth is not drawn yet. Pencils, disks and
+ * Gaussians of parallel light from above are most common, so they have a short way of their own. */
 CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     const CML_GLOBAL struct cml_source *source = cml_source_of(world, index);
@@ -332,7 +345,8 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
     cml_place_above(source, at, packet);
 }
 
-/* P10 for one packet, whose weight at the start and later gains are all accounted for. */
+/* True if the weight of one packet balances (P10): its weight at the start and later gains are all accounted
+ * for. */
 CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
     return CML_WEIGHT_ONE + packet->gained == cml_split_off(world, packet->index) + packet->absorbed +

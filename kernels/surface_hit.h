@@ -1,6 +1,6 @@
-/* The next crossing of a packet with the boundaries of its medium, whatever their kind.
- * A boundary can only be crossed away from the side the packet is on: below it upwards, above it downwards.
- * That rule, not a distance, keeps a packet from meeting again the surface it has just left.
+/* The next crossing of a packet with the boundaries of its medium, of any kind.
+ * A packet crosses a boundary only away from its own side: upwards if it is below, downwards if it is above.
+ * This rule, not a small distance, keeps a packet from meeting again the surface that it has just left.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -10,6 +10,7 @@
 #include "optics.h"
 #include "types.h"
 
+/* Returns the rings of a boundary that is a radial heightfield. */
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
@@ -20,14 +21,15 @@ CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary
     return rings;
 }
 
-/* How far rounding may take the depths of a path of height `step` from z. */
+/* Returns the error by rounding in the depths of a path that begins at z and rises or falls by `step`; all in
+ * cm. */
 CML_FN real cml_err_depth(real z, real step)
 {
     return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
 }
 
-/* Plane z = 0 of its frame. A packet that rounding has put beyond it crosses at once when it heads outwards.
- */
+/* Finds the crossing with the plane z = 0 of its frame. side: +1 the packet is below, -1 above. A packet that
+ * rounding has put beyond the plane crosses at once if it heads outwards. */
 CML_FN int cml_intersect_plane(struct cml_vec p, struct cml_vec u, real side, real t_max, struct cml_hit *hit)
 {
     if (!(side * u.z < 0)) return 0;
@@ -43,8 +45,10 @@ CML_FN int cml_intersect_plane(struct cml_vec p, struct cml_vec u, real side, re
     return 1;
 }
 
-/* first: the beam itself strikes. It may well be aimed at a ridge, where the mean normal holds (P1); a packet
- * later on meets one only because rounding put it there, and the ring it is on has the better normal. */
+/* Finds the crossing with a radial heightfield on the interval `s` of a path. p: in the boundary's frame.
+ * first: 1 if the packet has met no boundary yet. Such a beam may well be aimed at a ridge, where the mean
+ * normal holds (P1). A later packet meets a ridge only because rounding put it there, and the normal of the
+ * ring that it meets is the better one. */
 CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, struct cml_vec p,
                                struct cml_vec u, real side, struct cml_interval s, int on_primitive,
                                int first, struct cml_hit *hit)
@@ -59,7 +63,8 @@ CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, stru
     hit->point = cml_along(p, t, u);
     hit->point.z = cml_clamp_to_ring(rings.z[ring], cml_ring_end(rings, ring), hit->point.z);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
-    /* at the tip a packet meets the side to which it goes: a level facet would turn some to it for ever */
+    /* At the tip a packet meets the side to which it goes. A level facet there would turn some packets to the
+     * tip for ever. */
     const int at_tip = !first & (q.x == 0) & (q.y == 0);
     hit->facet = cml_cone_facet(rings, ring, at_tip ? u.x : q.x, at_tip ? u.y : q.y);
     hit->normal = first ? cml_cone_normal(rings, ring, q.x, q.y) : hit->facet;
@@ -68,14 +73,14 @@ CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, stru
 }
 
 #ifndef __OPENCL_VERSION__
-/* How far rounding may have taken a packet from x, y, z, boundary's frame, cm. span: that of the layer in
- * whose frame z was rounded. */
+/* Returns the distance (cm) by which rounding may have moved a packet at x, y, z in a boundary's frame. span:
+ * thickness of the layer in whose frame z was rounded. */
 CML_FN double cml_err_position(double x, double y, double z, double span)
 {
     return 4 * (double)CML_EPSILON * (fabs(x) + fabs(y) + fabs(z) + span);
 }
 
-/* Whether a path is one whose answer is known. */
+/* True if a path is the one whose answer is known (struct cml_known_path). */
 CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, struct cml_vec p,
                              struct cml_vec u, real t_max, int on_primitive)
 {
@@ -84,7 +89,7 @@ CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, s
            t_max > known->least && (t_max < known->most || t_max > known->from);
 }
 
-/* Asks a mesh for the first crossing of a path, as struct cml_mesh_crossing says; *near_facet: the crossing's
+/* Asks a mesh for the first crossing of a path (struct cml_mesh_crossing). *near_facet: the crossing's
  * ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
@@ -97,8 +102,8 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
         return t_max > known->from;
     }
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
-    const double span =
-        side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
+    /* p.z was rounded in the frame of the layer above. */
+    const double span = side < 0 ? (double)world->media[boundary].span : 0;
     const double err_position = cml_err_position(dp[0], dp[1], dp[2], span);
     struct cml_mesh_crossing c;
     const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, on_primitive,
@@ -117,14 +122,15 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
 }
 #endif
 
+/* Ends a packet as lost (P9). */
 CML_FN void cml_lose_packet(CML_PACKET struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
     packet->cause = (int)cause;
 }
 
-/* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
- * is. */
+/* Finds the packet's crossing with one boundary of its layer on the interval `s`. p: the packet in that
+ * boundary's frame. Returns 0, and leaves *hit as it is, if there is none. */
 CML_FN int cml_intersect_surface(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                  int boundary, struct cml_vec p, real side, struct cml_interval s,
                                  struct cml_hit *hit)
@@ -155,8 +161,8 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, CML_PACKET struc
     return found;
 }
 
-/* The packet as a sphere or a cylinder sees it. From a sphere on which it stands, `off` is known better than
- * p, and so is its place from what lies close to that. */
+/* Returns the packet's place from the centre of a sphere or the first end of a cylinder. For a packet that
+ * stands on a sphere `off` is more exact than p, and so is any place found from it. */
 CML_FN struct cml_vec cml_from_body(const struct cml_world *world, CML_PACKET const struct cml_packet *packet,
                                     const CML_GLOBAL struct cml_body *body)
 {
@@ -166,8 +172,8 @@ CML_FN struct cml_vec cml_from_body(const struct cml_world *world, CML_PACKET co
     return cml_along(cml_along(world->bodies[on - first].centre, -1, body->centre), 1, packet->off);
 }
 
-/* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max. afar:
- * it is away from all bodies. Without a crossing *hit stays as it is. */
+/* Finds the packet's crossing with the surface of a body before t_max. side: +1 from inside, -1 from outside;
+ * afar: 1 if the packet is away from all bodies. Returns 0, and leaves *hit as it is, if there is none. */
 CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                               int boundary, real side, real t_max, int afar, struct cml_hit *hit)
 {
@@ -190,7 +196,7 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     }
 #endif
     (void)afar;
-    if (side < 0 && on_primitive >= 0) return 0; /* convex */
+    if (side < 0 && on_primitive >= 0) return 0; /* a convex body is never met again from outside */
     const struct cml_vec d = cml_from_body(world, packet, body);
     if (kind == CML_SURFACE_SPHERE) {
         if (side > 0)
@@ -211,8 +217,8 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     return 1;
 }
 
-/* The first surface of a body that the packet crosses before t_max: from inside that of the body it is in,
- * from outside those of the bodies in its medium. */
+/* Finds the packet's first crossing with the surface of a body before t_max: from inside that of its own
+ * body, from outside those of the bodies in its medium. */
 CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t_max,
                             int afar, struct cml_hit *hit)
 {
@@ -231,8 +237,8 @@ CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml
     return found;
 }
 
-/* The first boundary of the packet's medium that it crosses within reach. A packet that is lost on the search
- * (P9) has ended. */
+/* Finds the packet's first crossing with a boundary of its medium. intervals: the parts of the path to
+ * search. A packet that is lost in the search (P9) has ended. */
 CML_FN int cml_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                            struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
@@ -254,19 +260,18 @@ CML_FN int cml_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_
     return found;
 }
 
-/* ---- what must hold for every packet, for CML_ASSERT: nothing calls these in release builds and on devices
- * ---- */
+/* ---- invariants of every packet, for CML_ASSERT: release builds and devices never call these ---- */
 
-/* | |u|^2 - 1 | within what one event leaves of it by rounding. unit.optics finds at most 1e-6, 9
- * spacings of single precision, over a million events. What is not a number passes: P9 ends such packets. */
+/* True if |u|^2 is 1 within the rounding of one event. unit.optics finds at most 1e-6, 9 spacings of single
+ * precision, over a million events. A direction that is not a number passes, because P9 ends such packets. */
 CML_FN int cml_is_unit(struct cml_vec u)
 {
     return !(CML_FABS(cml_dot(u, u) - 1) > 16 * CML_EPSILON);
 }
 
-/* Whether p, in the frame of a boundary, lies on its side (+1 below it, -1 above), as far as
- * bounds of depth can tell: those of the pyramid's cell that p is in (bounds.h). err: what rounding may
- * take from its depth, cm; from a curved boundary it may take as much as cml_leaked allows. */
+/* True if p lies on the given side of a boundary (+1 below it, -1 above), as far as the depth bounds of p's
+ * cell tell (bounds.h). p: in the boundary's frame. err: error of its depth by rounding, cm; for a curved
+ * boundary the margin of cml_leaked is added. */
 CML_FN int cml_is_on_side(const struct cml_world *world, int boundary, struct cml_vec p, real side, real err)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
@@ -285,13 +290,13 @@ CML_FN int cml_is_on_side(const struct cml_world *world, int boundary, struct cm
     return !(side * p.z < side * bounds[cell] - margin);
 }
 
-/* Whether a packet that has come to p, in the frame of its medium, on a path of height `step`
- * is still in that medium. */
+/* True if a packet that has come to p on a path of height `step` is still in its medium. p: in the frame of
+ * the medium. */
 CML_FN int cml_is_in_layer(const struct cml_world *world, int medium, struct cml_vec p, real step)
 {
     const real span = world->media[medium].span, err = cml_err_depth(p.z, step) + cml_err_depth(span, span);
     struct cml_vec below = p;
-    if (medium > world->setup.num_layers + 1) return 1; /* cml_leaked has told */
+    if (medium > world->setup.num_layers + 1) return 1; /* bodies: cml_leaked has checked them */
     below.z -= span;
     return medium > 0 && medium <= world->setup.num_layers && cml_is_on_side(world, medium - 1, p, 1, err) &&
            cml_is_on_side(world, medium, below, -1, err);

@@ -1,24 +1,26 @@
-/* What a packet remembers of its way: time (P11), and, for detectors, path, interactions and depth by medium
- * (P13). SPDX-License-Identifier: MIT */
+/* The history of a packet: time (P11), and for detectors its path, interactions and depth by medium (P13).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "surface_hit.h"
 #include "types.h"
 
-/* P11: a packet's optical path after t more (cm) in a medium of index n. Its clock starts where it touches
- * something for the first time. */
+/* Returns a packet's optical path (P11) after t more (cm) in a medium of index n. A clock that has not
+ * started (path below 0) starts now: the packet has touched something for the first time. */
 CML_FN real cml_path_after(real path, real t, real n)
 {
     return path < 0 ? (real)0 : CML_FMA(t, n, path);
 }
 
-/* P13: the length of a visit after t more (cm), which counts from the same place on. */
+/* Returns the length of a visit of a medium (P13) after t more (cm). It counts from the place where the
+ * packet's clock starts (path below 0: not yet). */
 CML_FN real cml_here_after(real here, real path, real t)
 {
     return path < 0 ? here : here + t;
 }
 
-/* Before the packet flies t (cm) in the medium it is in. Rows weigh the material only (P16). */
+/* Counts a flight of t (cm) in the packet's medium; called before the flight. Rows of a sweep (P16) count
+ * only paths in the material. */
 CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t)
 {
 #ifdef __OPENCL_VERSION__
@@ -31,7 +33,7 @@ CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_
 #endif
 }
 
-/* Keeps the depth that a packet has come to, if it is the largest of this visit of its medium (P13). */
+/* Keeps the packet's depth if it is the largest in this visit of its medium (P13). */
 CML_FN void cml_count_depth(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__
@@ -42,15 +44,15 @@ CML_FN void cml_count_depth(const struct cml_world *world, CML_PACKET struct cml
 #endif
 }
 
-/* 1 - cosine of the angle between two unit vectors: half the square of their difference, which keeps the
- * digits of small angles. */
+/* Returns 1 - cosine of the angle between two unit vectors. It is computed as half the square of their
+ * difference, which keeps the digits of small angles. */
 CML_FN real cml_one_minus_dot(struct cml_vec u, struct cml_vec v)
 {
     const real x = v.x - u.x, y = v.y - u.y, z = v.z - u.z;
     return (real)0.5 * CML_FMA(x, x, CML_FMA(y, y, z * z));
 }
 
-/* P13: the packet has been scattered from the direction u into its own. */
+/* Counts the momentum transfer of a scattering from direction u into the packet's present direction (P13). */
 CML_FN void cml_count_momentum(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                struct cml_vec u)
 {
@@ -62,7 +64,8 @@ CML_FN void cml_count_momentum(const struct cml_world *world, CML_PACKET struct 
 }
 
 #ifndef __OPENCL_VERSION__
-/* P13: a visit of a medium comes to an end. low: in the medium's frame. */
+/* Adds a finished visit of a medium to a trail (P13). low: largest depth of the visit, in the medium's
+ * frame. */
 CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail, int medium, real here,
                           real low, real momentum, cml_u32 interactions)
 {
@@ -73,8 +76,8 @@ CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail
     trail->deepest = deep > trail->deepest ? deep : trail->deepest;
 }
 
-/* P13: a trail that begins with a packet, or with its lane in a bundle. Where its path says so, the packet
- * has come straight through the first layer, or in an outer medium from a far source. */
+/* Begins the trail of a packet, or of a packet in a lane (P13). A path above 0 tells that the packet has
+ * already flown: straight through the first layer, or in an outer medium from a far source. */
 CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *trail, int medium, real path)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
@@ -86,14 +89,16 @@ CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *tra
         trail->stay[1].length = (double)world->media[1].span;
 }
 
-/* P13: where the first visit begins, frame of the medium. */
+/* Returns the largest depth at the start of a packet's first visit (P13), in the frame of the medium. A
+ * packet whose clock has not started has none yet. */
 CML_FN real cml_first_low(real path, real z)
 {
     return path < 0 ? -CML_INFINITY : z;
 }
 #endif
 
-/* P13: before the packet comes into another medium, and when it has ended. */
+/* Ends the packet's visit of its medium (P13): called before the packet comes into another medium, and when
+ * it has ended. */
 CML_FN void cml_end_visit(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__

@@ -1,13 +1,15 @@
-/* The walk of walk.h on an OpenCL device. Every work-item flies CML_DEVICE_LANES packets (1 on a GPU), takes
- * the next index from a counter that all share when a packet ends, and stops after a bounded number of
- * events; its packets wait in global memory for the next call of the kernel. SPDX-License-Identifier: MIT */
+/* The walk of walk.h as an OpenCL kernel. Every work-item flies CML_DEVICE_LANES packets (1 on a GPU). When a
+ * packet ends, the item takes the next index from a counter that all items share. It stops after a bounded
+ * number of events, and its packets wait in global memory for the next call of the kernel.
+ * SPDX-License-Identifier: MIT */
 #include "device_lanes.h"
 
 /* ---- a finished packet's entry into the tallies ---- */
 
-/* Weight balance, counts and exit bins: src/engine/terminated_packets_inl.h adds them up on the host, for
- * many packets at once. */
+/* Weight balance, counts and exit bins of one packet. On the host src/engine/terminated_packets_inl.h adds
+ * these for many packets at once. */
 
+/* Returns the term of the balance to which a finished packet's weight belongs. */
 CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 {
     return fate == CML_FATE_ABSORBED      ? CML_BALANCE_ROULETTE
@@ -18,7 +20,7 @@ CML_FN enum cml_balance_term cml_balance_term_of(int fate)
                                           : CML_BALANCE_LOST;
 }
 
-/* R and T by exit bin; what is rare by its cause. */
+/* Adds a finished packet to Rd_ra or Tt_ra by its exit bin, or counts it as trapped or lost by its cause. */
 CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                            const struct cml_deposits *to)
 {
@@ -35,6 +37,7 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struc
     }
 }
 
+/* Adds a finished packet to the tallies. */
 CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
@@ -51,7 +54,8 @@ CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml
     cml_add_count(to, CML_COUNT_SHADING_OVERRULED, packet->shading_overruled);
 }
 
-/* What every packet of the group adds alike, from their number: by one item, with a barrier before it. */
+/* Adds the launched and specular weight of all packets of the group, which all packets have alike, from their
+ * number. One item calls it, with a barrier before it. */
 CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_deposits *to)
 {
     const cml_u64 photons = to->local_cells[CML_CELL_COUNT + CML_COUNT_PHOTONS];
@@ -62,14 +66,17 @@ CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_d
 
 /* ---- packets of a work-item ---- */
 
+/* Takes the next photon: returns 1 and *index, or 0 if none is left. */
 CML_FN int cml_device_take(__global struct cml_counters *counters, cml_u64 *index)
 {
-    if (*(volatile __global cml_u32 *)&counters->taken >= counters->count) return 0; /* count stays small */
+    /* Read first, so that `taken` stays small. */
+    if (*(volatile __global cml_u32 *)&counters->taken >= counters->count) return 0;
     const cml_u32 taken = atomic_inc(&counters->taken);
     *index = counters->first + taken * counters->stride;
     return taken < counters->count;
 }
 
+/* Records the end of a packet. */
 CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
@@ -85,7 +92,7 @@ CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
     fate->u = packet->u;
 }
 
-/* Whether the item can do anything in this call. */
+/* True if the work-item can do anything in this call: it has a packet alive, or can take a new one. */
 CML_FN int cml_device_has_work(__global struct cml_counters *counters,
                                __global const struct cml_packet *saved)
 {
@@ -94,21 +101,22 @@ CML_FN int cml_device_has_work(__global struct cml_counters *counters,
     return *(volatile __global cml_u32 *)&counters->taken < counters->count;
 }
 
-/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
- * balance up to the last mark. With one lane the rest stays in global memory, so that a packet between
- * boundaries has the registers to itself (CML_PACKET). */
+/* The packets of a work-item. `lanes` holds the members that change with every step, `packets` the rest, with
+ * the weight balance as of the last flush. With one lane the rest stays in global memory, so that a packet
+ * between boundaries has the registers to itself (CML_PACKET). */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
 #if CML_DEVICE_LANES > 1
     struct cml_packet packets[CML_DEVICE_LANES];
 #else
-    __global struct cml_packet *packets; /* [1] */
+    __global struct cml_packet *packets; /* [1] in global memory */
 #endif
-    cml_u32 alive; /* packets */
+    cml_u32 alive; /* number of packets alive */
 };
 
-/* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
- * as lost weight: to be called before either changes, and behind cml_device_read_lane. */
+/* Counts the weight that the lane has deposited as absorbed. Deposits belong to the medium in which they were
+ * made, and show as lost weight. So it must be called before medium or weight change in another way, and
+ * after cml_device_read_lane. */
 CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     const cml_u32 deposited = f->lanes.flushed_w[i] - f->packets[i].w;
@@ -117,6 +125,8 @@ CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_
     f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
+/* Loads the properties of the packet's medium into its lane, and the depths between which no boundary is
+ * met. */
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -134,9 +144,10 @@ CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_dev
     l->start_above[i] = top && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
     l->start_below[i] = bottom && cml_is_plane(world, m) ? CML_INFINITY : below;
     if (CML_MAY_HAVE_BODIES && medium.body_grid >= 0)
-        l->stop_above[i] = CML_INFINITY; /* every step is looked at */
+        l->stop_above[i] = CML_INFINITY; /* in a medium with bodies every step is examined */
 }
 
+/* Copies a packet's place, direction and optical depth into its lane. */
 CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
                                  CML_PACKET const struct cml_packet *packet)
 {
@@ -149,6 +160,7 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
     l->tau[i] = packet->tau;
 }
 
+/* Copies a packet's index, weight and number of interactions into its lane. */
 CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
                                    CML_PACKET const struct cml_packet *packet)
 {
@@ -158,7 +170,7 @@ CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
     l->interactions[i] = packet->interactions;
 }
 
-/* The packet into its lane. */
+/* Copies a packet into its lane. */
 CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -172,7 +184,7 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
     cml_device_load_medium(world, f, i);
 }
 
-/* The packet as its lane has it. */
+/* Copies the lane's changes back into its packet. */
 CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;
@@ -189,8 +201,9 @@ CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
     packet->bounces = 0;
 }
 
-/* Back into the lane what cml_device_read_lane has stored. A device with one lane forgets what it had in
- * registers: they are free while a boundary is looked for. medium: the packet's before. */
+/* Copies the packet that cml_device_read_lane has filled back into the lane, after its event. A device with
+ * one lane also reloads all it had in registers, so that these are free during the search for a boundary.
+ * medium: the packet's medium before the event. */
 CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i,
                                     int medium)
 {
@@ -202,7 +215,7 @@ CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_de
     if (CML_DEVICE_LANES == 1 || packet->medium != medium) cml_device_load_medium(world, f, i);
 }
 
-/* The lane's flight into the tallies, and the next packet into the lane if there is one. */
+/* Adds the lane's finished packet to the tallies, and puts the next packet into the lane if there is one. */
 CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
                                struct cml_kernel_call call, __global struct cml_device_fate *fates,
                                struct cml_device_flight *f, cml_u32 i)
@@ -221,14 +234,15 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
 }
 
 #if CML_DEVICE_LANES > 1
+/* Finds the packet's first crossing within t (cm). */
 CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
                                   struct cml_hit *hit)
 {
     return cml_nearest_hit(world, packet, cml_find_intervals(world, packet, t), hit);
 }
 #else
-/* cml_find_intervals and cml_nearest_hit with one copy of the search, for the boundary above and then for the
- * one below: a device with one lane holds little text at a time. */
+/* cml_find_intervals and cml_nearest_hit with one copy of the search, used for the boundary above and then
+ * for the one below: a device with one lane holds only little code at a time. */
 CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
                                   struct cml_hit *hit)
 {
@@ -258,8 +272,8 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET stru
 }
 #endif
 
-/* What the packet does within t, the way to its interaction: a boundary event, or an end. Returns 1 when it
- * is to interact. */
+/* Handles the packet's event within t (cm), the distance to its interaction: a boundary event or its end.
+ * Returns 1 if it is to interact instead. */
 CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_deposits *to,
                                 struct cml_device_flight *f, cml_u32 i, real t)
 {
@@ -270,7 +284,7 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
     } else if (cml_device_nearest_hit(world, packet, t, &hit)) {
         cml_device_flush_deposits(to, f, i);
         cml_score_boundary_event(world, to, packet, &hit);
-        f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* of which a backing keeps a part */
+        f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* a backing may have kept a part of the weight */
     } else if (!(t < CML_INFINITY)) {
         cml_leave_scene(world, to, packet);
     } else if (cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z)) {
@@ -281,8 +295,8 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
     return 0;
 }
 
-/* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
- * has ended. */
+/* Handles the event of a lane that may meet a boundary; the lane may prove to interact instead. Returns 1 if
+ * its packet has ended. */
 CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
                                        struct cml_device_flight *f, cml_u32 i)
 {
@@ -300,7 +314,7 @@ CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const stru
     return packet->fate != CML_FATE_ALIVE;
 }
 
-/* Roulette of the lane's packet (P8). Returns 1 when it has ended. */
+/* Plays roulette with the lane's packet (P8). Returns 1 if it has ended. */
 CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
                                    struct cml_device_flight *f, cml_u32 i)
 {
@@ -313,7 +327,7 @@ CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct c
 }
 
 #if CML_DEVICE_LANES > 1
-/* One event of every packet. Returns how many that is. */
+/* Flies one event of every packet. Returns the number of events of each, 1, or 0 if `most` is 0. */
 CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
                                const struct cml_deposits *to, struct cml_kernel_call call,
                                __global struct cml_device_fate *fates, struct cml_device_flight *f,
@@ -333,10 +347,10 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
     return most ? 1 : 0;
 }
 #else
-/* Events of the packet, at most `most`, but one at least. Items that go on together wait for each other: so
- * each flies from interaction to interaction, up to a number of them, and those that have come to a boundary,
- * to roulette or to an end do that together. A boundary that is looked for and not met is no event: the item
- * goes on to its interaction in the next pass. Returns how many there were. */
+/* Flies at most `most` events of the packet, but at least one, and returns their number. Items of a group
+ * wait for each other. So each flies from interaction to interaction, up to a number of them, and all items
+ * that have come to a boundary, to roulette or to an end handle it together. A boundary that was looked for
+ * and not met is no event: the item goes on to its interaction in the next pass. */
 CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
                                const struct cml_deposits *to, struct cml_kernel_call call,
                                __global struct cml_device_fate *fates, struct cml_device_flight *f,
@@ -362,7 +376,8 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
 }
 #endif
 
-/* The events of one work-item in one call. stream: that of the world, see struct cml_shared. */
+/* Flies the events of one work-item in one call. stream: the world's stream in local memory (struct
+ * cml_shared). */
 CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
                                  const struct cml_deposits *to, struct cml_kernel_call call,
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)
@@ -394,13 +409,15 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
     if (flight.alive) atomic_add(&to->counters->alive, flight.alive);
 }
 
-/* What a compiler would keep in registers, with all that follows from it alone, if it came with the kernel's
- * arguments: every pass reads it anew from local memory. */
+/* Values that every pass reads anew from local memory. If they came with the kernel's arguments, a compiler
+ * would keep them in registers, with all that follows from them alone. */
 struct cml_shared {
     struct cml_local_parts parts;
     struct cml_stream stream;
 };
 
+/* The kernel: flies the packets of a work-item for one call, and adds the group's local tallies to the global
+ * ones. */
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_transport(
     const struct cml_setup setup, const struct cml_local_parts parts, const struct cml_kernel_call call,
     __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
@@ -438,7 +455,7 @@ __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_tr
     __local struct cml_shared shared;
     const struct cml_deposits to = {&shared.parts, local_cells, cells, counters};
     const size_t item = get_global_id(0);
-#if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
+#if CML_GROUP_SIZE == 1 /* in a larger group the other items may need the local memory */
     if (!cml_device_has_work(counters, packets + item * CML_DEVICE_LANES)) return;
 #endif
     if (get_local_id(0) == 0) {
@@ -457,7 +474,7 @@ __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_tr
     cml_flush_local_part(&to, parts.absorbed);
 }
 
-/* The device's sizes and offsets, for the host to compare with its own. */
+/* Writes the device's sizes and offsets of structs, which the host compares with its own. */
 __kernel void cml_layout(__global cml_u32 *out)
 {
     const cml_u32 layout[CML_LAYOUT_ENTRIES] = CML_LAYOUT;

@@ -1,7 +1,8 @@
-/* What a walk needs to know of the scene, and what it says of a packet.
- * Lengths in cm. Depth z of a packet is measured from the frame of the medium it is in: the frame of a medium
- * is that of the boundary above it (of boundary 0 for the medium above), so that a thin layer deep down keeps
- * all its digits and a plane is exactly z = 0. x and y are measured from the scene's origin (P1).
+/* The data of a walk: the scene as the walk reads it (media, surfaces, sources, the world), and a packet with
+ * its fates.
+ * Lengths are in cm. x and y count from the scene's origin (P1). The depth z of a packet counts in the frame
+ * of its medium, which is the frame of the boundary above the medium (boundary 0 for the medium above all
+ * layers). So a thin layer deep down keeps all its digits, and a plane is exactly z = 0.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -11,55 +12,65 @@
 #include "port.h"
 #include "rng.h"
 
-/* Weight is an integer, so that the balance holds to the last bit (P10): a whole packet is 2^31 units. */
+/* Weights are integers, so the balance of weight holds to the last bit (P10). A whole packet has 2^31
+ * units. */
 #define CML_WEIGHT_ONE 0x80000000u
-#define CML_SHADED_LIMIT 1000u             /* boundary events in a row that shading normals may bend */
-#define CML_SHADED_LEAST (8 * CML_EPSILON) /* sine of the angle at which they may send light from a facet */
-#define CML_TRAPPED_LIMIT 10000u  /* boundary events in a row without interaction, in a clear medium */
-#define CML_STUCK_LIMIT 10000000u /* the same in any medium: a packet that never gets anywhere */
+/* Boundary events in a row after which shading normals count no more. */
+#define CML_SHADED_LIMIT 1000u
+/* Least sine between a direction that a shading normal gives and the facet. */
+#define CML_SHADED_LEAST (8 * CML_EPSILON)
+#define CML_TRAPPED_LIMIT 10000u /* boundary events in a row without interaction, in a clear medium */
+/* Boundary events in a row without interaction, in any medium: the packet never gets anywhere. */
+#define CML_STUCK_LIMIT 10000000u
 
 enum cml_fate {
     CML_FATE_ALIVE,
     CML_FATE_ABSORBED,    /* ended by roulette or with weight 0 */
-    CML_FATE_REFLECTED,   /* left upwards for good after having entered */
+    CML_FATE_REFLECTED,   /* left upwards for good after having entered the material */
     CML_FATE_TRANSMITTED, /* left downwards for good */
-    CML_FATE_SPECULAR,    /* came back up without having entered */
-    CML_FATE_TRAPPED,     /* totally reflected for ever in a clear medium */
-    CML_FATE_LOST,        /* see enum cml_lost_cause */
+    CML_FATE_SPECULAR,    /* left upwards without having entered the material */
+    CML_FATE_TRAPPED,     /* reflected totally for ever in a clear medium */
+    CML_FATE_LOST,        /* given up by the walk, see enum cml_lost_cause */
     CML_NUM_FATES
 };
 
 enum cml_lost_cause {
     CML_LOST_NOT,
-    CML_LOST_NO_SURFACE, /* nothing hit where a boundary must be */
+    CML_LOST_NO_SURFACE, /* no surface was hit where a boundary must be */
     CML_LOST_NAN,        /* position or direction is not a number */
     CML_LOST_STUCK,      /* CML_STUCK_LIMIT boundary events without an interaction */
-    CML_LOST_LEAKED,     /* found beyond the envelope of a boundary it never crossed */
+    CML_LOST_LEAKED,     /* found beyond the envelope of a boundary that it never crossed */
     CML_LOST_TOO_FAR,    /* flew over too many periods of a repeated mesh (mesh_crossing.h) */
     CML_LOST_ROUGH,      /* met CML_ROUGH_LIMIT facets of a rough boundary in one event */
     CML_NUM_LOST_CAUSES
 };
 
 struct cml_medium {
-    real n;      /* refractive index */
-    real mut;    /* mua + mus, 1/cm; 0: clear */
-    real mfp;    /* 1 / mut, cm; infinite when clear */
-    real absorb; /* mua / mut, 0 when clear; where nothing scatters a little over 1, so that no rounding of a
-                  * weight leaves a rest */
-    real g; /* anisotropy of Henyey and Greenstein's function; below -1 or above 1, where another one has the
-             * table k: 2 + k, or -2 - k where that is mirrored (struct cml_phase_cell) */
-    real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
-    real depth; /* of this medium's frame in the scene; a body has the frame of its layer */
-    real bins;  /* the same in bins of dz */
-    int body_grid;            /* of a layer with bodies and of these, else -1 */
-    int first_node, end_node; /* the tree of the bodies that lie in it */
+    real n;   /* refractive index */
+    real mut; /* mua + mus, 1/cm; 0 in a clear medium */
+    real mfp; /* 1 / mut, cm; infinite in a clear medium */
+    /* Share mua / mut of the weight that an interaction absorbs; 0 in a clear medium. A little over 1 in a
+     * medium that does not scatter, so that rounding leaves no rest of a weight. */
+    real absorb;
+    /* Anisotropy of Henyey and Greenstein's function, -1 to 1. A medium with the table k of another phase
+     * function has 2 + k here, or -2 - k if the table is mirrored (struct cml_phase_cell). */
+    real g;
+    real span;  /* z of the frame of the boundary below, in this medium's frame; 0 in the outer media */
+    real depth; /* z of this medium's frame in the scene; a body has the frame of its layer */
+    real bins;  /* `depth` in bins of dz */
+    /* Number of the grid over bodies: in a layer with bodies and in these bodies; else -1. */
+    int body_grid;
+    /* Range of world.body_nodes: the tree of the bodies that lie directly in the medium. */
+    int first_node, end_node;
 };
 
-/* A cell of a phase function's table, which gives 1 - c, c the cosine of the deflection, or 1 + c where the
- * table is mirrored because more light goes backwards. Of the numbers in (0, 1) that are drawn, 0 straight
- * on, cell k of CML_PHASE_CELLS has those from k / CML_PHASE_CELLS on. In a cell 1 - c is start + slope y, y
- * in (0, 1). Where that is not accurate enough slope is -1, and -start the number of the first of
- * CML_PHASE_PARTS cells, further on in the array, with parts of the same y; else neither is negative. */
+/* A cell of a phase function's table (P4). The table turns a number v in (0, 1) into 1 - c, where c is the
+ * cosine of the deflection and v = 0 means straight on. A mirrored table, for functions that scatter mostly
+ * backwards, gives 1 + c instead.
+ * Cell k of the CML_PHASE_CELLS cells has the numbers v from k / CML_PHASE_CELLS on. Within a cell, at y in
+ * (0, 1), 1 - c is start + slope y. A cell in which a straight line is too inaccurate has slope -1, and
+ * -start is the index of the first of CML_PHASE_PARTS parts, further on in the same array, that divide y
+ * evenly. All other cells have start and slope >= 0. */
 struct cml_phase_cell {
     real start, slope;
 };
@@ -68,84 +79,96 @@ struct cml_phase_cell {
 #define CML_PHASE_CELLS (1u << CML_PHASE_LOG2_CELLS)
 #define CML_PHASE_PARTS (1u << CML_PHASE_LOG2_PARTS)
 
-#define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
+/* Arrays with one number per ring, stored one behind the other: ring_r, ring_z, ring_slope and both
+ * horizons. */
+#define CML_RING_ROWS 5
 #define CML_DEPTH_LEVELS 11
 
-/* Bounds of a curved surface's depth by cells, see bounds.h. */
+/* Pyramid of bounds on a curved surface's depth, by cells (bounds.h). */
 struct cml_depth_bounds {
     int form;  /* enum cml_bounds_form */
     int size;  /* cells along an axis on level 0, a power of two */
-    int first; /* of level 0 in world.deepest and world.highest */
+    int first; /* index of level 0 in world.deepest and world.highest */
     int level_offset[CML_DEPTH_LEVELS];
-    real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
-    real per_cell_y;                   /* the same along y: another one where the form is a period */
-    int first_horizon, horizon_level;  /* of meshes: in world.horizon_below and above, and of whose cells */
+    real corner_x, corner_y, per_cell; /* corner in cm from the scene's axis; cells per cm */
+    /* Cells per cm along y; differs from per_cell only if the form is a period. */
+    real per_cell_y;
+    /* meshes: index of the first horizon in world.horizon_below and above; level whose cells have
+     * horizons. */
+    int first_horizon, horizon_level;
 };
 
 #ifndef __OPENCL_VERSION__
-/* Cubes in and around a mesh that overhangs, and how far from the middle of each the surface is at least:
- * see cml_path_is_safe. */
+/* Safe distances (cml_path_is_safe): cubes in and around a mesh that overhangs. Each cube knows a distance
+ * from its middle within which there is no surface. */
 struct cml_safe_cells {
-    int nx, ny, nz;        /* nx 0: there are none */
-    struct cml_vec corner; /* cm; boundary's frame, x and y from the scene's origin */
-    real per_cell, margin; /* cells per cm; what rounding may take of a safe distance, cells */
-    const float *safe;     /* [nz][ny][nx] safe distances, cells */
+    int nx, ny, nz; /* numbers of cubes; nx 0: there are none */
+    /* Lower corner of the cubes, cm, in the boundary's frame, x and y from the scene's origin. */
+    struct cml_vec corner;
+    real per_cell, margin; /* cells per cm; loss of a safe distance by rounding, in cells */
+    const float *safe;     /* [nz][ny][nx] safe distances, in cells */
 };
 #endif
 
-/* The grid of maps and volume: its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy; the volume has the
- * depth bins of A_rz, from the upper face on. */
+/* The grid of maps and of the volume. Its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy. The volume has
+ * the depth bins of A_rz, from its upper face on. */
 struct cml_map {
     int nx, ny, na; /* na: angle bins of a pixel; nx 0: there is no map */
     real per_dx, per_dy;
     real half_x, half_y; /* nx / 2, ny / 2 */
-    real top_bins;       /* depth of the volume's upper face in bins of dz */
+    real top_bins;       /* depth of the volume's upper face, in bins of dz */
 };
 
-/* Gates of time, all as long (P11). */
+/* Gates of time, all of one length (P11). */
 struct cml_gates {
-    int count;   /* 0: time is not asked for */
+    int count;   /* 0: no results by time */
     real per_cm; /* gates per cm of optical path */
 };
 
-/* Bins of directions (P7). */
+/* Bins of the directions of light that leaves (P7). */
 struct cml_direction_bins {
-    int nt, np;          /* 0: they are not asked for */
-    real per_dt, per_dp; /* 1/rad */
+    int nt, np;          /* numbers of bins; 0: no results by direction */
+    real per_dt, per_dp; /* bins per radian */
 };
 
 #ifndef __OPENCL_VERSION__
-/* A detector counts packets that have left for good (P13). Lengths are in cm, places from the scene's origin.
- */
+/* A detector: it counts packets that have left for good and cross its shape (P13). Lengths are in cm, places
+ * count from the scene's origin. */
 struct cml_detector {
-    int shape;             /* enum cml_detector_shape */
-    int aimed, diffuse;    /* sees a cone about the axis, not all angles; no light that never was inside */
-    struct cml_vec axis;   /* unit, along which light goes */
-    real most_sine2;       /* square of the sine of the widest angle to it; above 1: the half space */
-    struct cml_vec middle; /* z is not used */
-    real inner2, outer2;   /* of a ring: squares of the radii */
-    real low_x, high_x, low_y, high_y; /* of a rectangle */
-    struct cml_map pixels;             /* of a map: its grid, about the middle */
-    cml_u64 first_pixel;               /* among those of all detectors; of a map, else not used */
+    int shape; /* enum cml_detector_shape */
+    /* aimed: sees only a cone about the axis, not all angles. diffuse: sees no light that has never been in
+     * the material. */
+    int aimed, diffuse;
+    struct cml_vec axis; /* unit vector along which accepted light goes */
+    /* Square of the sine of the widest accepted angle to the axis; above 1: the half space. */
+    real most_sine2;
+    struct cml_vec middle;             /* middle of a ring or map; z is not used */
+    real inner2, outer2;               /* squares of a ring's radii */
+    real low_x, high_x, low_y, high_y; /* sides of a rectangle */
+    struct cml_map pixels;             /* grid of a map detector, about its middle */
+    /* Map detectors: index of the first pixel among the pixels of all detectors. */
+    cml_u64 first_pixel;
 };
 
-/* All detectors on one side at one level, and a grid over them: cell c has those that reach into it,
- * list[start[first + c]] to before list[start[first + c + 1]]. */
+/* All detectors on one side at one level, with a grid over them. Cell c holds the detectors that reach into
+ * it: list[start[first + c]] to list[start[first + c + 1] - 1]. */
 struct cml_detector_level {
     int below;
-    real z;                                          /* frame of the outer medium */
-    int nx, ny, first;                               /* cells; first: in `start` */
-    real corner_x, corner_y, per_cell_x, per_cell_y; /* from the scene's origin */
+    real z;                                          /* level, in the frame of the outer medium */
+    int nx, ny, first;                               /* numbers of cells; first: index of cell 0 in `start` */
+    real corner_x, corner_y, per_cell_x, per_cell_y; /* cm from the scene's origin; cells per cm */
 };
 
-/* Of what is split off packets at their launch: no detector sees it, or would; it goes up alike from all
- * packets, from the origin; or each has its own place. */
+/* Ways in which detectors may see the light that is split off packets at their launch (P1). UNSEEN: no
+ * detector sees it. ALIKE: all packets send it up from one place, the origin. APART: each packet has a place
+ * of its own. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
-/* A detector in a scene that is the same all about the first beam's axis: of light that leaves on a circle
- * about it, it sees the share that lies in its ring, which is `away` from the axis. */
+/* The detector that counts shares of circles (P13), in a scene that looks the same all about the first beam's
+ * axis. Of light that leaves on a circle about this axis, it counts the share of the circle that lies in its
+ * ring. The ring's middle is `away` from the axis; inner and outer are its radii, cm. */
 struct cml_arc {
-    int detector, level; /* detector: from 1; 0: there is none */
+    int detector, level; /* number of the detector, from 1 (0: there is none), and its level */
     real away, inner, outer;
 };
 
@@ -156,199 +179,228 @@ struct cml_detection {
     const struct cml_detector *detectors;
     const struct cml_detector_level *levels;
     const int *start, *list;
-    double per_length; /* units per cm of what is summed of lengths and depths */
-    double top;        /* where depths count from */
+    double per_length; /* units per cm in sums of lengths and depths */
+    double top;        /* depth from which summed depths count */
 };
 #endif
 
-/* How fluence is scored (P14): by marks along the paths of packets. */
+/* The marks along packets' paths that score fluence (P14). */
 struct cml_marks {
-    real spacing, per_spacing; /* of marks along paths, cm, 1/cm */
-    cml_u32 cells;             /* of a batch */
-    real top, bottom;          /* depths between which they score, in bins of dz */
+    real spacing, per_spacing; /* distance between marks, cm; its inverse, 1/cm */
+    cml_u32 cells;             /* cells of one batch */
+    real top, bottom;          /* depths between which marks score, in bins of dz */
 };
 
 #ifndef __OPENCL_VERSION__
-/* Rows of a sweep that come of one flight (P16): by how much their media absorb more than those that are
- * flown. Or scores, for derivatives (P17): by how much they grow. */
+/* Rows of a sweep that come of one flight (P16): each row is a variant of the scene whose media absorb more
+ * than the media that packets fly in. For derivatives (P17) the rows are scores, and `more` and `hits` say
+ * how much a path and an interaction add to them. */
 struct cml_rows {
-    int count;        /* rounded up to whole groups; those too many absorb nothing more; 0: there are none */
+    /* Number of rows, rounded up to whole groups; the surplus rows absorb nothing more; 0: there are none. */
+    int count;
     const real *more; /* [media][count] 1/cm */
-    const real *hits; /* scores: [media][count], for each interaction; NULL: rows of a sweep */
-    const real *part; /* rows: [media][count] of a packet's weight that a sampled interaction is worth in
-                       * A(r,z), or NULL: they have none */
-    const real *most; /* [media] the largest of these */
+    const real *hits; /* scores: [media][count] added at each interaction; NULL in a sweep */
+    /* Rows: [media][count] share of a packet's weight that a sampled interaction adds to A(r,z); NULL if the
+     * rows have no A(r,z). */
+    const real *part;
+    const real *most; /* [media] the largest `part` of each medium */
 };
 #endif
 
-/* P20. Slopes t of the facets, by projected area: P(t > x) = alpha^2 / (alpha^2 + x^2) of ggx, exp(-x^2 /
- * alpha^2) of beckmann. */
+/* Roughness of a boundary (P20). By projected area, the share of facets steeper than the slope x is alpha^2 /
+ * (alpha^2 + x^2) for ggx and exp(-x^2 / alpha^2) for beckmann. */
 struct cml_rough {
     int kind; /* enum cml_rough_kind */
     real alpha;
 };
 
-/* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
- * in the frame of its layer: lowest <= z <= highest everywhere. */
+/* A boundary, or the surface of a body. Every place of it has a depth z with lowest <= z <= highest, in the
+ * boundary's own frame, or for a body in the frame of its layer. */
 struct cml_surface {
     int kind;
-    int above;                 /* the medium on its upper side: of a body the one outside */
-    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of the arrays of rings */
-    real parts_per_cm;         /* of ring_start */
+    int above;                 /* medium on the upper side; of a body the medium outside */
+    int first_ring, num_rings; /* CML_SURFACE_CONE: its slice of the arrays of rings */
+    real parts_per_cm;         /* parts of ring_start per cm */
     real lowest, highest;
-    real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
+    real steepest; /* at least the slope of every part; infinite if a part is upright or overhangs */
     struct cml_depth_bounds depths;
     struct cml_facet_range facets;
     struct cml_rough rough;
 };
 
-/* The shape of a body, in the frame of its layer, x and y from the scene's origin. Empty for a mesh. */
+/* The shape of a sphere or cylinder, in the frame of its layer, x and y from the scene's origin. Zero for a
+ * body that is a mesh. */
 struct cml_body {
-    struct cml_vec centre; /* of a sphere; of a cylinder the middle of its first end */
-    struct cml_vec axis;   /* of a cylinder, unit, from that end to the other; of a sphere 0 */
+    struct cml_vec centre; /* middle of a sphere, or of a cylinder's first end */
+    struct cml_vec axis;   /* cylinder: unit vector from the first end to the other; sphere: 0 */
     real radius, length;
 };
 
-/* A node of the tree over the bodies that lie in one medium: the box of one body or of all nodes up to
- * `skip`. Nodes stand in preorder, so whoever passes a box goes on with the next node, and who does not, at
- * `skip`. */
+/* A node of the tree over the bodies that lie in one medium: the box of one body, or of all nodes before
+ * `skip`. Nodes stand in preorder. A ray that passes a node's box goes on with the next node; another ray
+ * goes on at `skip`. */
 struct cml_body_node {
-    struct cml_vec lower,
-        upper;      /* frame of the layer, x and y from the scene's origin; larger than rounding */
-    int skip, body; /* body: number of it, -1: an inner node */
+    /* Corners of the box, in the frame of the layer, x and y from the scene's origin. The box is larger than
+     * its bodies by more than rounding. */
+    struct cml_vec lower, upper;
+    int skip, body; /* body: number of the body; -1: an inner node */
 };
 
-/* Cubes over all bodies of a layer: see cml_may_hit_body. */
+/* Grid of cubes over all bodies of a layer (cml_may_hit_body). */
 struct cml_body_grid {
-    int nx, ny, nz, first; /* first: of its cells in world.body_cells, x fastest */
-    struct cml_vec corner; /* cm */
-    real cell, per_cell;   /* cm, and cells per cm */
+    /* Numbers of cubes; index of the first in world.body_cells, where x runs fastest. */
+    int nx, ny, nz, first;
+    struct cml_vec corner; /* lower corner of the grid, cm, in the frame of the layer */
+    real cell, per_cell;   /* side of a cube in cm, and cubes per cm */
 };
 
-/* In cells of a grid of bodies: what their bounds have to spare, more than rounding can move a packet. */
+/* The margin by which bounds on bodies are widened, in cells of their grid: more than rounding can move a
+ * packet. */
 #define CML_CELL_MARGIN 0.01
 
-/* What surfaces of bodies there are in a ball about the middle of a cell: none, or that of one body, between
- * two planes. Lengths in cells, all with CML_CELL_MARGIN to spare. */
+/* Surfaces of bodies near the middle of a grid cell: a ball about the middle that holds no surface, or the
+ * surface of one body, between two planes. Lengths are in cells, widened by CML_CELL_MARGIN. */
 struct cml_body_cell {
-    real radius;           /* of the ball; 0: nothing is known */
-    int inside;            /* the body's medium; -1: no surface is in the ball */
-    struct cml_vec normal; /* of the planes, unit, outwards of the body; 0 where there is no surface, with
-                            * both planes below */
-    real lower, upper;     /* heights of the planes over the middle */
-    real steepest; /* sine: who heads outwards more steeply than this can enter no facet in the ball, nor
-                    * leave through one who heads inwards so; above 1 where this is never so */
+    real radius; /* radius of the ball; 0: nothing is known */
+    /* Medium inside the body whose surface is in the ball; -1: the ball holds no surface. */
+    int inside;
+    /* Unit normal of the planes, outwards of the body; 0 if the ball holds no surface, and then both planes
+     * lie below. */
+    struct cml_vec normal;
+    real lower, upper; /* heights of the planes above the middle, along the normal */
+    /* Sine of an angle. A packet that heads outwards more steeply can enter no facet in the ball; one that
+     * heads inwards more steeply can leave through none. Above 1 if there is no such angle. */
+    real steepest;
 };
 
-/* P8: which packets play roulette, and what survivors weigh. Units of weight. */
+/* Rule of roulette (P8): which packets play, and the weight of survivors. Weights are in units. */
 struct cml_roulette_rule {
-    cml_u32 below; /* lighter ones play */
-    cml_u32
-        weight; /* at least `below`; 0: ten times what they had, below at most 2^31 / 10 (original MCML) */
+    cml_u32 below; /* packets lighter than this play */
+    /* Weight of a survivor, at least `below`. 0: a survivor weighs ten times its old weight, as in original
+     * MCML; then `below` is at most 2^31 / 10. */
+    cml_u32 weight;
 };
 
 #ifndef __OPENCL_VERSION__
-/* P15. Directions whose n sine lies between two indices: with c their cosine in a medium of the upper index,
- * c^2 = ratio uz^2 + rest, places in the table rise as the root of c. */
+/* A row of the table of expected values (P15), for directions whose n sine lies between two neighbouring
+ * refractive indices. With c the cosine of the direction in a medium of the upper index, c^2 = ratio uz^2 +
+ * rest. The place in the table is per_root sqrt(c). */
 struct cml_tail_interval {
     real ratio, rest, per_root;
 };
 
-/* What is expected of light that goes down through the level z of a medium, below which all is flat. */
+/* Table of the results that are expected of light which goes down through the level z of a medium, if
+ * everything below is flat (P15). */
 struct cml_tail {
     int medium;
-    real z;            /* in the frame of the medium */
-    int cells, scores; /* cells of an interval; scores: Tt, and A of each layer below the medium */
-    const struct cml_tail_interval *interval; /* rising indices; the last has ratio 1, rest 0 */
+    real z;            /* depth of the level, in the frame of the medium */
+    int cells, scores; /* cells of an interval; scores of a cell: Tt, then A of each layer below the medium */
+    const struct cml_tail_interval *interval; /* by rising refractive index; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
-/* P19: what packets shall weigh by depth in the scene, and by their distance from a place: the least of that
- * in equal cells of depth from 0 on and rings whose borders go with the square of their number. The first and
- * the last of both go on. */
+/* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance from
+ * a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
+ * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. Each
+ * entry belongs to the least target weight W in its cell. */
 struct cml_weight_windows {
-    int cells, rings;    /* of depth, 0: there are none; rings: 1 where only depth counts */
+    int cells, rings;    /* cells of depth, 0: there are no windows; rings: 1 if only depth counts */
     real per_bin;        /* cells in a bin of dz */
-    real x, y, per_root; /* the place, from the scene's origin, and rings in the root of a cm */
-    const cml_u32 *low;  /* [rings][cells] units of weight */
+    real x, y, per_root; /* the place, from the scene's origin; rings per square root of a cm */
+    const cml_u32 *low;  /* [rings][cells] lower end of the window, W / 3, in units of weight */
 };
-#define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
+#define CML_TAIL_UNIT ((real)0.015625) /* score units in one unit of weight: 2^-6, so that sums have room */
 #endif
 
-/* Directions of a source's packets about its axis. */
+/* Distributions of a source's directions about its axis. */
 enum cml_source_light {
     CML_LIGHT_PARALLEL,
-    CML_LIGHT_EVEN,   /* evenly per solid angle, as far as 1 - cosine is `spread`, or, where that is 0, the
-                       * sine aperture / n */
+    /* Evenly per solid angle, up to 1 - cosine = `spread`, or, if `spread` is 0, up to the sine aperture /
+     * n. */
+    CML_LIGHT_EVEN,
     CML_LIGHT_COSINE, /* cosine law over the hemisphere */
     CML_LIGHT_TABLE
 };
 
-/* A beam (P1). Lengths in cm. */
+/* A source of packets: one beam of the scene (P1). Lengths are in cm. */
 struct cml_source {
-    int inside;    /* starts at the place itself, else above all surfaces on the line through it */
-    int medium;    /* of packets: 0: above all surfaces; below planes 1, or 2: glass; inside: at the middle */
-    int is_pencil; /* inside: all packets start in that medium */
-    int is_common; /* above, parallel, and a point, a disk or a Gaussian */
-    int is_far;    /* inside: far outside of the scene; `middle` is where the axis meets the level `start` */
-    real ahead;    /* of a far source: the distance along the axis to there */
-    cml_u32 specular;      /* deterministic Rsp of one packet in weight units, 0 when medium is 0 or inside */
-    cml_u32 between;       /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
-    struct cml_vec middle; /* of the shape, x and y from the scene's origin, z in the frame of boundary 0;
-                            * inside: of the medium */
-    real start;            /* z where packets start in the frame of the medium, unless inside and near */
-    struct cml_vec axis, e1, e2; /* direction, and two unit vectors across it */
+    /* 1: packets start at their place in the shape; 0: above all surfaces, on the line through this place. */
+    int inside;
+    /* Medium in which packets start: 0 above all surfaces; 1 below planes, 2 below a glass plate; for a
+     * source inside, the medium at its middle. */
+    int medium;
+    int is_pencil; /* a source inside whose packets all start in `medium` */
+    int is_common; /* light from above, parallel, from a point, a disk or a Gaussian */
+    /* A source inside, far outside of the scene; `middle` is then where the axis meets the level `start`. */
+    int is_far;
+    real ahead; /* far source: distance along the axis from the source to `middle` */
+    /* Specular reflectance of one packet in weight units, split off at the launch; 0 if packets start in
+     * medium 0 or inside. */
+    cml_u32 specular;
+    /* Weight that goes up to boundary 0 again in a clear first layer; 0 without such a layer. */
+    cml_u32 between;
+    /* Middle of the shape: x and y from the scene's origin, z in the frame of boundary 0, or for a source
+     * inside in the frame of its medium. */
+    struct cml_vec middle;
+    /* Z at which packets start, in the frame of `medium`; not used for a source inside that is near. */
+    real start;
+    struct cml_vec axis, e1, e2; /* direction of the beam, and two unit vectors across it */
     int shape, light;            /* enum cml_beam_shape, cml_source_light */
-    real a, b; /* disk: the radius; Gaussian: the 1/e^2 radius; ring: the square of the inner radius, and the
-                * difference of both squares; rectangle: half its lengths along e1 and e2; image: lengths of a
-                * pixel along them */
-    real aperture, spread;     /* of the light */
-    int nx, ny, first_word;    /* of an image */
-    int first_cell, num_cells; /* of a table */
+    /* Disk: a is the radius. Gaussian: a is the 1/e^2 radius. Ring: a is the square of the inner radius, b
+     * the difference of both squares. Rectangle: half its lengths along e1 and e2. Image: lengths of a pixel
+     * along e1 and e2. */
+    real a, b;
+    real aperture, spread; /* numerical aperture; largest 1 - cosine (enum cml_source_light) */
+    /* image: numbers of columns and rows, and its first word in world.image_words. */
+    int nx, ny, first_word;
+    int first_cell, num_cells; /* table: its range of world.light_cells */
 };
 
-/* A part of the directions of a table: 1 - cosine from v on, `width` wide; density at both ends. */
+/* A part of a table of directions. 1 - cosine begins at v and has the width `width`; begin and end are the
+ * densities at both ends. */
 struct cml_light_cell {
-    cml_u32 first; /* the lowest word that leads here */
+    cml_u32 first; /* lowest random word that leads to this part */
     real v, width, begin, end;
 };
 
-/* What lies under the last boundary and sends light back (P12). */
+/* The backing: a surface under the last layer that sends light back (P12). */
 struct cml_backing {
     int kind;     /* enum cml_backing_kind */
-    int boundary; /* the last one; -1 without a backing */
-    real kept; /* mirror, lambertian: share of the weight that does not come back; a little over 1 where none
-                * does */
-    real n, k; /* metal: index n + i k, relative to that of the last layer */
+    int boundary; /* number of the scene's last boundary; -1: there is no backing */
+    /* Mirror, lambertian: share of the weight that stays in the backing; a little over 1 if all of it
+     * stays. */
+    real kept;
+    real n, k; /* metal: index n + i k relative to the index of the last layer */
 };
 
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
     int num_layers, num_bodies;
-    int reentry;          /* follow packets outside (P6) */
-    int tally_absorption; /* A_rz is wanted */
-    int nr, nz, na;       /* bins; a tally's A_rz is [nr + 1][nz + 2], its Rd_ra and Tt_ra are [nr + 1][na] */
-    real per_dr, per_dz;  /* 1/dr, 1/dz */
-    real per_da;          /* na / (pi/2) */
-    real x0, y0;          /* scene position of the origin of x and y */
-    real r0_x, r0_y;      /* the same from where results count r */
+    int reentry;          /* 1: packets outside are followed, because they may come back in (P6) */
+    int tally_absorption; /* 1: A_rz is wanted */
+    /* Numbers of bins. In a tally A_rz is [nr + 1][nz + 2]; Rd_ra and Tt_ra are [nr + 1][na]. */
+    int nr, nz, na;
+    real per_dr, per_dz; /* 1/dr, 1/dz */
+    real per_da;         /* na / (pi/2) */
+    real x0, y0;         /* the origin of packets' x and y, in the scene's coordinates */
+    real r0_x, r0_y;     /* the same origin, from the axis from which results count r */
     struct cml_map map;
     struct cml_gates gates;
-    int keeps_paths; /* gates, detectors, saved packets or rows want them */
+    int keeps_paths; /* 1: gates, detectors, saved packets or rows need the lengths of paths */
     struct cml_direction_bins directions;
     struct cml_marks marks;
-    struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
+    struct cml_facet_range outer_facets[2]; /* facets of boundaries 0 and num_layers; count 0 for planes */
     struct cml_backing backing;
-    /* launch */
     int num_sources;
-    cml_u32 specular; /* what is split off every packet before its launch; 0 where sources differ in that */
+    cml_u32 specular; /* weight units that are split off every packet at its launch; 0 if sources differ */
 };
 
 #ifndef __OPENCL_VERSION__
-/* A packet's way, for detectors and saved packets (P13, P18): all visits of media but the one under way. */
+/* The history of a packet for detectors and saved packets (P13, P18): all finished visits of media. The visit
+ * under way is in the packet itself. */
 struct cml_trail {
-    struct cml_stay *stay; /* [media]; NULL: nobody wants it */
-    real deepest;          /* depth in the scene, cm */
+    struct cml_stay *stay; /* [media]; NULL if no result needs it */
+    real deepest;          /* largest depth in the scene, cm */
 };
 #endif
 
@@ -357,51 +409,59 @@ struct cml_packet {
     struct cml_vec p, u;
     real tau; /* optical depth left to the next interaction */
     cml_u32 w;
-    struct cml_block draw; /* the block of the next interaction */
-    cml_u32 interactions;  /* so far: the event number of the next one */
+    struct cml_block draw; /* random words of the next interaction */
+    cml_u32 interactions;  /* interactions so far: the event number of the next one */
     cml_u32 crossings;     /* boundary events with unequal indices so far: the event number of the next one */
     cml_u32 rough_draws;   /* blocks of random words drawn at rough boundaries (P20) */
     cml_u32 bounces;       /* boundary events since the last interaction */
-    cml_u32 boundary_events; /* all of them */
+    cml_u32 boundary_events; /* boundary events in its whole life */
     int medium;
-    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_NEAR_FACETS */
-    struct cml_vec off; /* where that is a sphere or a cylinder: place from its centre or its axis, cm */
-    int near_boundary;  /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none
-                         */
-    int undeflected;    /* it came there without a turn: equal indices */
-    int entered;        /* has been in the material */
+    /* Boundary and primitive that the packet stands on; -1: nothing, or CML_NEAR_FACETS. */
+    int on_boundary, on_primitive;
+    /* Place on a sphere or cylinder that the packet stands on, from its centre or axis, cm. */
+    struct cml_vec off;
+    /* 1 + the boundary at which the last searched path ends, within rounding; 0: none. */
+    int near_boundary;
+    /* 1: the packet came through `on_boundary` without a turn, because indices are equal. */
+    int undeflected;
+    int entered; /* 1: has been in the material */
     int fate, cause;
-    real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
-    real path;           /* n times length, cm, up to where it is (P11); below 0: its clock has not started */
-    real mark;           /* cm to the next mark ahead (P14); of neither does a device keep account */
-    /* terms of this packet in the weight balance, in weight units */
+    real exit_x, exit_y; /* x and y of the last touch of a surface from an outer medium */
+    /* Optical path so far, n times length, cm (P11); below 0: the clock has not started. */
+    real path;
+    /* Distance to the next mark ahead, cm (P14); a device uses neither this nor `path`. */
+    real mark;
+    /* Terms of this packet in the weight balance, in weight units. */
     cml_u64 gained, roulette, absorbed, backing;
-    cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
-    cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
-#ifndef __OPENCL_VERSION__     /* a device has what stands above (device_layout.h) */
-    /* P13, of the visit of its medium that is under way: length, cm; largest depth, frame of the medium; sum
-     * of 1 - cosine of scatterings; interactions before it */
+    /* Searches for a crossing on curved surfaces; depends on the engine's short cuts. */
+    cml_u32 queries;
+    cml_u32 shading_overruled; /* boundary events that the facet decided against the shading normal */
+#ifndef __OPENCL_VERSION__     /* a packet on a device has only the members above (device_layout.h) */
+    /* The visit under way of the packet's medium (P13): length in cm, largest depth in the frame of the
+     * medium, and the sum of 1 - cosine of its scatterings. */
     real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;
-    cml_u32 spent; /* P19: of CML_MOST_OF_FAMILY: the others may be branches that come of the packet */
+    /* P19: branches out of CML_MOST_OF_FAMILY that are no longer left to the packet. */
+    cml_u32 spent;
 #endif
 };
 
-/* A crossing ahead. Of a body above and up are outside and outwards. */
+/* A crossing ahead of a packet. On the surface of a body "above" and "up" mean outside and outwards. */
 struct cml_hit {
     real t; /* distance, cm */
     int boundary, primitive;
     struct cml_vec point;  /* in the boundary's frame, x and y from the scene's origin */
-    struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
-    struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
-    struct cml_vec off;    /* of a sphere or a cylinder: place from its centre or its axis */
+    struct cml_vec normal; /* unit, up: the normal for Fresnel's and Snell's laws */
+    /* Unit, up: the facet's own normal, which decides on which side a direction goes. */
+    struct cml_vec facet;
+    struct cml_vec off; /* sphere or cylinder: place from its centre or axis */
 };
 
 #ifndef __OPENCL_VERSION__
-/* What paths from p along u meet of the first boundary, a mesh, on whose primitive they begin, below it:
- * nothing where they are longer than `least` and shorter than `most`, `hit` where they are longer than
- * `from`, cm. Others are to be asked. */
+/* The known answer to a search that many packets repeat: paths from p along u to boundary 0, a mesh, that
+ * begin below it on primitive on_primitive. A path longer than `least` and shorter than `most` (cm) meets
+ * nothing. A path longer than `from` meets `hit`. All other paths must be searched. */
 struct cml_known_path {
     struct cml_vec p, u;
     int on_primitive;
@@ -410,45 +470,50 @@ struct cml_known_path {
 };
 #endif
 
-/* Body k is medium num_layers + 2 + k, and its surface boundary num_layers + 1 + k: as for layers, the medium
- * below boundary b is b + 1. */
+/* Numbering of bodies: body k is medium num_layers + 2 + k, and its surface is boundary num_layers + 1 + k.
+ * So, as for layers, the medium below boundary b is b + 1. */
 
-/* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
- * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
- * before the last, start[k] is the last ring that begins in a part before k, or 0. Horizons, seen
- * from above and from below: a packet that stands on a ring, and from there rises or falls so steeply, meets
- * the field never again (src/surface/bounds/ring_horizon_inl.h). */
+/* The world: everything that a walk reads.
+ * Rings of a radial heightfield: ring_r rises from 0, ring_z is the depth there in the boundary's frame, and
+ * ring_slope is dz/dr up to the next ring (0 behind the last, in the outer plane). ring_start speeds up the
+ * search for a ring: the radius up to the last ring is cut into equal parts, one fewer than rings.
+ * ring_start[k] is the last ring that begins in a part before k, or 0.
+ * Horizons of rings, for packets above and below: a packet that leaves a ring more steeply than its horizon
+ * never meets the field again (src/surface/bounds/ring_horizon_inl.h). */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */
     CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     CML_GLOBAL const real *ring_r, *ring_z, *ring_slope, *ring_horizon_above, *ring_horizon_below;
     CML_GLOBAL const int *ring_start;
-    CML_GLOBAL const real *deepest,
-        *highest; /* pyramids of all surfaces: greatest and least z of each cell */
-    CML_GLOBAL const real *horizon_below, *horizon_above; /* of the cells of all meshes */
+    /* Pyramids of all surfaces: greatest and least z of each cell. */
+    CML_GLOBAL const real *deepest, *highest;
+    CML_GLOBAL const real *horizon_below, *horizon_above; /* horizons of the cells of all meshes */
     CML_GLOBAL const struct cml_body *bodies;             /* [num_bodies] */
     CML_GLOBAL const struct cml_body_node *body_nodes;
     CML_GLOBAL const struct cml_body_grid *body_grids;
-    CML_GLOBAL const struct cml_body_cell *body_cells; /* of all grids */
-    /* Tables, one behind the other, then parts of their cells; NULL where no medium has one. */
+    CML_GLOBAL const struct cml_body_cell *body_cells; /* cells of all grids over bodies */
+    /* Tables one behind the other, then the parts of their cells; NULL if no medium has a table. */
     CML_GLOBAL const struct cml_phase_cell *phase_cells;
     CML_GLOBAL const struct cml_source *sources; /* [setup.num_sources] */
     CML_GLOBAL const struct cml_light_cell *light_cells;
-    /* Images, each: how many rows are in use, the lowest word that leads to each of them [ny], and then the
-     * same of the columns of every row, [ny][1 + nx]. */
+    /* Images one behind the other. Each has the number of rows in use, then for each of ny rows the lowest
+     * word that leads to the row. For each row follow its number of columns in use and their lowest words,
+     * [ny][1 + nx]. */
     CML_GLOBAL const cml_u32 *image_words;
 #ifndef __OPENCL_VERSION__
     struct cml_detection detection;
     struct cml_rows rows;
-    int only_tables;                              /* every medium that scatters has one */
-    cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
-    const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
-    const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */
-    const struct cml_known_path *known_path;      /* NULL where none is */
-    struct cml_tail tail;                         /* read where its scores are wanted */
+    int only_tables;                              /* 1: every medium that scatters has a phase table */
+    cml_mesh_intersect *intersect_mesh;           /* NULL if no surface is a mesh */
+    const struct cml_mesh_surface *const *meshes; /* by surface; NULL for a surface that is no mesh */
+    const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] by boundary */
+    const struct cml_known_path *known_path;      /* answer that is known without a search; NULL: none */
+    /* Expected values below a level (P15); read only if they are wanted. */
+    struct cml_tail tail;
     struct cml_weight_windows windows;
-    void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
+    /* Called at each event of a packet that is traced; NULL: no packet is traced. */
+    void (*on_event)(void *context, const char *what, const struct cml_packet *packet);
     void *on_event_context;
 #endif
 };

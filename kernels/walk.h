@@ -1,7 +1,15 @@
-/* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules it cites, P1 to P13, are written down in README.md beside it. A packet's part of the weight
- * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
- * in the packet. SPDX-License-Identifier: MIT */
+/* The life of a photon packet: launch, flight, boundary, interaction, exit. All engines use this one text.
+ * The rules that it cites, P1 to P20, stand in samples/manual/physics (p01.md to p20.md).
+ *
+ *      cml_begin_walk --> cml_step <----------------------+
+ *                           |                             |
+ *                           +-- cml_score_boundary_event -+    a boundary comes first
+ *                           +-- cml_interact -------------+    the optical depth is used up
+ *                           +-- cml_leave_scene                nothing is ahead
+ *
+ * A packet keeps its own part of the weight balance. Deposits are added to the caller's arrays at once. All
+ * other results are returned in the packet.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "bins.h"
@@ -22,8 +30,8 @@
 #include "windows.h"
 #endif
 
-/* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
- * before their next step (device_lanes.h); a depth below 0 asks for it. */
+/* Draws the block of the next interaction, and the optical depth to it (P2). A device draws for many packets
+ * together before their next step (device_lanes.h); an optical depth below 0 asks for that. */
 CML_FN void cml_next_flight(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__
@@ -43,7 +51,8 @@ CML_FN void cml_scatter_packet(const struct cml_world *world, real g, CML_PACKET
     CML_ASSERT(cml_is_unit(packet->u));
 }
 
-#ifdef __OPENCL_VERSION__ /* its string literals have an address space of their own, and nobody listens */
+/* No packet is traced in OpenCL C, where string literals have an address space of their own. */
+#ifdef __OPENCL_VERSION__
 #define cml_event(world, what, packet) ((void)0)
 #else
 CML_FN void cml_event(const struct cml_world *world, const char *what,
@@ -58,19 +67,20 @@ CML_FN void cml_end_packet(CML_PACKET struct cml_packet *packet, enum cml_fate f
     packet->fate = (int)fate;
 }
 
-/* Length of an optical depth; infinite where the mean free path is. */
+/* Returns the length (cm) of an optical depth; infinite if the mean free path is. */
 CML_FN real cml_path(real tau, real mfp)
 {
     const real s = tau * mfp;
     return mfp < CML_INFINITY ? s : CML_INFINITY;
 }
 
-/* Distance to the next interaction if no boundary comes first. */
+/* Returns the distance (cm) to the next interaction if no boundary comes first. */
 CML_FN real cml_free_path(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
     return cml_path(packet->tau, world->media[packet->medium].mfp);
 }
 
+/* Places packet `index` in its beam, and draws its first flight. */
 CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     cml_place(world, index, packet);
@@ -78,6 +88,8 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET 
     cml_event(world, "launch", packet);
 }
 
+/* Adds absorbed weight dw at the packet's place to its layer, voxel, gate and cell of A_rz, as far as they
+ * are wanted. */
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
                         CML_PACKET struct cml_packet *packet, cml_u32 dw)
 {
@@ -95,10 +107,10 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     cml_add_to_cell(to, packet->index, ir * (setup->nz + 2) + iz, dw);
 }
 
-/* P3: w * absorb rounded up or down at random, so that the integer weight keeps the mean. The random number
- * is of 16 bits, 8 that the cosine leaves of its word and 8 that the azimuth leaves: of the smallest share
- * that the input may ask for, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is off by at most
- * 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
+/* Returns the absorbed part of the weight (P3): w * absorb rounded up or down at random, so that the mean is
+ * kept. 16 random bits serve: 8 of the polar word that the cosine does not use, and 8 of the azimuth word.
+ * For the smallest share that the input allows, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is
+ * off by at most 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
 CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml_u32 azimuth_word)
 {
     const cml_u32 bits = (azimuth_word & 255u) << 8 | (polar_word & 255u);
@@ -107,8 +119,8 @@ CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml
     return part < w ? part : w;
 }
 
-/* P8: with the chance w / weight a packet goes on with that weight. A word is below 2^32 w / weight with that
- * chance, to one part in 2^32. */
+/* Plays roulette (P8): with the chance w / weight the packet goes on with `weight`, else it ends. A random
+ * word is below 2^32 w / weight with this chance, to one part in 2^32. */
 CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_packet *packet)
 {
     const cml_u32 w = packet->w, weight = rule.weight ? rule.weight : 10u * w;
@@ -124,7 +136,7 @@ CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_pa
     }
 }
 
-/* P9: a packet at depth z has slipped through the surface of the body in which it is. */
+/* True if a packet at depth z has slipped through the surface of the body that it is in (P9). */
 CML_FN int cml_leaked_from_body(const CML_GLOBAL struct cml_surface *surface, real z)
 {
     const real margin =
@@ -132,8 +144,8 @@ CML_FN int cml_leaked_from_body(const CML_GLOBAL struct cml_surface *surface, re
     return z < surface->lowest - margin || z > surface->highest + margin;
 }
 
-/* P9: a packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin
- * is rounding's. */
+/* True if a packet at depth z lies beyond the envelope of a boundary of its medium (P9): it has slipped
+ * through the boundary. The margin covers rounding. */
 CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 {
     if (cml_is_body(world, medium)) return cml_leaked_from_body(&world->surfaces[medium - 1], z);
@@ -147,13 +159,14 @@ CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 }
 
 #ifndef __OPENCL_VERSION__
-/* P15: whether a path between two depths of a medium goes down through the level. */
+/* True if a path from depth `from` to z in a medium goes down through the tail's level (P15). */
 CML_FN int cml_enters_tail(const struct cml_tail *tail, int medium, real from, real z)
 {
     return (medium == tail->medium) & (from < tail->z) & (z >= tail->z);
 }
 
-/* P15: weight w goes down through the level, at the cosine uz > 0. */
+/* Scores the expected values of weight w that goes down through the tail's level at the cosine uz > 0
+ * (P15). */
 CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposits *to, real uz, cml_u32 w)
 {
     const real square = uz * uz, light = (real)w * CML_TAIL_UNIT;
@@ -174,7 +187,7 @@ CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposit
 }
 #endif
 
-/* Roulette of a packet after an interaction (P8), or its weight window in place of that (P19). */
+/* Plays roulette after an interaction (P8), or applies the weight window at the packet's place (P19). */
 CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *to,
                       CML_PACKET struct cml_packet *packet)
 {
@@ -195,7 +208,7 @@ CML_FN void cml_weigh(const struct cml_world *world, const struct cml_deposits *
     cml_roulette(world->setup.roulette, packet);
 }
 
-/* P3, P4, P8: the packet has flown t to its interaction. */
+/* Moves a packet by t (cm) to its interaction (P3, P4, P8): absorption, scattering and roulette. */
 CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
                          CML_PACKET struct cml_packet *packet, real t)
 {
@@ -234,15 +247,15 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
 }
 
-/* Cosine of incidence, 0..1, on a surface with the unit normal `against` u. */
+/* Returns the cosine of incidence, 0..1, of the direction u on a surface with the unit normal `against` u. */
 CML_FN real cml_incidence(struct cml_vec u, struct cml_vec against)
 {
     const real cosine = -cml_dot(u, against);
     return cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
 }
 
-/* Direction behind a boundary, reflected (R > xi) or refracted, with the given up normal.
- * side: +1 the packet comes from below. */
+/* Returns the direction behind a boundary: reflected if xi <= R, else refracted. up: normal, pointing up;
+ * side: +1 the packet comes from below; *transmitted: 1 if it is refracted. */
 CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up, real side, real n1, real n2,
                                              real xi, int *transmitted)
 {
@@ -259,7 +272,7 @@ CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up
     return v;
 }
 
-/* The direction after a plane z = const (P5), mirrored or refracted. */
+/* Returns the direction behind a plane z = const, reflected or refracted (P5). */
 CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, real xi, int *transmitted)
 {
     const real size = CML_FABS(u.z), ci = size < 1 ? size : (real)1, ratio = n1 / n2;
@@ -274,18 +287,18 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
     return v;
 }
 
-/* The backing that a boundary's facets reflect like; NULL: the boundary refracts. */
+/* Returns the backing at a boundary; NULL if there is none, and light refracts there. */
 CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, int boundary)
 {
     return boundary == world->setup.backing.boundary ? &world->setup.backing : NULL;
 }
 
-/* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
- * again, with the same random number, from the facet's own normal. So is one in the facet's plane but for
- * rounding, to which the facet's neighbours in that plane would hold the packet for ever, and one after
- * CML_SHADED_LIMIT events in a row: between facets light turns back out of every groove, between shading
- * normals it may run into it for ever. A packet beside a tip that rounding has put before a facet it leads
- * away from flies on: mirrored, it would run through that facet. */
+/* Reflects or refracts a packet at a smooth boundary between unequal indices (P5). Returns 1 if it goes
+ * through. The direction is found again from the facet's own normal, with the same random number, if it
+ * leaves on the wrong side of the facet; if it lies in the facet's plane but for rounding, where neighbouring
+ * facets would hold the packet for ever; and after CML_SHADED_LIMIT events in a row, because shading normals
+ * may trap light in a groove that facets would let out. A packet beside a tip, which rounding has put before
+ * a facet from which it leads away, flies on: mirrored, it would run through that facet. */
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -310,19 +323,19 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET stru
     return transmitted;
 }
 
-/* P12: direction from a backing with the normal `against` u, by the cosine law or as from a mirror. */
+/* Returns the direction of light that a backing sends back (P12). against: unit normal against u. */
 CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct cml_vec u,
                                             struct cml_vec against, struct cml_block draw)
 {
     real c, s;
     if (backing.kind != CML_BACKING_LAMBERTIAN) return cml_reflect(u, against);
-    const real square = cml_uniform(draw.w[1]); /* never 0: light is level in no packet */
+    const real square = cml_uniform(draw.w[1]); /* never 0: no packet flies level */
     cml_circle_point(draw.w[2], &c, &s);
-    return cml_spin(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square), c,
-                    s);
+    return cml_deflect(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square),
+                       c, s);
 }
 
-/* P12: a share of the weight stays in the backing, rounded as in P3. */
+/* Leaves the share `kept` of a packet's weight in the backing (P12), rounded as in P3. */
 CML_FN void cml_keep_in_backing(CML_PACKET struct cml_packet *packet, real kept, struct cml_block draw)
 {
     const cml_u32 dw = cml_absorbed_part(packet->w, kept, draw.w[0], draw.w[3]);
@@ -331,8 +344,8 @@ CML_FN void cml_keep_in_backing(CML_PACKET struct cml_packet *packet, real kept,
     if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
 }
 
-/* P12: the backing keeps a part of the weight, rounded as in P3, and the packet turns back. The facet has the
- * last word, as in cml_reflect_or_refract. */
+/* Turns a packet back at a smooth backing, which keeps a part of its weight (P12). The facet overrules the
+ * shading normal, as in cml_reflect_or_refract. */
 CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                           const struct cml_hit *hit)
 {
@@ -357,10 +370,9 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     cml_keep_in_backing(packet, kept, draw);
 }
 
-/* P20 at a rough boundary, a backing or between unequal indices n1 and n2: whether the packet goes through.
- * The facet has the last word, as in cml_reflect_or_refract: with an interpolated normal that the packet does
- * not come against, or which sends it to the wrong side, the event is done again about the facet's own, with
- * the same random numbers. */
+/* Takes a packet over the facets of a rough boundary (P20) with a backing, or between unequal indices n1 and
+ * n2. Returns 1 if it goes through. If an interpolated normal does not face the packet, or sends it to the
+ * wrong side, the event is done again about the facet's own normal, with the same random numbers. */
 CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                              const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -394,13 +406,14 @@ CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cm
     return exit.transmitted;
 }
 
+/* Ends a packet that has left for good. */
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)
 {
     cml_end_packet(packet, (enum cml_fate)cml_fate_outside(packet->entered, packet->medium == 0));
 }
 
-/* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? Its exit
- * is where it touched the surface last, for that is the point whose brightness an observer sees. */
+/* Decides after a boundary event if a packet outside is gone for good (P6). Its exit is the place where it
+ * touched the surface last, because an observer sees the brightness of this point. */
 CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                int boundary)
 {
@@ -415,8 +428,8 @@ CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct 
         cml_score_exit(packet);
 }
 
-/* P9: bounds what total reflection could repeat for ever. A packet outside of the material is on its way out,
- * however long it was inside. */
+/* Counts a boundary event, and ends a packet that total reflection could hold for ever (P9). A packet outside
+ * is never trapped: it is on its way out, however long it was inside. */
 CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
     packet->bounces++;
@@ -429,12 +442,13 @@ CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cm
         cml_lose_packet(packet, CML_LOST_STUCK);
 }
 
-/* The packet has reached a boundary: P5 or P12, then P6. */
+/* Handles a packet that has reached a boundary: P5, P12 or P20, then P6. */
 CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
-    const int below = from == boundary + 1; /* the boundary is the medium's upper one, or its own surface */
+    /* The boundary is the medium's upper one, or the surface of the packet's own body. */
+    const int below = from == boundary + 1;
     const int other = below ? world->surfaces[boundary].above : boundary + 1;
     const real n1 = world->media[from].n, n2 = world->media[other].n;
     const real left = CML_FMA(-hit->t, world->media[from].mut, packet->tau);
@@ -466,15 +480,15 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     cml_event(world, transmitted ? "transmit" : "reflect", packet);
 }
 
-/* Facet of a primitive that was hit. */
+/* Returns the facet of a primitive that was hit. */
 CML_FN int cml_facet_index(const struct cml_facet_range *range, int primitive)
 {
     const int outer_plane = range->count - 1;
     return range->first + (primitive < outer_plane ? primitive : outer_plane);
 }
 
-/* Weight w of a packet came from medium `from` to a primitive of the boundary at x, y, and `left` of it left
- * it into medium `other`. */
+/* Scores a boundary event on the facet at x, y (P7): weight w came from medium `from` to a primitive of the
+ * boundary, and weight `left` went on into medium `other`. */
 CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                             int boundary, int primitive, real x, real y, int from, int other, cml_u32 w,
                             cml_u32 left)
@@ -491,10 +505,9 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
                      left);
 }
 
-/* A packet that starts below planes has come through them without an event (P1): its specular part has left
- * upwards, the rest has gone on. In a clear first layer light has gone to and fro, too: summed over all ways,
- * `between` comes to boundary 0 from below and turns back there, and as much to boundary 1 from above, beside
- * what passes both. What of it leaves upwards is in the specular part. */
+/* Scores the facets of the planes through which a packet has come before its start (P1): the specular part
+ * has left upwards, the rest has gone on. In a clear first layer, the weight `between` turns back at boundary
+ * 0 from below, summed over all ways to and fro, and as much at boundary 1 from above. */
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
                              CML_PACKET const struct cml_packet *packet)
 {
@@ -510,7 +523,8 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* cml_boundary_event, scored where fluence, facets or expected values are asked for. */
+/* Runs cml_boundary_event, and scores the event for fluence, facets and expected values if they are
+ * wanted. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
@@ -529,9 +543,7 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
                         from, packet->medium, arriving, packet->w);
 }
 
-/* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to
- * everything.
- */
+/* Ends a packet without a boundary or an interaction ahead (P9): it has left, is level, or is lost. */
 CML_FN void cml_leave_scene(const struct cml_world *world, const struct cml_deposits *to,
                             CML_PACKET struct cml_packet *packet)
 {
@@ -548,7 +560,7 @@ CML_FN void cml_leave_scene(const struct cml_world *world, const struct cml_depo
     cml_mark_last(world, to, packet);
 }
 
-/* One event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
+/* Flies one event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
 CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *to,
                      CML_PACKET struct cml_packet *packet)
 {
@@ -565,6 +577,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
         cml_leave_scene(world, to, packet);
 }
 
+/* Launches packet `index`, and scores its launch. */
 CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                            CML_PACKET struct cml_packet *packet)
 {
@@ -574,7 +587,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
     cml_mark_first(world, to, packet);
 }
 
-/* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
+/* Flies the whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
 CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                      CML_PACKET struct cml_packet *packet)
 {

@@ -1,5 +1,10 @@
-/* P19: weight windows. A packet that is too heavy where it is splits, one that is too light plays
- * roulette. Host only. SPDX-License-Identifier: MIT */
+/* Weight windows (P19): a packet that is too heavy for its place splits, and one that is too light plays
+ * roulette. For the host only.
+ *
+ *      weight   3 W  ---------------   heavier: splits into parts of about W
+ *                 W  - - - - - - - -   survivors of roulette and parts weigh about this
+ *               W/3  ---------------   lighter: roulette;  W/3 is `low` in the code
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "balance.h"
@@ -7,12 +12,13 @@
 #include "lattice.h"
 #include "types.h"
 
-#define CML_MOST_PARTS 64u          /* of one event */
-#define CML_MOST_OF_FAMILY 1000000u /* branches of a photon, on average */
+#define CML_MOST_PARTS 64u          /* most parts into which one event splits a packet */
+#define CML_MOST_OF_FAMILY 1000000u /* branches that a photon may have, on average */
 
-/* Index of a packet's branch. Its highest bit is set, as that of no photon's, and the lowest bits are those
- * of its photon: they say of which batch it is. What lies between is drawn, so that all branches of a run
- * have streams of their own. */
+/* Returns the index of branch k of a packet, split at its interaction `event`. The highest bit is set, which
+ * no photon's index has. The lowest bits are those of the photon, because they say in which batch it is. The
+ * bits between are drawn at random, so that each branch of a run has a stream of random numbers of its
+ * own. */
 CML_FN cml_u64 cml_branch_index(struct cml_stream stream, cml_u64 index, cml_u32 event, cml_u32 k)
 {
     const struct cml_block draw = cml_draw(stream, index, CML_PURPOSE_BRANCH, event * CML_MOST_PARTS + k);
@@ -20,13 +26,14 @@ CML_FN cml_u64 cml_branch_index(struct cml_stream stream, cml_u64 index, cml_u32
     return (cml_u64)1 << 63 | (drawn & ~batch) | (index & batch);
 }
 
+/* True if the index is that of a branch. */
 CML_FN int cml_is_branch(cml_u64 index)
 {
     return (int)(index >> 63);
 }
 
-/* The cell of the window table that p belongs to, by its depth and its ring; p in the frame of a medium,
- * which begins in depth bin `bins`. */
+/* Returns the cell of the window table for p, by its depth and its ring. p: in the frame of a medium that
+ * begins in depth bin `bins`. */
 CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struct cml_vec p, real bins)
 {
     const real at = CML_FMA(p.z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1),
@@ -37,20 +44,20 @@ CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struc
     return (int)(out < outermost ? out : outermost) * windows.cells + (int)(above < last ? above : last);
 }
 
-/* Whether a packet is heavier than its window allows: than nine times the lower end, 3 w(z). */
+/* True if a packet is heavier than 3 W, which is nine times the lower end `low` of its window. */
 CML_FN int cml_is_heavy(cml_u32 w, cml_u32 low)
 {
     return w >> 3 > low + (low >> 3);
 }
 
-/* Three times that: what packets weigh that survive, or are split. */
+/* Returns the target weight W, three times the lower end of the window: the weight of survivors and parts. */
 CML_FN cml_u32 cml_target_weight(cml_u32 low)
 {
     return 3 * low;
 }
 
-/* Part k of a packet, which weighs w, to wait for its flight. It draws no numbers of the lattice, of which it
- * is no point, and has met no boundary yet. */
+/* Puts part k of a packet, of weight w, into the stack `to`, where it waits for its flight. A branch is no
+ * point of the lattice, so it draws random numbers only. It has met no boundary yet. */
 CML_FN void cml_branch_off(const struct cml_world *world, struct cml_branches *to,
                            const struct cml_packet *packet, cml_u32 k, cml_u32 w)
 {
@@ -67,7 +74,8 @@ CML_FN void cml_branch_off(const struct cml_world *world, struct cml_branches *t
     for (int m = 0; packet->trail.stay && m < media; m++) to->stay[at + m] = packet->trail.stay[m];
 }
 
-/* The last one that waits, into `packet`, whose trail is the caller's. */
+/* Takes the branch that came last from the stack into *packet. The packet keeps the memory of its own
+ * trail. */
 CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *from,
                             struct cml_packet *packet)
 {
@@ -79,8 +87,8 @@ CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *
     for (int m = 0; trail.stay && m < media; m++) trail.stay[m] = from->stay[at + m];
 }
 
-/* Into how many parts of about the weight `target` a packet may be split. Which of its photon's branches are
- * left to it its parts share. */
+/* Returns the number of parts of about the weight `target` into which a packet splits. The parts share the
+ * branches that are left to the packet. */
 CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, cml_u32 target)
 {
     const cml_u32 wanted = (packet->w + target / 2) / target, left = CML_MOST_OF_FAMILY - packet->spent;
@@ -92,15 +100,16 @@ CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, 
     return parts;
 }
 
-/* A packet that has survived roulette, and weighed w, has what was left to others that have not. */
+/* Returns the branches spent by a survivor of roulette that weighed w before: it takes over the branches of
+ * the packets that do not survive. */
 CML_FN cml_u32 cml_spent_after(cml_u32 spent, cml_u32 w, cml_u32 survivor)
 {
     const cml_u64 left = (cml_u64)(CML_MOST_OF_FAMILY - spent) * survivor / w;
     return left < CML_MOST_OF_FAMILY ? CML_MOST_OF_FAMILY - (cml_u32)left : 0;
 }
 
-/* Into parts of about the weight `target`, of which the packet is the first. Where no more can wait it stays
- * whole. */
+/* Splits a packet into parts of about the weight `target`. The packet itself becomes the first part. If the
+ * stack has no room for the others, the packet stays whole. */
 CML_FN void cml_split(const struct cml_world *world, struct cml_branches *to, struct cml_packet *packet,
                       cml_u32 target)
 {

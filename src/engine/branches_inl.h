@@ -1,4 +1,5 @@
-/* Code, included by each engine on the host, as packets are of its precision: where branches wait (P19).
+/* Code, included by each engine on the host, because packets have the engine's precision: the stack of
+ * branches that wait for their flight (P19).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,10 +9,11 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Far more than ever wait in a scene whose windows are made for it: each packet in flight leaves some tens.
- */
+/* Room of a stack, far more than ever wait in a scene whose windows are made for it: each packet in flight
+ * leaves some tens of branches. */
 #define CML_MOST_BRANCHES 16384
 
+/* Frees the stack of one thread. */
 static inline void cml_branches_free(struct cml_branches *branches)
 {
     free(branches->item);
@@ -19,7 +21,7 @@ static inline void cml_branches_free(struct cml_branches *branches)
     *branches = (struct cml_branches){0};
 }
 
-/* For one thread; empty where the world has no windows. CML_E_INPUT when memory runs out. */
+/* Makes the stack of one thread. It is empty if the world has no windows. CML_E_INPUT: memory has run out. */
 static inline cml_status cml_branches_create(const struct cml_world *world, struct cml_branches *to,
                                              struct cml_error *err)
 {

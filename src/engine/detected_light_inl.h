@@ -1,5 +1,6 @@
-/* Code, included by terminated_packets_inl.h, which says why it is no .c file, and row_weights_inl.h: light
- * that has left into what detectors have seen (P13). SPDX-License-Identifier: MIT */
+/* Code, included by terminated_packets_inl.h, which says why it is no .c file, and by row_weights_inl.h: adds
+ * light that has left to the sums of the detectors that see it (P13).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "bins.h"
@@ -7,18 +8,20 @@
 #include "tally/tally.h"
 #include "walk.h"
 
-/* Where light goes out, how much of it, and in which gate. */
+/* Light that leaves the scene: its line, its weight and its gate. */
 struct cml_light_out {
     struct cml_ray_out ray;
     cml_u32 w;
-    real lot;       /* 0 to 1: what a share of the weight is rounded by */
-    uint64_t times; /* packets that go out so */
+    real lot;       /* 0 to 1: random number by which a share of the weight is rounded */
+    uint64_t times; /* number of packets that leave in this way */
     int gate;
-    cml_u64 index;                 /* of the packet, or of any of its group */
-    const struct cml_trail *trail; /* of the packet; NULL: it went straight back at the depth 0 */
+    cml_u64 index; /* index of the packet, or of any packet of its group */
+    /* Trail of the packet; NULL: the light went straight back at the depth 0. */
+    const struct cml_trail *trail;
 };
 
-/* Light of weight w that leaves with a finished packet from p (frame of the medium) in direction u. */
+/* Returns the light of weight w that leaves with a finished packet from p in direction u. p: in the frame of
+ * the outer medium. */
 static inline struct cml_light_out cml_light_of(const struct cml_exit *exit, struct cml_vec p,
                                                 struct cml_vec u, cml_u32 w)
 {
@@ -28,7 +31,7 @@ static inline struct cml_light_out cml_light_of(const struct cml_exit *exit, str
                                   .gate = exit->gate};
 }
 
-/* The optical path of a packet, all media together. */
+/* Returns the optical path of a packet in all media together, cm. */
 static inline double cml_trail_path(const struct cml_world *world, const struct cml_trail *trail)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
@@ -37,26 +40,28 @@ static inline double cml_trail_path(const struct cml_world *world, const struct 
     return path;
 }
 
+/* Returns the number of media: layers, outer media and bodies. */
 static inline size_t cml_num_media(const struct cml_world *world)
 {
     return (size_t)world->setup.num_layers + 2 + (size_t)world->setup.num_bodies;
 }
 
-/* A path length or largest depth, cm, in whole units: the factor of a packet's weight in a moment (enum
- * cml_moment). */
+/* Returns a path length or largest depth (cm) in whole units: the factor of a packet's weight in a moment
+ * (enum cml_moment). */
 static inline uint64_t cml_length_in_units(const struct cml_world *world, double length)
 {
     const double units = length * world->detection.per_length;
     return (uint64_t)(int64_t)((units < CML_MOMENT_MOST ? units : CML_MOMENT_MOST - 1) + 0.5);
 }
 
+/* Returns the largest depth of a packet in whole units, counted from detection.top; 0 above it. */
 static inline uint64_t cml_deepest_in_units(const struct cml_world *world, const struct cml_trail *trail)
 {
     const double deepest = (trail ? (double)trail->deepest : 0) - world->detection.top;
     return deepest > 0 ? cml_length_in_units(world, deepest) : 0;
 }
 
-/* Weight times a number, into its parts. */
+/* Adds weight times a number to a moment, which is stored in parts of CML_MOMENT_BITS. */
 static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *light, uint64_t number)
 {
     const cml_u128 product = (cml_u128)light->w * number;
@@ -65,7 +70,7 @@ static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *l
         parts[i] += light->times * ((uint64_t)(product >> (i * CML_MOMENT_BITS)) & mask);
 }
 
-/* The factor of a packet's weight in a moment of a medium. */
+/* Returns the factor of a packet's weight in a moment of a medium, from the packet's stay there. */
 static inline uint64_t cml_number_of_moment(const struct cml_world *world, const struct cml_stay *stay,
                                             int moment)
 {
@@ -80,7 +85,7 @@ static inline uint64_t cml_number_of_moment(const struct cml_world *world, const
     }
 }
 
-/* A packet's ways in all media, and its largest depth, into the moments of a detector. */
+/* Adds a packet's stays in all media, and its largest depth, to the moments of a detector. */
 static inline void cml_add_moments(const struct cml_world *world, const struct cml_light_out *light,
                                    uint64_t *moments)
 {
@@ -94,8 +99,8 @@ static inline void cml_add_moments(const struct cml_world *world, const struct c
     if (deepest) cml_add_moment(moments + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS, light, deepest);
 }
 
-/* What a packet adds to the squares of a pixel. Where something of it has come there before, both make one
- * sum. */
+/* Returns the amount that light of weight w adds to the sum of squares of a pixel. If other light of the same
+ * packet, `before`, has come to the same pixel, both count as one weight. */
 static inline uint64_t cml_square_in_pixel(const struct cml_detector *detector, real z, cml_u64 pixel,
                                            cml_u32 w, const struct cml_light_out *before)
 {
@@ -107,7 +112,7 @@ static inline uint64_t cml_square_in_pixel(const struct cml_detector *detector, 
     return cml_square_of((uint64_t)w + before->w) - cml_square_of(before->w);
 }
 
-/* P7: bin of a direction; straight up or down has azimuth 0. */
+/* Returns the bin of a direction (P7). A direction straight up or down has azimuth 0. */
 static inline size_t cml_direction_bin(const struct cml_direction_bins *bins, real ux, real uy, real uz)
 {
     const real size = CML_FABS(uz), turn = (real)6.283185307179586;
@@ -118,21 +123,24 @@ static inline size_t cml_direction_bin(const struct cml_direction_bins *bins, re
            (size_t)(ip < bins->np ? ip : bins->np - 1);
 }
 
-/* Goes over the detectors that see light, level by level. */
+/* An iterator over the detectors that see light, level by level. */
 struct cml_seeing {
     const struct cml_world *world;
     const struct cml_ray_out *ray;
-    int next_level; /* behind that which is gone over */
-    int i, end;     /* the next of its list */
-    real x, y, z;   /* where the light crosses it, from the origin */
-    cml_u64 pixel;  /* of the detector that was found */
+    int next_level; /* level after the present one */
+    int i, end;     /* range of the list that is left: the next entry and the end */
+    real x, y, z;   /* place where the light crosses the level, from the origin */
+    cml_u64 pixel;  /* pixel of the detector that was found */
 };
 
+/* Begins to go over the detectors that see light along a line. */
 static inline struct cml_seeing cml_seeing_of(const struct cml_world *world, const struct cml_ray_out *ray)
 {
     return (struct cml_seeing){.world = world, .ray = ray};
 }
 
+/* Finds the detectors of a level that may see the light: those of the cell where the light crosses the
+ * level. */
 static inline void cml_see_level(struct cml_seeing *s, const struct cml_detector_level *level)
 {
     const struct cml_detection *detection = &s->world->detection;
@@ -143,7 +151,7 @@ static inline void cml_see_level(struct cml_seeing *s, const struct cml_detector
     s->end = cell < 0 ? 0 : detection->start[at + 1];
 }
 
-/* The number of the next, from 0; -1: there is none. */
+/* Returns the number of the next detector that sees the light, from 0; -1: no more. */
 static inline int cml_next_seeing(struct cml_seeing *s)
 {
     const struct cml_detection *detection = &s->world->detection;
@@ -157,7 +165,7 @@ static inline int cml_next_seeing(struct cml_seeing *s)
     }
 }
 
-/* What all detectors have seen: arrays of a tally, or of a row of late profiles. */
+/* The sums of all detectors: arrays of a tally, or of a row of late profiles. */
 struct cml_seen {
     uint64_t *detector, *detector_t, *moments;
 };
@@ -167,7 +175,7 @@ static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
 }
 
-/* Into detector k, but for its map. */
+/* Adds light to the sums of detector k, but not to its pixels. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
                                        int k, const struct cml_seen *to)
 {
@@ -178,7 +186,8 @@ static inline void cml_add_to_detector(const struct cml_world *world, const stru
     cml_add_moments(world, light, to->moments + (size_t)k * moments);
 }
 
-/* The light that leaves all about the axis where this does, as far as a detector sees it. */
+/* Scores light by a share of a circle (P13): light leaves alike all about the axis, and the detector of the
+ * arc counts the share of the circle that it sees. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
                                  const struct cml_seen *to)
 {
@@ -197,7 +206,7 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
 }
 
-/* Into the pixel of a detector that sees it. */
+/* Adds light to the pixel of a detector that sees it. */
 static inline void cml_add_to_pixel(const struct cml_light_out *light, const struct cml_light_out *before,
                                     const struct cml_seeing *seeing, const struct cml_detector *detector,
                                     const struct cml_tally *to)
@@ -210,10 +219,10 @@ static inline void cml_add_to_pixel(const struct cml_light_out *light, const str
                    light->times * cml_square_in_pixel(detector, seeing->z, seeing->pixel, light->w, before));
 }
 
-/* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
- * NULL. pixels: whose maps are scored, too, or NULL. Returns the number of the first detector that sees it,
- * from 1; 0: none does.
- */
+/* Adds light to all detectors that see it. before: other light of the same packet, which has been scored, or
+ * NULL. to: the sums of all detectors. pixels: the tally whose detector maps
+ * are scored too, or NULL. Returns the number of the first detector that sees the light, from 1; 0: none
+ * does. */
 static inline int cml_score_light(const struct cml_world *world, const struct cml_light_out *light,
                                   const struct cml_light_out *before, const struct cml_seen *to,
                                   const struct cml_tally *pixels)
@@ -233,8 +242,8 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
     return seen;
 }
 
-/* What is split off packet `index` at its launch (P1); weight 0: nothing, or no detector would see it, or it
- * is a branch. */
+/* Returns the light that is split off packet `index` at its launch (P1). Its weight is 0 if nothing is split
+ * off, no detector would see it, or the packet is a branch. */
 static inline struct cml_light_out cml_light_split_off(const struct cml_world *world, cml_u64 index)
 {
     const int split = world->detection.split;
@@ -249,7 +258,7 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
     return light;
 }
 
-/* Adds what is split off `times` packets like packet `index` to the scores of all detectors. */
+/* Adds the light that is split off `times` packets like packet `index` to the scores of all detectors. */
 static inline void cml_score_split_off(const struct cml_world *world, cml_u64 index, uint64_t times,
                                        const struct cml_seen *to, const struct cml_tally *pixels)
 {

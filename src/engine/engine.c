@@ -10,8 +10,8 @@
 #include <math.h>
 #include <pthread.h>
 
-/* Lengths of 48 bits: from 6e-8 to 1.7e7 times the extent of the grid. A power of two, so that scaled scenes
- * give the same bits. */
+/* Returns the unit of path lengths, cm. A length of 48 bits then holds from 6e-8 to 1.7e7 times the extent of
+ * the grid. The unit is a power of two, so that scaled scenes give the same bits. */
 static double path_unit(const struct cml_scene *scene)
 {
     int exponent;
@@ -19,7 +19,8 @@ static double path_unit(const struct cml_scene *scene)
     return ldexp(1, exponent - 24);
 }
 
-/* No packet that was in the material has its largest depth above. */
+/* Returns the depth from which depths count, cm: no packet that was in the material has its largest depth
+ * above this. */
 static double path_top(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     double top = surfaces && surfaces->count > 0 ? fmin(0, surfaces->item[0].lowest) : 0;
@@ -28,7 +29,8 @@ static double path_top(const struct cml_scene *scene, const struct cml_surface_s
     return top;
 }
 
-/* No longer than any bin of the fluence; 0 where it is not asked for. */
+/* Returns the distance between marks, cm: no longer than any bin of the fluence; 0 if no fluence is
+ * wanted. */
 static double spacing_of_marks(const struct cml_scene *scene)
 {
     const double bin = fmin(scene->dr, scene->dz);
@@ -36,8 +38,6 @@ static double spacing_of_marks(const struct cml_scene *scene)
     return scene->map.volume ? fmin(bin, fmin(scene->map.dx, scene->map.dy)) : bin;
 }
 
-/* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
- * cones. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more)
 {
     const double mua = flown->mua + more;
@@ -54,6 +54,8 @@ int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_eng
     return -1;
 }
 
+/* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other facets than its
+ * cones. */
 struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                       const struct cml_engine_options *options)
 {
@@ -104,7 +106,8 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
     return grid;
 }
 
-/* Towards the end less and less (guided scheduling), so that all threads end at about the same time. */
+/* Pieces become smaller towards the end (guided scheduling), so that all threads end at about the same
+ * time. */
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 {
     const uint64_t least = 16;
@@ -116,10 +119,10 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
     return size < left ? size : left;
 }
 
-#define PATIENCE 0.3 /* s */
+#define PATIENCE 0.3 /* seconds of a thread's own time */
 
-/* Whether a thread is to give up its packets: by its own time, not the wall's, so that on a machine that is
- * busy otherwise packets get their time to end. */
+/* A thread's patience counts by its own time, not the wall's, so that packets get their time to end on a
+ * machine that is busy with other work. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
 {
     if (!work->stops || !work->stops(work->context)) return false;
@@ -133,14 +136,15 @@ cml_status cml_engine_given_up(struct cml_error *err)
     return cml_fail(err, CML_E_STOPPED, "packets that do not end were given up");
 }
 
-/* One range of photons as the work of an engine. */
+/* A range of photons as the work of an engine. */
 struct range_work {
-    pthread_mutex_t lock; /* around all that follows */
-    uint64_t begin, end;  /* photons */
-    uint64_t turn;        /* of the next one to fly */
+    pthread_mutex_t lock; /* protects all members below */
+    uint64_t begin, end;  /* first photon, and the one after the last */
+    uint64_t turn;        /* next photon to fly */
     struct cml_tally *tally;
 };
 
+/* Takes the next piece of the range, for cml_work.next. */
 static bool next_of_range(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     struct range_work *range = context;
@@ -156,7 +160,7 @@ static bool next_of_range(void *context, uint64_t most, int takers, struct cml_p
     return piece->count > 0;
 }
 
-/* One tally for all batches. */
+/* Does nothing: the range has one tally for all batches. */
 static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
@@ -164,6 +168,7 @@ static void ignore_batch(void *context, int batch, struct cml_tally *tally)
     (void)tally;
 }
 
+/* Adds a thread's tally to the range's, for cml_work.add. */
 static void add_to_range(void *context, struct cml_tally *tally)
 {
     struct range_work *range = context;

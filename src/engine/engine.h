@@ -1,6 +1,14 @@
-/* What an engine is: open a scene, fly pieces of work, close.
- * A piece, photons of one batch, is the only unit of work, and its tally depends on nothing but scene,
- * options and piece: so threads, ranks, devices and restarts cannot show. SPDX-License-Identifier: MIT */
+/* Engines: the interface that `cpu`, `reference` and `opencl` implement. An engine opens a scene, flies
+ * pieces of work, and is closed.
+ *
+ *      open ---> run, again and again ---> close
+ *                 | next: the next piece            ^
+ *                 v                                 | end_batch, add: tallies
+ *               photons of one batch ---------------+
+ *
+ * A piece, photons of one batch, is the only unit of work. Its tally depends on scene, options and piece
+ * alone, so threads, ranks, devices and restarts cannot change a result.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "scene/window_table.h"
@@ -11,151 +19,162 @@
 #include "tally/piece.h"
 #include "tally/tally.h"
 
-/* Roulette (P8), in shares of a packet; both 0: that of original MCML. */
+/* Options of roulette (P8), in shares of a packet. Both 0: roulette as in original MCML. */
 struct cml_roulette_options {
-    double below;  /* lighter packets play */
-    double weight; /* of survivors, below <= weight <= 1 */
+    double below;  /* packets lighter than this play */
+    double weight; /* weight of survivors, below <= weight <= 1 */
 };
 
-/* Rows of a sweep that come of the same flight (P16). Zeroed: none. */
+/* Rows of a sweep that come of one flight (P16). Zeroed: no rows. */
 struct cml_engine_rows {
     int count;
-    const double *more; /* [media][count] by how much they absorb more than the scene, 1/cm; borrowed */
-    bool depths;        /* with A(z) and A(r,z), if cml_engine_rows_blind_in gives -1 */
-    bool times;         /* with A(t), where there are gates */
-    bool means;         /* with means of detectors */
+    const double *more; /* [media][count] absorption above that of the scene, 1/cm; borrowed */
+    bool depths;        /* 1: the rows have A(z) and A(r,z), if cml_engine_rows_blind_in returns -1 */
+    bool times;         /* 1: the rows have A(t), if there are gates */
+    bool means;         /* 1: the rows have means of detectors */
 };
 
-/* What a sampled interaction (row_cells.h) is worth in A(z) of a row that absorbs so much more than the
- * medium that is flown, 1/cm: as a share of the weight that the packet leaves with, or where nothing scatters
- * of that which it came with. Infinite where packets never interact. */
+/* Returns the worth of a sampled interaction (row_cells.h) in A(z) of a row whose medium absorbs `more`
+ * (1/cm) than the flown one. It is a share of the packet's weight after the interaction, or, in a medium that
+ * does not scatter, before it. Infinite if packets never interact. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more);
 
-/* The first medium in which A(z) of one of the rows would come of too few interactions, or none: each worth
- * more than CML_ROW_MOST_SHARE packets; -1: there is none. */
+/* Returns the first medium in which too few interactions would make up a row's A(z): none, or each worth more
+ * than CML_ROW_MOST_SHARE packets. Returns -1 if there is no such medium. */
 #define CML_ROW_MOST_SHARE 1e4
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows);
 
-/* What a run asks of any engine. Unset members are 0. */
+/* Options of a run, for any engine. Unset members are 0. */
 struct cml_engine_options {
     uint64_t seed;
-    uint32_t run;   /* number of the run within its file, so that runs of one file are independent */
-    int threads;    /* 0: as many as OpenMP would use, and never more than OMP_THREAD_LIMIT */
-    uint64_t chunk; /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
-    bool lattice;   /* the first draws of packets are evenly spread (lattice.h); false: all are random */
+    uint32_t run;   /* number of the run within its file, which makes the runs of one file independent */
+    int threads;    /* 0: as many as OpenMP would use; never more than OMP_THREAD_LIMIT */
+    uint64_t chunk; /* packets that a thread takes at a time; 0: the engine chooses. Never changes a result */
+    bool lattice;   /* 1: the first draws of packets are spread evenly (lattice.h); 0: all are random */
     struct cml_roulette_options roulette;
-    bool reentry;    /* P6 */
-    bool absorption; /* tally A_rz */
-    /* Packets start as they do with these surfaces: above boundary 0 where that is curved here, so that in
-     * another geometry they draw the same. NULL: with the run's own. Borrowed. */
+    bool reentry;    /* 1: packets may come back into the material (P6) */
+    bool absorption; /* 1: tally A_rz */
+    /* Surfaces by which packets start: above boundary 0 if it is curved here. So a scene of another geometry
+     * draws the same numbers. NULL: the run's own surfaces. Borrowed. */
     const struct cml_surface_set *start_as;
-    const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
-    const struct cml_window_table
-        *windows;                 /* P19, in place of roulette; NULL: none. Borrowed. With a scene without
-                                   * maps, facets, directions, saved packets; not of engine opencl, not traced */
-    struct cml_engine_rows rows;  /* with a scene without fluence, maps, facets and maps of detectors, and
-                                   * without absorption; not of engine opencl */
-    bool derivatives;             /* P17: scores in place of rows; with a scene without time and detectors,
-                                   * not of engine opencl */
-    struct cml_saved_taker saved; /* of packets that the scene wants saved */
-    /* opencl */
-    const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
-    int local_rank;     /* for that: this process's number among those of its machine */
-    const char *build_options; /* for the device's compiler, behind ours; NULL: none */
-    int group;                 /* work-items per group; 0: chosen by the device */
-    bool loose_division; /* division and root as on devices that cannot round them correctly; for tests */
-    void (*on_note)(void *context, const char *text); /* one line for people; context NULL. NULL: silent */
+    const struct cml_flat_tail *tail; /* expected values that are wanted (P15); NULL: none. Borrowed */
+    /* Weight windows in place of roulette (P19); NULL: none. Borrowed. Only for a scene without maps, facets,
+     * directions and saved packets; not for engine opencl, not for traces. */
+    const struct cml_window_table *windows;
+    /* Only for a scene without fluence, maps, facets and maps of detectors, and a run without absorption; not
+     * for engine opencl. */
+    struct cml_engine_rows rows;
+    /* 1: scores for derivatives in place of rows (P17). Only for a scene without time gates; not for engine
+     * opencl. */
+    bool derivatives;
+    struct cml_saved_taker saved; /* takes the packets that the scene wants saved */
+    /* The members below are for engine opencl. */
+    /* Devices: "0", "0,2" or "all", by the numbers that `devices` lists; NULL: cml_opencl_default chooses
+     * one. */
+    const char *device;
+    int local_rank;            /* this process's number among those of its machine, for this choice */
+    const char *build_options; /* options for the device's compiler, after our own; NULL: none */
+    int group;                 /* work-items per group; 0: the device chooses */
+    bool loose_division; /* 1: division and root as on devices that cannot round them correctly; for tests */
+    /* Gets notes for people, one line each; context is NULL. NULL: silent. */
+    void (*on_note)(void *context, const char *text);
 };
 
-/* How one packet ended. */
+/* The end of one packet. */
 struct cml_fate_record {
     int fate, cause; /* enum cml_fate, enum cml_lost_cause of kernels/types.h */
-    uint32_t weight; /* left at the end, 2^-31 of a packet */
+    uint32_t weight; /* weight at the end, units of 2^-31 of a packet */
     uint32_t interactions, boundary_events;
-    double specular, absorbed; /* shares of a packet: split off before the launch, left on the way */
-    double backing;            /* the same, left in the backing */
-    double exit[2];            /* x, y of the scene, cm, where it touched the surface last, from outside */
-    double direction[3];       /* opencl: of an absorbed packet that before its last interaction */
+    double specular, absorbed; /* shares of a packet: split off before the launch; absorbed on the way */
+    double backing;            /* share of a packet that stayed in the backing */
+    /* X, y of the scene where the packet last touched a surface from outside, cm. */
+    double exit[2];
+    double direction[3]; /* opencl: of an absorbed packet the direction before its last interaction */
 };
 
-/* One line of a trace: the packet after the event. */
+/* An event in a trace, with the packet after it. */
 struct cml_trace_event {
-    const char *what;   /* "launch", "interact", "reflect", "transmit", "end"; "rough", before "reflect" or
-                           "transmit" at a rough boundary; "detect", after all others */
-    int detector;       /* number of that which saw it, from 0; of "detect", which has a weight and no more */
-    int steps;          /* facets met in the longest walk of the event; of "rough", which has no more */
-    int medium;         /* 0..L+1, L+2 and up: bodies */
-    double position[3]; /* of the scene, cm */
+    /* "launch", "interact", "reflect", "transmit" or "end". "rough" comes before "reflect" or "transmit" at a
+     * rough boundary; "detect" comes after all others. */
+    const char *what;
+    /* "detect": number of the detector that saw the packet, from 0; of the other members only weight is
+     * set. */
+    int detector;
+    int steps;          /* "rough": facets met in the longest walk of the event; no other member is set */
+    int medium;         /* 0..L+1: outer media and layers; L+2 and up: bodies */
+    double position[3]; /* coordinates of the scene, cm */
     double direction[3];
-    double weight; /* share of a packet */
+    double weight; /* weight as a share of a packet */
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 
-/* Where an engine gets packets, and where it hands in what they scored. Threads of the engine call all three
- * at any time and side by side: so each goes its own way from piece to piece, and none waits for another. */
+/* The source of an engine's packets, and the place where it hands in their scores. Threads of the engine call
+ * the functions at any time and side by side, so each goes its own way from piece to piece, and none waits
+ * for another. */
 struct cml_work {
     void *context;
-    /* The next piece, of at most `most` packets; where `takers` threads ask, less and less of them towards
-     * the end. false: there are no more for this call of run; *piece is empty then. */
+    /* Finds the next piece, of at most `most` packets. If `takers` threads ask, pieces become smaller towards
+     * the end. Returns false, and an empty *piece, if there are no more for this call of run. */
     bool (*next)(void *context, uint64_t most, int takers, struct cml_piece *piece);
-    /* All that has come to the tally since the last call, or since it was zero, is of this batch, but for
-     * what its late packets have brought (tally.h). Packets may still be under way: what they bring comes
-     * with a later call. The cells stay. */
+    /* Says that all scores in the tally since the last call, or since it was zero, belong to this batch,
+     * except those of its late packets (tally.h). Packets may still be under way: their scores come with a
+     * later call. The cells stay. */
     void (*end_batch)(void *context, int batch, struct cml_tally *tally);
-    /* Takes all cells of a tally that gets no more in this call of run, whose last batch has ended; it is
-     * zero afterwards. */
+    /* Takes all cells of a tally that gets no more in this call of run, and sets them to zero. The tally's
+     * last batch has ended. */
     void (*add)(void *context, struct cml_tally *tally);
-    /* The system refused to start all threads of the engine: so many fly. NULL: not told. */
+    /* Called if the system refuses to start all threads: `threads` of them fly. NULL: not told. */
     void (*fewer)(void *context, int threads);
-    /* Whether the run is to stop: next has no more pieces then. NULL: never. */
+    /* True if the run is to stop; then `next` has no more pieces. NULL: never. */
     bool (*stops)(void *context);
 };
 
-/* How long a thread that flies packets waits for their ends: its own time when it first saw that the run is
- * to stop, s; 0 before. */
+/* The patience of a thread that flies packets of a run which is to stop: the thread's own time when it first
+ * saw this, s; 0 before. */
 struct cml_patience {
     double since;
 };
 
-/* Whether a thread has flown for 0.3 seconds of its own time since the run was to stop. Packets live for
- * moments, but one may make 10^7 boundary events in a row between interactions: it is given up, and with it
- * all that this call of run has flown. To be asked every few hundred events. */
+/* True if a thread has flown for 0.3 seconds of its own time since the run was to stop. Most packets end in
+ * moments, but one may have 10^7 boundary events in a row between interactions. Such a packet is given up,
+ * and with it all that this call of run has flown. To be asked every few hundred events. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience);
 
-/* What `run` of an engine returns when packets were given up: CML_E_STOPPED. */
+/* Returns CML_E_STOPPED with a message: the result of an engine's `run` that gave packets up. */
 CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
     const char *name;
-    bool reweights; /* flies rows (struct cml_engine_rows), and scores */
-    /* The scene and its surfaces must outlive the engine. */
+    bool reweights; /* true: the engine flies rows (struct cml_engine_rows) and scores */
+    /* Opens a scene. The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);
-    /* Flies pieces of the work until there are no more, and hands in their tallies; together at most
-     * CML_TALLY_MAX_PHOTONS. On failure some are flown, and not all of that is handed in: the engine is only
-     * to be closed then. CML_E_STOPPED when packets were given up. */
+    /* Flies pieces of the work until there are no more, and hands in their tallies; at most
+     * CML_TALLY_MAX_PHOTONS packets in all. After a failure some pieces are flown and not all scores handed
+     * in, so the engine may only be closed. CML_E_STOPPED: packets were given up. */
     cml_status (*run)(void *self, const struct cml_work *work, struct cml_error *err);
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                         struct cml_fate_record *record, struct cml_error *err);
-    /* How packets [first, first + count) end, without a tally: records[count]. */
+    /* Finds the ends of packets [first, first + count) without a tally: records[count]. */
     cml_status (*fates)(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                         struct cml_error *err);
-    int (*threads)(const void *self); /* NULL: as many as it takes unless told */
+    int (*threads)(const void *self); /* number of threads; NULL: as many as it takes unless told */
     double (*bytes)(const struct cml_scene *scene,
-                    const struct cml_surface_set *surfaces); /* that `open` takes, without tallies */
+                    const struct cml_surface_set *surfaces); /* bytes that `open` takes, without tallies */
     void (*close)(void *self);
 };
 
-/* Adds packets [first, first + count) to the tally, which has the grid of the engine's scene and options;
- * count <= CML_TALLY_MAX_PHOTONS. */
+/* Adds packets [first, first + count) to a tally, which has the grid of the engine's scene and options. count
+ * <= CML_TALLY_MAX_PHOTONS. */
 CML_NODISCARD cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first,
                                               uint64_t count, struct cml_tally *tally, struct cml_error *err);
 
-/* For cml_work.next: how many of `left` packets one of `takers` threads gets that asks for `most`. */
+/* Returns the size of a piece for cml_work.next: the number of packets, of the `left` ones, that one of
+ * `takers` threads gets if it asks for `most`. */
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left);
 
-/* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
+/* Returns the grid of a run's tallies: all that scene and options ask for. surfaces NULL: without facets. */
 struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                       const struct cml_engine_options *options);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/engine_reference.h"
 
-/* All kernels that this file includes are compiled in double precision. */
+/* CML_DOUBLE: all kernels that this file includes are compiled in double precision. */
 #define CML_DOUBLE
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
@@ -10,9 +10,9 @@
 
 struct reference_engine {
     struct cml_owned_world owned;
-    real *factor; /* [cml_row_factors] of a packet under way (P16) */
+    real *factor; /* [cml_row_factors] of the packet under way (P16) */
     struct cml_branches branches;
-    struct cml_tally tally; /* zero between calls of run */
+    struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
 static void reference_close(void *self)
@@ -48,7 +48,8 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Little at a time, so that a run which is to stop has little to end; told batch by batch. */
+/* Flies little at a time, so that a run that is to stop has little to end, and reports the end of each
+ * batch. */
 static cml_status reference_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     struct reference_engine *engine = self;

@@ -1,4 +1,5 @@
-/* The engine `reference`: double, one packet at a time, one thread. The oracle for the others.
+/* The engine `reference`: double precision, one packet at a time, one thread. The other engines are tested
+ * against it.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

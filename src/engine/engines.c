@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* The only place that names every engine; a new one is added here. */
+/* This is the only place that names every engine; a new engine is added here. */
 const struct cml_engine *cml_engine_find(const char *name)
 {
     const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference, &cml_engine_opencl};

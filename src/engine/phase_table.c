@@ -1,5 +1,6 @@
-/* Cell by cell: a straight line where it is accurate enough, else a straight line for each part of the cell.
- * Parts are as likely as the error may be, so they are accurate enough whatever the function does in them.
+/* Makes tables of phase functions, cell by cell: a straight line if it is accurate enough, else a straight
+ * line for each part of the cell. The probability of a part equals the allowed error, so parts are accurate
+ * enough whatever the function does in them.
  * SPDX-License-Identifier: MIT */
 #include "engine/phase_table.h"
 
@@ -11,22 +12,23 @@
 #define CELLS ((int)CML_PHASE_CELLS)
 #define PARTS ((int)CML_PHASE_PARTS)
 
-/* A function while its table is made. */
+/* A phase function while its table is made. */
 struct source {
     const struct cml_phase *phase;
     bool mirrored;
 };
 
-/* Share that is deflected by less, of a mirrored function from behind. */
+/* Returns the share of light that is deflected by less than `deflection` (1 - cosine). For a mirrored
+ * function the deflection counts from behind. */
 static double share_below(const struct source *source, double deflection)
 {
     if (!source->mirrored) return cml_phase_below(source->phase, deflection);
     return 1 - cml_phase_below(source->phase, 2 - deflection);
 }
 
-/* The inverse: two neighbouring numbers of which the upper one has the share. A chord says where, and a
- * little to either side of that the bracket is closed; every fourth time it is halved, whatever the chord
- * says. */
+/* Returns the deflection of a share, the inverse of share_below: the upper one of two neighbouring numbers
+ * between which the share lies. Each step cuts the bracket at a chord, a little to either side of it, so that
+ * both ends close in. Every fourth step halves the bracket. */
 static double deflection_of(const struct source *source, double share, double low, double high)
 {
     double lacks = share_below(source, low) - share, exceeds = share_below(source, high) - share;
@@ -47,7 +49,7 @@ static double deflection_of(const struct source *source, double share, double lo
     return high;
 }
 
-/* The mean of the deflection over a cell, by Gauss and Legendre's rule with three nodes. */
+/* Returns the mean deflection over a cell, by Gauss and Legendre's rule with three nodes. */
 static double mean_of(const struct source *source, int cell, double low, double high)
 {
     static const double node[] = {0.11270166537925831, 0.5, 0.88729833462074169},
@@ -57,8 +59,8 @@ static double mean_of(const struct source *source, int cell, double low, double 
     return sum;
 }
 
-/* The line with the cell's mean, so that errors within it cancel in all moments but for their third order. In
- * the outermost cells it ends where the deflection does. */
+/* Returns the line with the cell's mean deflection. Its errors cancel in all moments up to terms of third
+ * order in the cell's width. In the first and last cell it ends where the deflection does. */
 static struct cml_phase_line line_of(const struct source *source, int cell, double low, double high)
 {
     const double mean = mean_of(source, cell, low, high);
@@ -67,7 +69,8 @@ static struct cml_phase_line line_of(const struct source *source, int cell, doub
     return (struct cml_phase_line){mean - (high - low) / 2, high - low};
 }
 
-/* Whether the distribution function is met to one part of the cell all along the line. */
+/* True if the line's distribution function is right to one part of the cell, at seventeen places along the
+ * line. */
 static bool is_accurate(const struct source *source, int cell, struct cml_phase_line line)
 {
     enum { PLACES = 16 };
@@ -78,7 +81,7 @@ static bool is_accurate(const struct source *source, int cell, struct cml_phase_
     return line.slope >= 0 && line.start >= 0;
 }
 
-/* Room for the parts of one cell more; arrays are enlarged when they are full. */
+/* Makes room for the parts of one more cell. A full array doubles. */
 static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct cml_error *err)
 {
     if (tables->count + CML_PHASE_PARTS <= *capacity) return CML_OK;
@@ -90,7 +93,7 @@ static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct
     return CML_OK;
 }
 
-/* Chords, in the y of the whole cell. */
+/* Appends the parts of a cell: chords, as functions of the y of the whole cell. */
 static void add_parts(const struct source *source, int cell, double low, double high,
                       struct cml_phase_tables *tables)
 {
@@ -104,6 +107,7 @@ static void add_parts(const struct source *source, int cell, double low, double 
     }
 }
 
+/* Fills the table of one function. */
 static cml_status fill(const char *file, const struct cml_phase *phase, struct cml_phase_tables *tables,
                        size_t *capacity, struct cml_error *err)
 {

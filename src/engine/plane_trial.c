@@ -8,19 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SEED UINT64_C(0x706c616e65) /* any; fixed, so that all runs of a scene have the same surfaces */
+/* Any number; fixed, so that all runs of a scene have the same surfaces. */
+#define SEED UINT64_C(0x706c616e65)
 #define BATCHES 64
 #define MOST_PACKETS 1048576
-#define MOST_STEPS 4e7     /* of both ways and all boundaries: 5 to 40 ns each */
-#define ALONE 16.0         /* a packet that flies alone takes so many times as long */
-#define CELLS_AS_STEPS 0.1 /* a cell of a tally is zeroed and summed in 1 to 3 ns */
+#define MOST_STEPS 4e7     /* steps of both ways and all boundaries; a step takes 5 to 40 ns */
+#define ALONE 16.0         /* factor by which a packet that flies alone takes longer */
+#define CELLS_AS_STEPS 0.1 /* steps per cell of a tally, which is zeroed and summed in 1 to 3 ns */
 
-/* In standard errors: that a plane does no harm; that it does, which may be chance in one of some hundred
- * bins. */
+/* Numbers of standard errors: SURE for the finding that a plane does no harm. SURE_OF_HARM for the finding
+ * that it does, because one of some hundred bins may be off by chance. */
 #define SURE 3.0
 #define SURE_OF_HARM 4.0
-/* What happens to a share p of the packets is not seen among n of them with probability exp(-n p): it is
- * 0.13 % for so many packets. */
+/* Expected number of packets that show an effect, up to which it may have been missed. If a share p of all
+ * packets shows the effect, none of n packets does with the probability exp(-n p): 0.13 % at n p = 6.6. */
 #define UNSEEN 6.6
 
 /* Neighbouring values that are judged together: a total, or the bins of a profile. */
@@ -30,32 +31,33 @@ struct series {
 };
 #define NUM_SERIES (CML_NUM_TOTALS + 7)
 
-/* Sums over batches of one value, units of weight: of what the scene as it is scores, of what the planes
- * score more, and of the squares of the latter. Their root is the standard error of the difference, somewhat
- * larger than the spread about the mean gives, and needs no batches of equal length. */
+/* Sums over batches of one value, in units of weight: the score of the scene as it is, the difference that
+ * the planes make, and the square of this difference. The root of the sum of squares is the standard error of
+ * the difference. It is somewhat larger than the spread about the mean, and needs no batches of equal
+ * length. */
 struct value {
     double truth, difference, squares;
 };
 
 struct trial {
     const struct cml_engine *engine;
-    void *flight[2]; /* as it is, with planes */
+    void *flight[2]; /* the scene as it is; the scene with planes */
     struct cml_tally tally[2];
     struct series series[NUM_SERIES];
     struct value *value; /* [num_values] */
     size_t num_values;
     double tolerance, most_steps;
-    double steps;    /* of both ways, by the time that they take */
-    double overhead; /* of a round, in steps: tallies are zeroed and summed */
+    double steps;    /* steps of both ways so far, by the time that they take */
+    double overhead; /* steps of one round for zeroing and summing tallies */
     int rounds;
-    uint64_t packets; /* of each */
+    uint64_t packets; /* packets flown each way */
 };
 
 struct verdict {
-    const char *refused;    /* without a packet, for this reason; NULL: tried */
-    bool harmless, harmful; /* neither: more packets are needed */
-    double most;            /* the largest difference that is possible */
-    const char *what;       /* of this total or profile */
+    const char *refused;    /* reason to refuse the trial without a packet; NULL: it was tried */
+    bool harmless, harmful; /* the verdict; if both are false, more packets are needed */
+    double most;            /* largest possible difference */
+    const char *what;       /* the total or profile that has this difference */
 };
 
 /* Lists the series of all values that cml_tally_sum_batch computes. */
@@ -77,7 +79,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 
 /* ---- flying ---- */
 
-/* As in the output: what lies beyond the grid counts in its first and last bins. */
+/* Folds what lies beyond the grid into the first and last bins, as the output does. */
 static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;
@@ -92,6 +94,7 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
+/* Adds a batch's values, and their differences between both ways. */
 static void add_values(const uint64_t *as_is, const uint64_t *level, size_t count, struct value *value)
 {
     for (size_t i = 0; i < count; i++) {
@@ -102,8 +105,8 @@ static void add_values(const uint64_t *as_is, const uint64_t *level, size_t coun
     }
 }
 
-/* Flies a batch of packets both ways, with the same draws: most differences are 0, and what is left is small.
- */
+/* Flies a batch of packets both ways with the same random numbers, so most differences are 0, and the others
+ * are small. */
 static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
 {
     for (int way = 0; way < 2; way++) {
@@ -122,7 +125,7 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
 
 /* ---- judging ---- */
 
-/* What differences are relative to, units of weight. */
+/* Returns the light by which a series' differences are divided, units of weight. */
 static double light_of(const struct trial *trial, const struct series *series)
 {
     double truth = 0;
@@ -130,8 +133,8 @@ static double light_of(const struct trial *trial, const struct series *series)
     return fmax(truth, CML_TRIAL_LEAST_SHARE * (double)trial->packets / CML_WEIGHT_UNIT);
 }
 
-/* The difference of a series at most, relative. A packet that was not seen would move from one bin to
- * another, but changes a total once. */
+/* Returns the largest possible relative difference of a series. A packet that no batch has shown would move
+ * from one bin of a profile to another, which counts twice, but change a total once. */
 static double most_of_series(const struct trial *trial, const struct series *series)
 {
     double difference = 0, squares = 0;
@@ -143,8 +146,8 @@ static double most_of_series(const struct trial *trial, const struct series *ser
     return (difference + SURE * sqrt(squares) + unseen) / light_of(trial, series);
 }
 
-/* One total or profile, and its bins: each relative to what it holds, or to an average one where it holds
- * less. */
+/* Judges one total or profile, and each of its bins. A bin's difference is divided by the bin, or by the
+ * average bin if that is more. */
 static void judge_series(const struct trial *trial, const struct series *series, struct verdict *verdict)
 {
     const double average = light_of(trial, series) / (double)series->count;
@@ -161,6 +164,7 @@ static void judge_series(const struct trial *trial, const struct series *series,
     verdict->what = series->name;
 }
 
+/* Judges all series by the packets flown so far. */
 static struct verdict judge(const struct trial *trial)
 {
     struct verdict verdict = {.most = 0};
@@ -170,8 +174,8 @@ static struct verdict judge(const struct trial *trial)
     return verdict;
 }
 
-/* Rounds of 64, 1984, 16 Ki - 2 Ki ... packets: few are enough to see a large difference. The last one is as
- * long as the steps that are left. */
+/* Returns the packets of the next round: 64, 1984, 16 Ki - 2 Ki ..., because few packets are enough to see a
+ * large difference. The last round takes the steps that are left. */
 static uint64_t next_round(const struct trial *trial)
 {
     const double left = trial->most_steps - trial->steps - (trial->rounds + 1) * trial->overhead;
@@ -184,7 +188,7 @@ static uint64_t next_round(const struct trial *trial)
     return (wanted < possible ? wanted : possible) / BATCHES * BATCHES;
 }
 
-/* Ends early where packets take many more steps than those before them. */
+/* Flies a round of packets. The round ends early if its packets take many more steps than those before. */
 static cml_status fly_round(struct trial *trial, uint64_t packets, struct cml_error *err)
 {
     trial->rounds++;
@@ -193,6 +197,7 @@ static cml_status fly_round(struct trial *trial, uint64_t packets, struct cml_er
     return CML_OK;
 }
 
+/* Flies rounds of packets until the verdict is certain or no steps are left. */
 static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, struct cml_error *err)
 {
     *verdict = (struct verdict){.refused = "too large a grid for trial packets"};
@@ -206,6 +211,7 @@ static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, st
 
 /* ---- one boundary after the other ---- */
 
+/* Makes both ways' engines and tallies for a trial. */
 static cml_status open_trial(const struct cml_scene *scene, const struct cml_engine_options *options,
                              const struct cml_surface_set *ways[2], struct trial *trial,
                              struct cml_error *err)
@@ -233,15 +239,16 @@ static void close_trial(struct trial *trial)
     free(trial->value);
 }
 
-/* What all boundaries of a scene share. */
+/* The search over all boundaries of a scene. */
 struct search {
-    const struct cml_scene *scene; /* without maps, which are not compared */
+    const struct cml_scene *scene; /* the scene without maps, which are not compared */
     const struct cml_engine *engine;
     struct cml_engine_options options;
-    double tolerance, most_steps; /* of one boundary */
+    double tolerance, most_steps; /* most steps for one boundary */
     struct cml_surface_set *curved;
-    struct cml_surface_set level; /* own level rings where a plane will do, else what `curved` has */
-    struct verdict *verdict;      /* [curved->count] */
+    /* Own level rings where a plane does no harm, else the surfaces of `curved`. */
+    struct cml_surface_set level;
+    struct verdict *verdict; /* [curved->count] */
 };
 
 static bool is_curved(const struct cml_surface_def *def)
@@ -249,12 +256,14 @@ static bool is_curved(const struct cml_surface_def *def)
     return def->kind != CML_SURFACE_PLANE;
 }
 
-/* Bodies stand in the frame of the layer above which the boundary lies, and a plane might cut through one. */
+/* True if bodies lie in a layer beside the boundary. They stand in the frame of the boundary above their
+ * layer, and a plane might cut through one. */
 static bool has_bodies_beside(const struct cml_scene *scene, int b)
 {
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
 }
 
+/* Compares the scene as it is with the scene that has level rings. */
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
@@ -266,8 +275,9 @@ static cml_status try_level(const struct search *search, struct verdict *verdict
     return status;
 }
 
-/* As a plane, this boundary would make the program count light that goes to and fro in a clear first layer as
- * specular (P1), which is another definition of Rsp and Rd. */
+/* True if the boundary would become a face of a glass plate. As a plane it would make the program count the
+ * light that goes to and fro in a clear first layer as specular (P1), which is another definition of Rsp and
+ * Rd. */
 static bool is_face_of_glass(const struct cml_scene *scene, int b)
 {
     const struct cml_medium_def *first = &scene->media[1];
@@ -275,7 +285,8 @@ static bool is_face_of_glass(const struct cml_scene *scene, int b)
            scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
 }
 
-/* Whether packets of a beam may start where the boundary is: a plane would leave some on another side. */
+/* True if packets of a beam may start within the boundary's depths: a plane would leave some on another
+ * side. */
 static bool starts_within(const struct cml_beam *beam, const struct cml_surface_def *def)
 {
     const double height = cml_beam_height(beam);
@@ -283,8 +294,8 @@ static bool starts_within(const struct cml_beam *beam, const struct cml_surface_
            beam->z - height <= def->depth + def->highest;
 }
 
-/* Why no packets need to fly; NULL: they do. The few of a round would all be of the first of several beams.
- */
+/* Returns the reason why a boundary needs no trial; NULL if it needs one. Several beams are such a reason,
+ * because the few packets of a round would all belong to the first. */
 static const char *why_not(const struct search *search, int b)
 {
     const struct cml_scene *scene = search->scene;
@@ -295,8 +306,8 @@ static const char *why_not(const struct search *search, int b)
                                                                      : NULL;
 }
 
-/* Level rings in its place; they stay in `level` where they do no harm, for the boundaries that are tried
- * after it. */
+/* Tries level rings in a boundary's place. They stay in `level` if they do no harm, for the boundaries that
+ * are tried next. */
 static cml_status try_boundary(struct search *search, int b, struct cml_error *err)
 {
     struct cml_surface_def *level = &search->level.item[b];
@@ -312,7 +323,8 @@ static cml_status try_boundary(struct search *search, int b, struct cml_error *e
     return status;
 }
 
-/* A difference that is certain is not told by its size, which was measured with few packets. */
+/* Appends the outcome to the boundary's reason. For a difference that is certain, its size is left out,
+ * because few packets measured it. */
 static void tell(const struct verdict *verdict, double tolerance, struct cml_surface_def *def)
 {
     const size_t used = strlen(def->reason), room = sizeof def->reason - used;
@@ -327,7 +339,7 @@ static void tell(const struct verdict *verdict, double tolerance, struct cml_sur
         snprintf(text, room, ", as a plane %s may be off by %.2g", verdict->what, verdict->most);
 }
 
-/* The level rings go, whether they were found to do or not. */
+/* Adopts the verdict on a boundary: a harmless one becomes a plane. */
 static void adopt(const struct search *search, int b)
 {
     const struct verdict *verdict = &search->verdict[b];
@@ -343,10 +355,11 @@ static void adopt(const struct search *search, int b)
     tell(verdict, search->tolerance, def);
 }
 
+/* Makes the search's set of level surfaces, which begins as a copy of the curved ones. */
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;
-    search->level = *search->curved; /* with its bodies */
+    search->level = *search->curved; /* level surfaces begin as the curved ones, with their bodies */
     search->level.item = malloc(count * sizeof *search->level.item);
     search->verdict = calloc(count, sizeof *search->verdict);
     if (!search->level.item || !search->verdict)
@@ -355,7 +368,8 @@ static cml_status allocate(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
-/* Each boundary gets its share of the steps. None is made a plane before the last was tried. */
+/* Tries each curved boundary with its share of the steps. No boundary becomes a plane before the last was
+ * tried. */
 static cml_status search_planes(struct search *search, struct cml_error *err)
 {
     const struct cml_surface_set *curved = search->curved;
@@ -387,7 +401,7 @@ cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct 
     search.options.seed = SEED;
     search.options.run = 0;
     search.options.absorption = true;
-    search.options.lattice = false; /* errors of the trial take packets for independent */
+    search.options.lattice = false; /* the trial's errors take packets for independent */
     search.options.roulette = (struct cml_roulette_options){0, 0};
     if (!options->may_flatten || options->force != CML_SURFACE_AUTO || scene->facets) return CML_OK;
     return search_planes(&search, err);

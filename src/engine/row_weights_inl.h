@@ -1,8 +1,18 @@
 /* Code, included once by each engine on the host, in its precision and for its level of the processor, as
- * terminated_packets_inl.h is: rows of a sweep that come of one flight (P16). The weight of a row is that of
- * the packet times a factor of the row's own, which falls along the path. All rows at once are a vector loop,
- * and it runs where packets change the medium, play roulette, lose weight to the backing or end. Scores, for
- * derivatives (P17), are summed as rows are: their factors add up along the path, and may be negative.
+ * terminated_packets_inl.h is: weights of the rows of a sweep that come of one flight (P16), and scores for
+ * derivatives (P17).
+ *
+ *      weight of a row = weight of the packet * factor of the row
+ *
+ *      w   *---.                       packet: falls at interactions (o), rises or ends at roulette
+ *          |    o-----o----.           row:    falls all along the path as well
+ *          |. . _     |    o----o
+ *          |      . . . _  |    |
+ *          +-----------------. .+-->
+ *
+ * Rows are booked where the packet changes the medium, plays roulette, loses weight to the backing, or ends:
+ * one vector loop over all rows. Scores are summed as rows are, but their factors add up along the path, and
+ * may be negative.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -12,23 +22,24 @@
 
 #define CML_ROWS_INLINE __attribute__((always_inline)) static inline
 
-/* What a flight's rows have in common, and where they are summed. */
+/* Sums over the rows of a flight: their layout and their arrays. */
 struct cml_row_sums {
-    int count;             /* 0: there are no rows */
-    int scores;            /* they are scores */
-    int timed;             /* they have A_t */
-    int means;             /* they have means of detectors */
-    struct cml_layout at;  /* of a batch, in bins */
-    size_t batch;          /* cells of a batch */
-    uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
-    size_t transmitted_ra; /* from there to Tt_ra */
-    uint64_t *rz;          /* A_rz, where rows have one */
-    uint64_t *radii;       /* Rd_rt; NULL: there is none */
-    size_t transmitted_rt; /* from there to Tt_rt */
-    uint64_t *dir;         /* Rd_dir, then Tt_dir; NULL: there are none */
-    struct cml_once once;  /* of these, in bins of all rows */
+    int count;             /* number of rows; 0: there are none */
+    int scores;            /* 1: the rows are scores */
+    int timed;             /* 1: the rows have A_t */
+    int means;             /* 1: the rows have means of detectors */
+    struct cml_layout at;  /* layout of a batch, in bins */
+    size_t batch;          /* number of cells of a batch */
+    uint64_t *cells, *ra;  /* sums of the first batch; Rd_ra */
+    size_t transmitted_ra; /* distance from Rd_ra to Tt_ra */
+    uint64_t *rz;          /* A_rz, if rows have one */
+    uint64_t *radii;       /* Rd_rt of the rows; NULL: they have none */
+    size_t transmitted_rt; /* distance from Rd_rt to Tt_rt */
+    uint64_t *dir;         /* Rd_dir of the rows, then Tt_dir; NULL: they have none */
+    struct cml_once once;  /* layout of directions, in bins of all rows */
 };
 
+/* Returns the layout of the rows' sums in a tally. */
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
                                                   const struct cml_tally *tally)
 {
@@ -53,6 +64,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     return sums;
 }
 
+/* Returns fmix32 of a word. */
 static inline cml_u32 cml_row_hash(cml_u32 h)
 {
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -60,33 +72,34 @@ static inline cml_u32 cml_row_hash(cml_u32 h)
     return h ^ h >> 16;
 }
 
-/* The rows of a packet, for one booking. */
+/* The rows of one packet, for one booking. */
 struct cml_row_packet {
     const struct cml_row_sums *sums;
-    uint64_t *cells; /* of its batch */
-    real *factor;    /* [cml_row_factors], by how much less its rows weigh than the packet, or scores */
-    real rounding;   /* of their weights, 0 to below 1 */
+    uint64_t *cells; /* sums of the packet's batch */
+    real *factor;    /* [cml_row_factors]: weight of each row as a share of the packet's, or scores */
+    real rounding;   /* added to weights before they are cut to integers, 0 to below 1 */
 };
 
-/* Behind the factors of all rows stands what was so when the packet was booked last: how many interactions it
- * had, less whole 2^24, which floats hold; the optical path that it had flown in the material, and outside of
- * it (P11), cm. */
+/* Members behind the factors of all rows, which describe the packet at its last booking: its number of
+ * interactions, less whole 2^24, which a float holds exactly; its optical path in the material, and outside
+ * of it, cm (P11). */
 enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
 
+/* Returns the numbers that the factors of a packet take, with the members behind them. */
 static inline size_t cml_row_factors(size_t rows)
 {
     return rows + CML_ROW_MEMORY;
 }
 
-/* The time of that, as an optical path. */
+/* Returns the time of the last booking, as an optical path, cm. */
 static inline real cml_row_booked_at(const real *factor, size_t rows)
 {
     return factor[rows + CML_ROW_INSIDE] + factor[rows + CML_ROW_OUTSIDE];
 }
 
-/* A packet's own, of both words of its index and of all of the run's key, so that what chance does to one
- * seed it does not do to the next: fmix32 of A. Appleby's MurmurHash3. A hash serves, as nothing else depends
- * on it. */
+/* Returns a hash of a packet, from both words of its index and the whole key of the run, so that seeds are
+ * independent. It is fmix32 of A. Appleby's MurmurHash3. A hash is enough, because nothing else depends on
+ * it. */
 static inline cml_u32 cml_row_hash_of(const struct cml_setup *setup, cml_u32 low, cml_u32 high)
 {
     const cml_u32 *key = setup->stream.key;
@@ -94,8 +107,8 @@ static inline cml_u32 cml_row_hash_of(const struct cml_setup *setup, cml_u32 low
     return cml_row_hash(cml_row_hash(low + run) + high);
 }
 
-/* Weights are rounded at random, so that they keep the mean however small they are, but all of one packet
- * alike, so that none rises. */
+/* Returns the rows of packet `index` for a booking. Weights are rounded at random, so their means are kept
+ * however small they are. All weights of one packet are rounded alike, so none of them rises. */
 static inline struct cml_row_packet
 cml_row_packet_of(const struct cml_setup *setup, const struct cml_row_sums *sums, cml_u64 index, real *factor)
 {
@@ -107,42 +120,45 @@ cml_row_packet_of(const struct cml_setup *setup, const struct cml_row_sums *sums
     return rows;
 }
 
-/* Whether interaction n of a packet, from 1, is one of those that A(r,z) of rows is made of. The first of
- * them is a matter of chance: of bits of its hash that rounding does not see. */
+/* True if interaction n of a packet, from 1, is one of those that make up A(r,z) of rows: each
+ * CML_ROW_SAMPLING-th. The first of them is random, by bits of the packet's hash that rounding does not
+ * use. */
 static inline int cml_row_samples(cml_u32 hash, cml_u32 n)
 {
     return (hash + n) % CML_ROW_SAMPLING == 0;
 }
 
+/* Returns the sums of all rows in a bin. */
 static inline uint64_t *cml_row_bin(const struct cml_row_packet *rows, size_t bin)
 {
     return rows->cells + bin * (size_t)rows->sums->count;
 }
 
-/* A packet's weight as what factors multiply. */
+/* Returns a packet's weight in the unit by which factors are multiplied, 2^-30 of a packet. */
 static inline real cml_row_unit(cml_u32 w)
 {
     return (real)w * (real)0.5;
 }
 
-/* A row's weight in units of 2^-30 of a packet, which is what `int` holds. It never rises where neither the
- * weight nor the factor does. */
+/* Returns a row's weight in units of 2^-30 of a packet, which fits into `int`. It never rises if neither the
+ * packet's weight nor the factor does. */
 static inline cml_u32 cml_row_weight(real unit, real factor, real rounding)
 {
     return (cml_u32)(int)CML_FMA(unit, factor, rounding);
 }
 
-/* What is summed of a row. A score times the weight is in units of 2^-20 of a packet, so that 2^43
- * interactions fit into a tally; rounded at random like weights, down, since it may be negative. */
+/* Returns a row's contribution to a sum. A score times the weight is in units of 2^-20 of a packet, so that
+ * 2^43 interactions fit into a tally. It is rounded at random like a weight, but down, because it may be
+ * negative. */
 CML_ROWS_INLINE uint64_t cml_row_part(int scores, real unit, real factor, real rounding)
 {
     return scores ? (uint64_t)(int64_t)CML_FLOOR(CML_FMA(unit * (real)0x1p-10, factor, rounding))
                   : (uint64_t)cml_row_weight(unit, factor, rounding);
 }
 
-/* A packet of weight w is launched, with all its rows, path as in cml_packet; or with -1 times that taken
- * back, as it was never inside. What they weigh then, rounded, is summed in the place of the first row.
- * Scores begin with 0. */
+/* Launches a packet of weight w with all its rows (times = 1), or takes a launch back (times = -1) for a
+ * packet that was never inside. path: as in cml_packet. The rounded weight of the rows is summed in the place
+ * of the first row. Scores begin with 0. */
 static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w, int times, real path)
 {
     real *memory = rows->factor + rows->sums->count;
@@ -154,7 +170,7 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
-/* cml_rows_fly for scores: adds to each what the flight of length t (cm) makes of it. */
+/* cml_rows_fly for scores: adds to each score the effect of a flight of length t (cm). */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -177,9 +193,9 @@ static inline void cml_scores_fly(const struct cml_world *world, const struct cm
     }
 }
 
-/* Weight `before` of a packet has become `left` over t (cm) in a medium: the rest of every row is absorbed
- * there, and in the gate by_t where rows have A_t. Factors below 1e-20 are 0, as arithmetic with the smallest
- * numbers is slow. */
+/* Absorbs in all rows: the packet's weight `before` has become `left` over t (cm) in a medium, and the rest
+ * of every row is absorbed there; if timed, also in the gate by_t. Factors below 1e-20 become 0, because
+ * arithmetic with the smallest numbers is slow. */
 CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world,
                                         const struct cml_row_packet *rows, int medium, real t, cml_u32 before,
                                         cml_u32 left, uint64_t *restrict by_t)
@@ -201,9 +217,10 @@ CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world
     }
 }
 
-/* The same gate by gate. All that the packet itself has lost since it was booked last it has lost in the gate
- * of that time, as it is booked at the first interaction of any other; rows lose on all of the way. Its ends
- * are known to the rounding of times, its length is not cut by them. */
+/* cml_rows_absorb_as gate by gate, over the optical path `path`. The packet's own loss since its last booking
+ * belongs to the gate of that booking, because a packet is booked at its first interaction in any other gate.
+ * Rows lose weight all along the path. Where gates cut the path is known to the rounding of times; the length
+ * of the path is not changed. */
 static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                            int medium, real path, cml_u32 before, cml_u32 left)
 {
@@ -226,8 +243,8 @@ static inline void cml_rows_absorb_by_time(const struct cml_world *world, const 
     rows->factor[count + CML_ROW_INSIDE] += path;
 }
 
-/* A packet of weight `before` has flown `path` (as in cml_packet) in a medium, and there is `left` of it.
- * interactions: of the packet, so far. */
+/* Books a flight in all rows: a packet of weight `before` has flown `path` (as in cml_packet) in a medium,
+ * and `left` of it remains. interactions: of the packet so far. */
 static inline void cml_rows_fly(const struct cml_world *world, const struct cml_row_packet *rows, int medium,
                                 real path, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -241,7 +258,7 @@ static inline void cml_rows_fly(const struct cml_world *world, const struct cml_
         cml_rows_absorb_as(0, world, rows, medium, t, before, left, NULL);
 }
 
-/* The optical path outside of the material of a packet that is in it: of all its visits there. */
+/* Returns the optical path of all visits to the outer media, cm, of a packet that is now in the material. */
 static inline real cml_rows_outside(const struct cml_world *world, const struct cml_trail *trail)
 {
     const int below = world->setup.num_layers + 1;
@@ -249,8 +266,8 @@ static inline real cml_rows_outside(const struct cml_world *world, const struct 
                   world->media[below].n * trail->stay[below].length);
 }
 
-/* Whether such a packet has been outside since it was booked last. Rows with A_t are booked before they fly
- * on: what they have lost until then is of the time before. */
+/* True if a packet in the material has been outside since its last booking. Rows with A_t are then booked
+ * before they fly on, because their losses so far belong to the time before. */
 static inline int cml_rows_have_returned(const struct cml_world *world, const struct cml_row_packet *rows,
                                          const struct cml_trail *trail)
 {
@@ -258,15 +275,15 @@ static inline int cml_rows_have_returned(const struct cml_world *world, const st
            rows->factor[rows->sums->count + CML_ROW_OUTSIDE] != cml_rows_outside(world, trail);
 }
 
-/* Behind cml_rows_fly: all the time outside has passed. */
+/* Notes, after cml_rows_fly, that the time outside has passed. */
 static inline void cml_rows_pass_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                       const struct cml_trail *trail)
 {
     if (rows->sums->timed) rows->factor[rows->sums->count + CML_ROW_OUTSIDE] = cml_rows_outside(world, trail);
 }
 
-/* To a bin of depth and one of radius and depth. wide: a part may be more than 31 bits hold, which vectors of
- * 32 bits are too narrow for. */
+/* Adds a sampled interaction to a bin of depth and a bin of radius and depth. wide: 1 if a contribution may
+ * exceed 31 bits, for which vectors of 32 bits are too narrow. */
 CML_ROWS_INLINE void cml_rows_sample_as(int wide, const struct cml_row_packet *rows, real unit,
                                         const real *restrict share, uint64_t *restrict by_z,
                                         uint64_t *restrict by_rz)
@@ -283,11 +300,12 @@ CML_ROWS_INLINE void cml_rows_sample_as(int wide, const struct cml_row_packet *r
     }
 }
 
-/* Where an interaction at p in a medium is summed: [rows] each. */
+/* Bins of an interaction, [rows] each. */
 struct cml_row_place {
     uint64_t *by_z, *by_rz;
 };
 
+/* Returns the bins of an interaction at p in a medium. */
 static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *world,
                                                        const struct cml_row_packet *rows, int medium,
                                                        struct cml_vec p)
@@ -302,17 +320,18 @@ static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *w
     };
 }
 
-/* Grids of all rows are larger than caches: what will be needed is fetched while others are booked. */
+/* Fetches bins into the cache that will be needed soon: grids of all rows are larger than caches. */
 static inline void cml_rows_expect(const struct cml_row_packet *rows, struct cml_row_place at)
 {
-    for (int i = 0; i < rows->sums->count; i += 8) { /* of a cache line of 64 bytes */
+    for (int i = 0; i < rows->sums->count; i += 8) { /* one step for each cache line of 64 bytes */
         __builtin_prefetch(at.by_z + i, 1);
         __builtin_prefetch(at.by_rz + i, 1);
     }
 }
 
-/* One of those interactions, in a medium, where rows have been booked. left: the packet's weight behind
- * it; before: the last one booked before it, which counts where nothing is left of any. */
+/* Adds a sampled interaction in a medium, after the booking there. left: the packet's weight after the
+ * interaction; before: its weight at the booking before, used in a medium that leaves nothing of any
+ * packet. */
 static inline void cml_rows_sample(const struct cml_world *world, const struct cml_row_packet *rows,
                                    int medium, struct cml_row_place at, cml_u32 before, cml_u32 left)
 {
@@ -325,6 +344,8 @@ static inline void cml_rows_sample(const struct cml_world *world, const struct c
         cml_rows_sample_as(1, rows, unit, share, at.by_z, at.by_rz);
 }
 
+/* Adds the difference of two weights of the packet, as each row weighs it, to a bin. high, low: cml_row_unit
+ * of both weights. */
 CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet *rows, real high, real low,
                                         uint64_t *restrict to)
 {
@@ -337,8 +358,8 @@ CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet 
             cml_row_part(scores, high, factor[i], rounding) - cml_row_part(scores, low, factor[i], rounding);
 }
 
-/* The packet's weight changes by other means than absorption: the difference, into the bin of `more` where it
- * becomes more, and of `less` where it becomes less. */
+/* Books a change of the packet's weight by other means than absorption: the difference goes into the bin of
+ * `more` if the weight rises, of `less` if it falls. */
 static inline void cml_rows_change(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after,
                                    enum cml_balance_term more, enum cml_balance_term less)
 {
@@ -352,19 +373,20 @@ static inline void cml_rows_change(const struct cml_row_packet *rows, cml_u32 be
         cml_rows_change_as(0, rows, high, low, to);
 }
 
-/* Books of all rows what roulette has made of the packet's weight (P8). */
+/* Books the effect of roulette on the packet's weight in all rows (P8). */
 static inline void cml_rows_roulette(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
 {
     cml_rows_change(rows, before, after, CML_BALANCE_GAINED, CML_BALANCE_ROULETTE);
 }
 
-/* Books of all rows what the backing keeps of the packet's weight (P12). */
+/* Books the weight that the backing keeps in all rows (P12). */
 static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
 {
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
 }
 
-/* Rows have no sums over both radius and angle where they are scores. timed: they have gates. */
+/* Adds a packet that has left to all rows. Scores have no sums over both radius and angle. timed: 1 if there
+ * are gates. */
 CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_setup *setup,
                                        const struct cml_row_packet *rows, const struct cml_exit *exit,
                                        real unit)
@@ -391,7 +413,7 @@ CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_s
     }
 }
 
-/* A packet of weight w has been reflected or transmitted. Scores have no gates. */
+/* Adds a packet of weight w that has been reflected or transmitted to all rows. Scores have no gates. */
 static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows,
                                   const struct cml_exit *exit, cml_u32 w)
 {
@@ -405,16 +427,16 @@ static inline void cml_rows_leave(const struct cml_setup *setup, const struct cm
 }
 
 /* ---- detectors (P13) and directions (P7) ----
- * Light that was never inside, and what is split off a packet at its launch, weighs as much in all rows. */
+ * Light that was never inside, and light that is split off at a launch, weighs as much in all rows. */
 
-/* Light that has left, as rows weigh it. */
+/* Light that has left, with the rows that weigh it. */
 struct cml_row_light {
     const struct cml_row_packet *rows;
     const struct cml_light_out *light;
-    int fresh; /* it weighs as much in all rows, and has no score */
+    int fresh; /* 1: the light weighs as much in all rows, and has no score */
 };
 
-/* Adds the light, as each row weighs it, to the row's bin, of which the first row's is given. */
+/* Adds the light, as each row weighs it, to the rows' bins. to: the bin of the first row. */
 static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
 {
     const struct cml_row_packet *rows = of->rows;
@@ -427,12 +449,13 @@ static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
         for (int i = 0; i < count; i++) to[i] += cml_row_part(scores, unit, rows->factor[i], rounding);
 }
 
+/* Adds the light, as each row weighs it, to a bin of the packet's batch. */
 static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
 {
     cml_rows_add_to(of, cml_row_bin(of->rows, bin));
 }
 
-/* The bin of radius and gate into which rows have left. */
+/* Returns the bin of radius and gate in which rows have left. */
 static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
                                                 const struct cml_row_packet *rows,
                                                 const struct cml_exit *exit)
@@ -442,7 +465,8 @@ static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
     return sums->radii + (exit->up ? 0 : sums->transmitted_rt) + cell * (size_t)sums->count;
 }
 
-/* The light, as each row weighs it, times a number, which counts 2^-16, into both parts of a row's moment. */
+/* Adds the light, as each row weighs it, times a number to both parts of the rows' moments. The number counts
+ * units of 2^-16. */
 static inline void cml_rows_add_moment(const struct cml_row_light *of, size_t bin, uint64_t number)
 {
     const struct cml_row_packet *rows = of->rows;
@@ -461,7 +485,7 @@ static inline void cml_rows_add_moment(const struct cml_row_light *of, size_t bi
     }
 }
 
-/* What means of detector k are made of, as cml_add_moments. */
+/* Adds the light to all moments of detector k, as cml_add_moments does for the packet. */
 static inline void cml_rows_add_moments(const struct cml_world *world, const struct cml_row_light *of,
                                         size_t k)
 {
@@ -478,6 +502,7 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
+/* Adds the light to all detectors that see it, as each row weighs it. */
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_layout *at = &of->rows->sums->at;
@@ -490,7 +515,7 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Into the bin of a direction; squares are those of a whole packet. */
+/* Adds the light to the bin of its direction. Squares are those of a whole packet. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;
@@ -509,8 +534,8 @@ static inline void cml_rows_direct(const struct cml_setup *setup, const struct c
     }
 }
 
-/* A packet has ended, and its light has left if it has a side. What was never inside is in the flight's own
- * specular part. */
+/* Books the end of a packet in all rows, and its light if it has left. Light that was never inside is in the
+ * flight's own specular part. */
 static inline void cml_rows_end(const struct cml_world *world, const struct cml_row_packet *rows, int fate,
                                 const struct cml_exit *exit, const struct cml_light_out *light)
 {
@@ -527,7 +552,7 @@ static inline void cml_rows_end(const struct cml_world *world, const struct cml_
     if (fate == CML_FATE_LOST) cml_rows_change(rows, light->w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
 }
 
-/* What was split off packet `index` at its launch. */
+/* Adds the light that was split off packet `index` at its launch to the detectors of all rows. */
 static inline void cml_rows_place_split_off(const struct cml_world *world, const struct cml_row_packet *rows,
                                             cml_u64 index)
 {

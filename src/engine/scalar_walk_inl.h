@@ -1,7 +1,7 @@
 /* Code, included by each engine that walks packets one at a time on the host (engine_reference.c in double,
- * each level of engine_cpu_level.c and engine_opencl.c in float), so that the walk of kernels/walk.h is
- * compiled in the precision and for the processor of the engine. Ranges of packets into a tally, or as
- * records. SPDX-License-Identifier: MIT */
+ * each level of engine_cpu_level.c and engine_opencl.c in float): ranges of packets into a tally, or as
+ * records. So the walk of kernels/walk.h is compiled in the engine's precision and for its processor.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/branches_inl.h"
@@ -13,7 +13,7 @@
 /* Steps between two looks at whether to give up. */
 #define CML_STEPS_PER_LOOK 256
 
-/* P13, of a packet that has been launched. */
+/* Begins the trail of a packet that has been launched (P13). */
 static inline void cml_leave_trail(const struct cml_world *world, const struct cml_tally *tally,
                                    struct cml_packet *packet)
 {
@@ -22,22 +22,24 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
     cml_begin_trail(world, &packet->trail, packet->medium, packet->path);
 }
 
-/* P16: the rows of one packet after another. */
+/* The rows (P16) of the packets that one thread walks, one after the other. */
 struct row_walk {
     struct cml_row_sums sums;
     real *factor;                      /* [cml_row_factors] */
-    int medium;                        /* that of the last booking, or an inner one since */
-    cml_u32 w;                         /* the packet's weight then */
-    cml_u64 gained, roulette, backing; /* its terms then */
-    cml_u32 interactions, now;         /* after the last step; its weight then */
+    int medium;                        /* medium of the last booking, or of a move inside since then */
+    cml_u32 w;                         /* the packet's weight at the last booking */
+    cml_u64 gained, roulette, backing; /* the packet's terms of the balance at the last booking */
+    cml_u32 interactions, now;         /* the packet's interactions and weight after the last step */
 };
 
+/* Begins the rows of a packet that has been launched. */
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_launch(&its, packet->w, 1, packet->path);
-    /* What lies above absorbs in no row. A trail's clock has not begun where the path is below 0. */
+    /* The layers above the start absorb in no row. A path below 0 means that the clock of the trail has not
+     * started. */
     if (packet->path > 0 || !packet->trail.stay) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = rows->now = packet->w;
@@ -45,15 +47,15 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     rows->interactions = packet->interactions;
 }
 
-/* Whether interaction n is one that A(r,z) of rows is made of. */
+/* True if interaction n of a packet is one that makes up A(r,z) of rows. */
 static inline bool rows_sample(const struct cml_world *world, cml_u64 index, cml_u32 n)
 {
     const cml_u32 low = (cml_u32)index, high = (cml_u32)(index >> 32);
     return world->rows.part && cml_row_samples(cml_row_hash_of(&world->setup, low, high), n);
 }
 
-/* Books what the packet has lost since the last time; left: its weight before roulette or a backing took any.
- */
+/* Books the packet's losses since the last booking. left: its weight before roulette or a backing took
+ * any. */
 static inline void rows_fly(const struct cml_world *world, struct row_walk *rows,
                             const struct cml_row_packet *its, struct cml_packet *packet, cml_u32 left)
 {
@@ -63,7 +65,7 @@ static inline void rows_fly(const struct cml_world *world, struct row_walk *rows
     rows->w = left;
 }
 
-/* The packet has interacted: where that is in another gate (P11), what came before it is booked first. */
+/* Books the flight before an interaction that lies in another gate than the last booking (P11). */
 static inline void rows_keep_time(const struct cml_world *world, struct row_walk *rows,
                                   const struct cml_row_packet *its, struct cml_packet *packet)
 {
@@ -73,7 +75,8 @@ static inline void rows_keep_time(const struct cml_world *world, struct row_walk
         rows_fly(world, rows, its, packet, rows->now);
 }
 
-/* After a step: books where lanes of a bundle do (cml_flush_deposits), so not on the way out and back. */
+/* Books rows after a step, at the same events as lanes of a bundle (cml_flush_deposits): not on the way out
+ * and back in. */
 static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
@@ -118,7 +121,7 @@ struct piece_walk {
     uint32_t steps;
 };
 
-/* To its end, into the tally. Returns false when it was given up. */
+/* Walks a packet to its end, and adds it to the tally. Returns false if the packet was given up. */
 static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet)
 {
     const struct cml_world *world = walk->world;
@@ -139,7 +142,7 @@ static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet
     return true;
 }
 
-/* P19: those that wait. Returns false when one was given up. */
+/* Walks the branches that wait (P19). Returns false if one was given up. */
 static inline bool end_branches(struct piece_walk *walk)
 {
     while (walk->to.branches && walk->to.branches->count > 0) {
@@ -152,7 +155,7 @@ static inline bool end_branches(struct piece_walk *walk)
 }
 
 /* Flies the packets of a piece, one after the other, into the tally. factor: [cml_row_factors], scratch;
- * branches: empty. Returns false when it gave one up. */
+ * branches: empty. Returns false if a packet was given up. */
 static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
                              const struct cml_piece *piece, struct cml_patience *patience, real *factor,
                              struct cml_branches *branches, struct cml_tally *tally)
@@ -163,7 +166,7 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
                               .tally = tally,
                               .to = cml_deposits_of(tally, branches),
                               .rows = {.sums = cml_row_sums_of(world, tally), .factor = factor}};
-    branches->count = 0; /* of a piece that was given up */
+    branches->count = 0; /* may hold branches of a piece that was given up */
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
         cml_begin_walk(world, &walk.to, piece->first + CML_NUM_BATCHES * i, &packet);
@@ -176,16 +179,15 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
     return true;
 }
 
-/* Whoever listens to the events of a packet; scene coordinates need the world. */
+/* The listener of a traced packet, with the world, which scene coordinates need. */
 struct tracing {
     const struct cml_world *world;
     cml_trace_function *on_event;
     void *context;
-    cml_u32 rough_draws; /* of the packet at its last event */
+    cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
-/* An event of kernels/walk.h, from the frame of the medium and the origin into the coordinates of the
- * scene. */
+/* Hands an event of kernels/walk.h to the listener, in the coordinates of the scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     struct tracing *tracing = context;
@@ -199,14 +201,14 @@ static void forward_event(void *context, const char *what, const struct cml_pack
         .weight = packet->w * CML_WEIGHT_UNIT,
     };
     const cml_u32 draws =
-        packet->rough_draws - tracing->rough_draws; /* one for each facet, and one to leave */
+        packet->rough_draws - tracing->rough_draws; /* one draw for each facet, and one to leave */
     const struct cml_trace_event rough = {.what = "rough", .steps = (int)draws - 1};
     if (draws > 0) tracing->on_event(tracing->context, &rough);
     tracing->rough_draws = packet->rough_draws;
     tracing->on_event(tracing->context, &event);
 }
 
-/* How a packet has ended, in shares of a packet and coordinates of the scene. */
+/* Returns the end of a packet, in shares of a packet and coordinates of the scene. */
 static inline struct cml_fate_record record_of(const struct cml_world *world, const struct cml_packet *packet)
 {
     const struct cml_fate_record record = {
@@ -224,7 +226,7 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
     return record;
 }
 
-/* Which detectors have seen the packet, of which some part may have been split off at its launch (P13). */
+/* Tells the listener which detectors have seen the packet, or a part split off at its launch (P13). */
 static void trace_detectors(const struct tracing *tracing, const struct cml_packet *packet,
                             const struct cml_tally *tally)
 {
@@ -243,9 +245,9 @@ static void trace_detectors(const struct tracing *tracing, const struct cml_pack
     }
 }
 
-/* How packets [first, first + count) end: records[count]. Their deposits go into a tally that is thrown away,
- * the smallest that the walk can write to, with detectors where somebody listens. on_event may be NULL. Fails
- * when memory for the tally runs out. */
+/* Finds the ends of packets [first, first + count): records[count]. Deposits go into a tally that is thrown
+ * away, the smallest that the walk can write to; it has detectors if there is a listener. on_event may be
+ * NULL. Fails if memory for the tally runs out. */
 static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                                        cml_trace_function *on_event, void *context,
                                        struct cml_fate_record *records, struct cml_error *err)
@@ -262,7 +264,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
     struct tracing tracing = {world, on_event, context, 0};
     struct cml_world traced = *world;
     traced.setup.tally_absorption = 0;
-    traced.windows.cells = 0; /* one packet, whole */
+    traced.windows.cells = 0; /* a traced packet is never split */
     traced.on_event = on_event ? forward_event : NULL;
     traced.on_event_context = &tracing;
     const struct cml_deposits to = cml_deposits_of(&tally, NULL);

@@ -1,7 +1,13 @@
 /* Code, included once by each engine on the host, in its precision (CML_DOUBLE or not) and for its level of
- * the processor: no .c file, because entries are pushed member by member from registers, and the sums are
- * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins and sums
- * of many packets are computed in one vector loop however rarely packets end.
+ * the processor: terminated packets on their way into a tally. They are collected, so that one vector loop
+ * computes exit bins and sums of many packets, however rarely packets end.
+ *
+ *      packet ends --> push --+
+ *      packet ends --> push --+--> struct cml_terminated --> flush: vector loops --> tally
+ *      packet ends --> push --+        up to 128
+ *
+ * It is no .c file, because entries are pushed member by member from registers, and the sums are vector
+ * loops.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -14,29 +20,31 @@
 #include <math.h>
 
 #define CML_TERMINATED 128
-/* So many may be added at once: the collection is flushed while it has room for as many. */
+/* Most packets that may be added at once: the collection is flushed while it still has room for so many. */
 #define CML_TERMINATED_TOGETHER 16
 
-/* Structure of arrays; entries from `count` on hold nothing of interest, and loops over all entries may read
- * them. Weights in units of 2^-31 of a packet, positions in cm from the scene's origin. */
+/* The collection, a structure of arrays. Entries from `count` on hold any values, but loops over all entries
+ * may read them. Weights are in units of 2^-31 of a packet, positions in cm from the scene's origin. */
 struct cml_terminated {
     int count;
-    int branches; /* of them: these have not been launched (P19) */
+    int branches; /* entries that are branches, which were not launched (P19) */
     uint64_t absorbed[CML_TERMINATED];
-    cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
-                                        there yet */
+    /* Weight absorbed as well, in the layer that the packet left, and not booked there yet. */
+    cml_u32 deposit[CML_TERMINATED];
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
-    real ux[CML_TERMINATED], uy[CML_TERMINATED];                   /* P7, P13, where asked for */
-    real path[CML_TERMINATED];                                     /* P11, where time is asked for */
-    real exit_z[CML_TERMINATED];                                   /* P13, P18, where trails are */
-    cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED]; /* high: the same */
+    /* Direction of the exit, if directions (P7) or detectors (P13) are wanted. */
+    real ux[CML_TERMINATED], uy[CML_TERMINATED];
+    real path[CML_TERMINATED];   /* optical path (P11), if time is wanted */
+    real exit_z[CML_TERMINATED]; /* used for detectors and saved packets (P13, P18), if trails are wanted */
+    /* Halves of the packet's index. The high half is filled only if trails are wanted. */
+    cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED];
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
-    int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
-    cml_u32 scored[CML_TERMINATED]; /* into it */
+    int cell[CML_TERMINATED];       /* cell of Rd_ra or Tt_ra */
+    cml_u32 scored[CML_TERMINATED]; /* weight scored in this cell */
 };
 
-/* Entry i of the collection. */
+/* Returns the exit of entry i of the collection. */
 static inline struct cml_exit cml_terminated_exit(const struct cml_setup *setup,
                                                   const struct cml_terminated *terminated, int i)
 {
@@ -44,16 +52,16 @@ static inline struct cml_exit cml_terminated_exit(const struct cml_setup *setup,
                        terminated->uz[i], terminated->path[i]);
 }
 
-/* Sums over the collected packets, in 64 bits, which vectors have. */
+/* Sums over the collected packets, all in 64 bits, because vectors have lanes of this width. */
 struct cml_terminated_sums {
     uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
-    uint64_t deposited, deposited_above; /* all deposits; those of packets that were reflected */
+    uint64_t deposited, deposited_above; /* all deposits; deposits of packets that were reflected */
 };
 
-/* Fills cell and scored: the cell of Rd_ra or Tt_ra (P7) that each packet leaves in, and the weight it scores
- * there, 0 for one that ended otherwise. Cells are counted from the first of Rd_ra, of which that of its
- * group and Tt_ra are fixed distances away, so that one array of sums serves both. Goes over all entries: a
- * loop of constant length has no remainder. */
+/* Fills cell and scored: the cell of Rd_ra or Tt_ra in which each packet leaves (P7), and the weight it
+ * scores there, 0 for a packet that did not leave. Cells count from the first of Rd_ra; those of the packet's
+ * group and of Tt_ra lie fixed distances behind, so one array of sums serves all. The loop goes over all
+ * entries: a loop of constant length has no remainder. */
 static inline void cml_terminated_find_cells(const struct cml_setup *shared,
                                              struct cml_terminated *terminated, const struct cml_tally *tally)
 {
@@ -73,15 +81,15 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
         terminated->cell[i] += cml_terminated_exit(&setup, terminated, i).alpha;
 }
 
-/* A mask for `&`: gcc 14.2 compiles sums of `condition ? value : 0` wrongly for AVX-512 (two of those in the
- * loop below, from 8 packets on). */
+/* Returns a mask for `&`, all bits set if the condition is true. gcc 14.2 compiles sums of `condition ? value
+ * : 0` wrongly for AVX-512 (two of those in the loop below, from 8 packets on). */
 static inline uint64_t cml_all_bits_if(int condition)
 {
     return 0 - (uint64_t)condition;
 }
 
-/* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
- * 0. */
+/* Returns the sums over all collected packets, in one vector loop. A packet adds 0 to a sum that it has no
+ * part in. */
 static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_setup *setup,
                                                             const struct cml_terminated *terminated)
 {
@@ -102,13 +110,15 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_set
     return sums;
 }
 
+/* Returns the index of entry i's packet. */
 static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminated, int i)
 {
     return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
 }
 
-/* What was split off packets at their launch, alike off all, into the bins of directions and what detectors
- * have seen. count: of the packets, branches not among them, each so many times. */
+/* Adds the light that was split off the packets at their launch to the bins of directions and to detectors.
+ * The light is alike for all packets. count: number of launched packets, without branches, each taken `times`
+ * times. */
 static inline void cml_terminated_add_split_off(const struct cml_world *world,
                                                 const struct cml_terminated *terminated, uint64_t times,
                                                 uint64_t count, struct cml_tally *tally)
@@ -131,8 +141,8 @@ static inline void cml_terminated_add_split_off(const struct cml_world *world,
     }
 }
 
-/* Adds all sums to the tally: books (P10), deposits by layer and counts. times: how often every
- * packet of the collection has ended so; more than 1 for ballistic packets only. */
+/* Adds all sums to the tally: balance (P10), deposits by layer, and counts. times: the number of packets that
+ * each entry stands for, more than 1 only for ballistic packets. */
 static inline void cml_terminated_add_sums(const struct cml_world *world,
                                            const struct cml_terminated *terminated, uint64_t times,
                                            struct cml_tally *tally)
@@ -155,7 +165,7 @@ static inline void cml_terminated_add_sums(const struct cml_world *world,
     tally->count[CML_COUNT_BRANCHES] += branches;
 }
 
-/* Packet i of the collection, which has been reflected or transmitted, by radius and gate. */
+/* Adds a packet that has been reflected or transmitted to its bin of radius and gate. */
 static inline void cml_score_radius_and_gate(const struct cml_exit *exit, cml_u32 index, uint64_t weight,
                                              const struct cml_tally *tally)
 {
@@ -164,7 +174,7 @@ static inline void cml_score_radius_and_gate(const struct cml_exit *exit, cml_u3
     cml_add_shared((exit->up ? tally->Rd_rt : tally->Tt_rt) + first + cell, weight);
 }
 
-/* Scores the gates of those that have left (P11), where time is asked for. */
+/* Scores the gates of packets that have left (P11). Called if time is wanted. */
 static inline void cml_terminated_score_gates(const struct cml_setup *setup,
                                               const struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
@@ -178,7 +188,7 @@ static inline void cml_terminated_score_gates(const struct cml_setup *setup,
     }
 }
 
-/* Empties the collection into the tally, each packet `times` over. */
+/* Empties the collection into the tally; each entry stands for `times` packets. */
 static inline void cml_terminated_flush_times(const struct cml_world *world,
                                               struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
@@ -191,13 +201,14 @@ static inline void cml_terminated_flush_times(const struct cml_world *world,
     terminated->count = terminated->branches = 0;
 }
 
+/* Empties the collection into the tally. */
 static inline void cml_terminated_flush(const struct cml_world *world, struct cml_terminated *terminated,
                                         struct cml_tally *tally)
 {
     cml_terminated_flush_times(world, terminated, 1, tally);
 }
 
-/* After an addition: flushes if there is no room for the next. */
+/* Flushes the collection if it has no room for the next addition. */
 static inline void cml_terminated_make_room(const struct cml_world *world, struct cml_terminated *terminated,
                                             struct cml_tally *tally)
 {
@@ -205,17 +216,19 @@ static inline void cml_terminated_make_room(const struct cml_world *world, struc
         cml_terminated_flush(world, terminated, tally);
 }
 
-/* How a packet ended. */
+/* The end of a packet. */
 struct cml_termination {
     uint64_t index, absorbed;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y, exit_z, ux, uy, uz, path; /* exit_z: frame of the medium */
-    int primitive;                                 /* touched last; 0 on planes */
-    struct cml_trail trail;                        /* P13, P18, where somebody wants it */
+    /* Place (exit_z in the frame of the medium), direction and optical path at the end. */
+    real exit_x, exit_y, exit_z, ux, uy, uz, path;
+    int primitive; /* primitive touched last; 0 on planes */
+    /* Used for detectors and saved packets (P13, P18), if trails are wanted. */
+    struct cml_trail trail;
 };
 
-/* Packet i of the collection, which has been reflected or transmitted, into its pixel. */
+/* Adds entry i, which has been reflected or transmitted, to its pixel of the map. */
 static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                    int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
@@ -226,7 +239,7 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
                  terminated->index_low[i], terminated->w[i], 1);
 }
 
-/* Adds the weight of such a packet to the facet that it touched last. */
+/* Adds the weight of entry i, which has been reflected or transmitted, to the facet that it touched last. */
 static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                     int i, const struct cml_exit *exit, int primitive,
                                     const struct cml_tally *tally)
@@ -238,7 +251,7 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
                  terminated->w[i], 1);
 }
 
-/* Packet i of the collection, which has left, into the bin of its direction. */
+/* Adds entry i, which has left, to the bin of its direction. */
 static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                        int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
@@ -248,14 +261,15 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
     cml_add_once(cell, tally->grid.direction_once, terminated->index_low[i], terminated->w[i], 1);
 }
 
-/* P13: what rounds a share of what leaves of a packet, or of a branch; 0: no share is asked for. */
+/* Returns the random number by which a share of a packet's or branch's weight is rounded (P13); 0 if no share
+ * is wanted. */
 static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
 {
     if (!world->detection.arc.detector) return 0;
     return cml_uniform(cml_draw(world->setup.stream, index, CML_PURPOSE_BRANCH, 0).w[0]);
 }
 
-/* Packet i of the collection, which has left. */
+/* Returns the light of entry i, which has left. */
 static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
                                                         const struct cml_terminated *terminated, int i,
                                                         const struct cml_exit *exit,
@@ -270,8 +284,8 @@ static inline struct cml_light_out cml_terminated_light(const struct cml_world *
     return light;
 }
 
-/* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
- * to, pixels, what is returned: as in cml_score_light. */
+/* Adds entry i of the collection, whatever its end, to the detectors that see it (P13). The light that was
+ * split off it is scored elsewhere. to, pixels and the returned number: as in cml_score_light. */
 static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
                                       int i, const struct cml_exit *exit, const struct cml_trail *trail,
                                       const struct cml_seen *to, const struct cml_tally *pixels)
@@ -282,7 +296,8 @@ static inline int cml_tally_detectors(const struct cml_world *world, const struc
     return cml_score_light(world, &light, split.w ? &split : NULL, to, pixels);
 }
 
-/* P18: packet i of the collection, whatever its end. detector: the first that has seen it, from 1. */
+/* Saves entry i of the collection (P18), if it has left and, if the scene asks for that, a detector has seen
+ * it. detector: the first that has seen it, from 1. */
 static inline void cml_save_packet(const struct cml_world *world, const struct cml_terminated *terminated,
                                    int i, const struct cml_exit *exit, int detector,
                                    const struct cml_trail *trail, struct cml_saved_part *part)
@@ -314,8 +329,8 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->optical = (float)cml_trail_path(world, trail);
 }
 
-/* P16: the rows of packet i of the collection end with it, whatever its end. Scores of many rows: a function
- * of its own, since few flights have rows. */
+/* Ends the rows of entry i of the collection with it, whatever its end (P16). A function of its own, not
+ * inlined, because few flights have rows. */
 __attribute__((noinline)) static void
 cml_tally_rows(const struct cml_world *world, const struct cml_terminated *terminated, int i,
                const struct cml_exit *exit, const struct cml_trail *trail, const struct cml_row_packet *rows)
@@ -326,8 +341,9 @@ cml_tally_rows(const struct cml_world *world, const struct cml_terminated *termi
     cml_rows_end(world, rows, terminated->fate[i], exit, &light);
 }
 
-/* primitive: touched last; 0 on planes. trail: where somebody wants it. rows: of the packet; NULL: none. Rows
- * restart the clock of a path whenever they are booked; the trail has the whole time. */
+/* Scores entry i by its place: detectors, rows, saved packets, directions, map and facets. primitive: touched
+ * last, 0 on planes. trail: if one is wanted. rows: of the packet; NULL: none. Rows restart the clock of a
+ * path whenever they are booked, so with rows the time comes from the trail. */
 static inline void cml_tally_places(const struct cml_world *world, struct cml_terminated *terminated, int i,
                                     int primitive, const struct cml_trail *trail,
                                     const struct cml_row_packet *rows, const struct cml_tally *tally)
@@ -350,14 +366,14 @@ static inline void cml_tally_places(const struct cml_world *world, struct cml_te
     if (tally->facets) cml_tally_escape(setup, terminated, i, &exit, primitive, tally);
 }
 
-/* Whether maps, facets, directions, detectors or rows are scored, or packets saved, for which every packet
- * must be looked at by itself. */
+/* True if maps, facets, directions, detectors or rows are scored, or packets saved: then every packet must be
+ * looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
     return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved || tally->rows;
 }
 
-/* P9: what is rare goes into the tally at once. */
+/* Adds a packet that was trapped or lost to the tally at once (P9), because such packets are rare. */
 static inline void cml_tally_loss(const struct cml_termination *end, struct cml_tally *tally)
 {
     if (end->fate == CML_FATE_TRAPPED) {
@@ -370,7 +386,7 @@ static inline void cml_tally_loss(const struct cml_termination *end, struct cml_
     }
 }
 
-/* Adds one packet to the collection; its deposits have been booked by the caller. rows: of it; NULL: none. */
+/* Adds one packet to the collection. The caller has booked its deposits. rows: of the packet; NULL: none. */
 static inline void cml_terminated_push(const struct cml_world *world, struct cml_terminated *terminated,
                                        const struct cml_termination *end, const struct cml_row_packet *rows,
                                        struct cml_tally *tally)
@@ -398,8 +414,8 @@ static inline void cml_terminated_push(const struct cml_world *world, struct cml
     cml_terminated_make_room(world, terminated, tally);
 }
 
-/* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette, backing and
- * queries. */
+/* Adds the counts that a packet of kernels/walk.h keeps itself, and lanes of a bundle do not: roulette,
+ * backing and queries. */
 static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
 {
     tally->balance[CML_BALANCE_GAINED] += packet->gained;
@@ -409,7 +425,7 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-/* Packets that were not split as they were to be, since this was last called. branches: may be NULL. */
+/* Adds the numbers of packets that were not split as wanted since the last call. branches: may be NULL. */
 static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_tally *tally)
 {
     if (!branches) return;
@@ -419,9 +435,8 @@ static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_t
     branches->whole = branches->clipped = branches->spent = 0;
 }
 
-/* Where kernels/walk.h puts deposits: straight into the arrays of the tally. branches: NULL where the world
- * has no windows.
- */
+/* Returns the sink for deposits of kernels/walk.h: the arrays of the tally themselves. branches: NULL if the
+ * world has no windows. */
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struct cml_branches *branches)
 {
     const struct cml_deposits to = {.group_cells = (cml_u32)tally->layout.once[CML_ARRAY_A_rz].step,
@@ -445,7 +460,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally, struc
     return to;
 }
 
-/* How a packet of kernels/walk.h has ended; its fate is not CML_FATE_ALIVE. */
+/* Returns the end of a packet of kernels/walk.h. Its fate is not CML_FATE_ALIVE. */
 static inline struct cml_termination cml_termination_of(const struct cml_packet *packet)
 {
     const struct cml_termination end = {

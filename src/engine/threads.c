@@ -9,8 +9,8 @@
 #include <sched.h>
 #include <stdlib.h>
 
-/* Bytes. The deepest loops of a bundle were seen to use 54 kB (x86-64, gcc 12, all samples). A stack of the
- * default size would be as large as `ulimit -s` says, which may be too little, or gigabytes. */
+/* Size of a thread's stack, bytes. The deepest loops of a bundle were seen to use 54 kB (x86-64, gcc 12, all
+ * samples). A default stack would be as large as `ulimit -s` says, which may be too little, or gigabytes. */
 #define STACK_SIZE ((size_t)1 << 20)
 
 struct thread {
@@ -19,6 +19,7 @@ struct thread {
     const struct cml_thread_task *task;
 };
 
+/* The function of a new thread: runs the task's body. */
 static void *begin(void *thread)
 {
     const struct thread *self = thread;
@@ -26,8 +27,8 @@ static void *begin(void *thread)
     return NULL;
 }
 
-/* The place of OpenMP for a thread (OpenMP 5.2, 10.1.3): beside that of the caller, or as far apart as can
- * be; more threads than places share them evenly. */
+/* Returns the place of OpenMP for a thread (OpenMP 5.2, 10.1.3): beside that of the caller, or as far apart
+ * as possible. More threads than places share them evenly. */
 static int place_of(int number, int count)
 {
     const omp_proc_bind_t bind = omp_get_proc_bind();
@@ -37,7 +38,8 @@ static int place_of(int number, int count)
     return (int)((first + (long)number * places / count) % places);
 }
 
-/* For pthread_create. Without memory for the numbers of the cores the thread runs where its creator may. */
+/* Binds a thread that is to be created to the cores of a place. If memory for the numbers of the cores runs
+ * out, the thread may run wherever its creator may. */
 static void bind_to_place(int place, pthread_attr_t *attributes)
 {
     const int count = omp_get_place_num_procs(place);
@@ -52,7 +54,7 @@ static void bind_to_place(int place, pthread_attr_t *attributes)
     free(ids);
 }
 
-/* Starts a thread; 0 when it runs, else an error number. */
+/* Starts a thread. Returns 0 if it runs, else an error number. */
 static int start(struct thread *thread, int count)
 {
     pthread_attr_t attributes;

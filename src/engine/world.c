@@ -1,6 +1,6 @@
-/* The scene as the kernels read it (struct cml_world of kernels/types.h): media, boundaries, rings of
- * heightfields, bounds of depth, beam and grids, from a scene and its surfaces. SPDX-License-Identifier: MIT
- */
+/* Makes the scene as the kernels read it (struct cml_world of kernels/types.h): media, boundaries, rings of
+ * heightfields, depth bounds, beams and grids, from a scene and its surfaces.
+ * SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
 #include "cone.h"
@@ -13,7 +13,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rings, and cells of pyramids of depths, of all boundaries: they share one array each. */
+/* Returns a world in which only the numbers of rings and of pyramid cells of all boundaries are set: the
+ * boundaries share one array for each. */
 static struct cml_owned_world counted(const struct cml_surface_set *surfaces)
 {
     struct cml_owned_world all = {0};
@@ -30,9 +31,10 @@ void cml_owned_world_free(struct cml_owned_world *to)
     cml_arrays_free(&to->arrays);
     free(to->detector_start);
     free(to->detector_list);
-    *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
+    *to = (struct cml_owned_world){0}; /* a caller that opened the engine around it may free it again */
 }
 
+/* Allocates the arrays whose sizes are known from the surfaces. */
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
@@ -48,8 +50,9 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
     return cml_arrays_check(&to->arrays, "the scene", err);
 }
 
-/* Cells are made in double precision. How many of them have parts is known only then: all of a table of the
- * user's may, of the other functions up to 130 were found to. */
+/* Returns an upper bound of the bytes of all phase tables. Cells are made in double precision. Only then it
+ * is known how many have parts: all cells of a user's table may; of the other functions up to 130 cells
+ * did. */
 static double phase_bytes(const struct cml_scene *scene)
 {
     double cells = 0;
@@ -75,6 +78,7 @@ double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_s
            cml_source_bytes(scene);
 }
 
+/* Fills the media of layers and outside. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {
@@ -89,15 +93,13 @@ static void copy_media(const struct cml_scene *scene, const struct cml_surface_s
     }
 }
 
-/* Rings of one surface, the first of them at `first`, into the columns of all rings. Horizons are those of
- * the rings as rounded to `real`, because that is the surface that packets see. Returns ring_start's parts
- * per cm.
- */
+/* Copies the rings of one surface into the columns of all rings; `first` is its first. Horizons are those of
+ * the rings as rounded to `real`, because packets see this surface. Returns ring_start's parts per cm. */
 static real copy_rings(const struct cml_surface_def *from, size_t first, struct cml_owned_world *to)
 {
     const int n = from->num_rings;
     const size_t total = to->num_rings;
-    int *start = to->ring_starts + first; /* scratch for the horizons, before it is filled */
+    int *start = to->ring_starts + first; /* serves as scratch for the horizons before it is filled */
     real *r = to->rings + first, *z = r + total, *slope = z + total, *above = slope + total,
          *below = above + total;
     for (int i = 0; i < n; i++) {
@@ -110,15 +112,14 @@ static real copy_rings(const struct cml_surface_def *from, size_t first, struct 
     return cml_ring_starts(r, n, start);
 }
 
-/* steepest is raised by more than rounding can turn a direction: what leaves more steeply must be sure never
- * to meet the surface again. */
-/* Smooth where the roughness is 0. */
+/* Copies a roughness; one of 0 is smooth. */
 static void set_roughness(const struct cml_rough_def *from, struct cml_rough *to)
 {
     to->kind = cml_is_rough(from) ? (int)from->kind : CML_SMOOTH;
     to->alpha = (real)from->alpha;
 }
 
+/* Copies the roughness of all boundaries and bodies. */
 static void copy_roughness(const struct cml_scene *scene, const struct cml_surface_set *from,
                            struct cml_owned_world *to)
 {
@@ -127,6 +128,8 @@ static void copy_roughness(const struct cml_scene *scene, const struct cml_surfa
         set_roughness(&scene->media[cml_body_medium(scene, k)].rough, &to->surfaces[from->count + k].rough);
 }
 
+/* Copies the boundaries. `steepest` is raised by more than rounding can turn a direction: a packet that
+ * leaves a surface more steeply must be sure never to meet it again. */
 static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->num_rings;
@@ -152,8 +155,8 @@ static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_w
     to->world.ring_start = to->ring_starts;
 }
 
-/* Where each boundary's facets begin among those of all. outer_facets stays empty for a plane: what escapes
- * through its pixels is what the map of Rd or Tt holds already. */
+/* Numbers the facets: each boundary has its range among the facets of all. outer_facets stays empty for a
+ * plane, because the map of Rd or Tt already holds what escapes through its pixels. */
 static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
                        struct cml_owned_world *to)
 {
@@ -176,9 +179,7 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
-/* The pyramids of depth bounds of all curved surfaces, one behind the other, as kernels/bounds.h reads
- * them.
- */
+/* Copies the pyramids of depth bounds of all curved surfaces, one behind the other (kernels/bounds.h). */
 static void copy_depths(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->depth_cells;
@@ -208,7 +209,7 @@ static void copy_depths(const struct cml_surface_set *from, struct cml_owned_wor
     to->world.highest = to->depths + total;
 }
 
-/* The horizons of the cells of all meshes. */
+/* Copies the horizons of the cells of all meshes. */
 static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     size_t first = 0;
@@ -226,8 +227,8 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
-/* The safe distances of meshes that overhang. Their margin holds for packets beside the cells, too, as far as
- * a safe distance reaches: the manual's pages on physics derive both shares. */
+/* Copies the safe distances of meshes that overhang. Their margin also holds for packets beside the cells, as
+ * far as a safe distance reaches. samples/manual/physics/free-paths.md derives both terms. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
@@ -254,8 +255,8 @@ static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned
     to->world.safe_cells = to->safe_cells;
 }
 
-/* A cell in the precision of the kernels, for y between from and to. One that rounding takes out of 0..2,
- * where a cosine would not be one, gets its middle. */
+/* Returns a cell of a phase table in the precision of the kernels, for y between from and to. A cell that
+ * rounding takes out of 0..2, so that the cosine would leave -1..1, gets its middle as a constant. */
 static struct cml_phase_cell phase_cell_of(struct cml_phase_line line, double from, double to)
 {
     const struct cml_phase_cell cell = {(real)line.start, (real)line.slope},
@@ -265,7 +266,7 @@ static struct cml_phase_cell phase_cell_of(struct cml_phase_line line, double fr
     return outside && cell.slope >= 0 ? middle : cell;
 }
 
-/* The tables of all phase functions of the scene, by their index. */
+/* Makes the tables of all phase functions of the scene, by their index. */
 static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {
@@ -287,7 +288,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     return cml_arrays_check(&to->arrays, "phase functions", err);
 }
 
-/* The grid of maps and volume; nx stays 0 where the scene asks for none. */
+/* Fills the grid of maps and volume; nx stays 0 if the scene asks for none. */
 static void set_map(const struct cml_scene *scene, struct cml_map *map)
 {
     const struct cml_map_def *def = &scene->map;
@@ -302,6 +303,7 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
+/* Fills the gates of time. */
 static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
 {
     if (time->gates == 0) return;
@@ -309,6 +311,7 @@ static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
     gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
 }
 
+/* Fills the bins of directions. */
 static void set_directions(const struct cml_directions_def *def, struct cml_direction_bins *bins)
 {
     bins->nt = def->nt;
@@ -317,7 +320,7 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
-/* The grid of r and z begins at depth 0, that of voxels at the top of theirs. */
+/* Fills the marks of fluence. The grid of r and z begins at depth 0, the grid of voxels at its own top. */
 static void set_marks(const struct cml_tally_grid *grid, const struct cml_map *map, struct cml_marks *marks)
 {
     const real top = grid->phi_volume ? map->top_bins : 0;
@@ -328,7 +331,7 @@ static void set_marks(const struct cml_tally_grid *grid, const struct cml_map *m
     marks->cells = ((cml_u32)grid->nr + 1) * ((cml_u32)grid->nz + 2);
 }
 
-/* P15. The table stays with who asks for it. */
+/* Fills the tail of expected values (P15). The table of responses still belongs to the caller's options. */
 static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_tail *from,
                            struct cml_owned_world *to, struct cml_error *err)
 {
@@ -346,7 +349,7 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
     return CML_OK;
 }
 
-/* P19: a third of what packets shall weigh. */
+/* Fills the weight windows (P19). The table of the walk holds lower ends, a third of the target weights. */
 static cml_status set_windows(const struct cml_scene *scene, const double origin[2],
                               const struct cml_window_table *from, struct cml_owned_world *to,
                               struct cml_error *err)
@@ -366,7 +369,8 @@ static cml_status set_windows(const struct cml_scene *scene, const double origin
     return CML_OK;
 }
 
-/* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
+/* Fills the backing. It keeps 1 - R of a weight, exact to the last bit at both ends: all of the weight, or
+ * nothing. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
     const struct cml_backing_def *def = &scene->backing;
@@ -378,6 +382,7 @@ static void set_backing(const struct cml_scene *scene, struct cml_backing *backi
     backing->k = (real)(def->k / n);
 }
 
+/* Returns the rule of roulette: the given one, or that of original MCML. */
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
     const struct cml_roulette_rule given = {(cml_u32)(options->below * CML_WEIGHT_ONE),
@@ -386,8 +391,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
     return options->below > 0 ? given : mcml;
 }
 
-/* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
- */
+/* Fills all that is the same for every packet. Bin widths become their reciprocals, so that a bin is found by
+ * a product. */
 static void set_up(const struct cml_scene *scene, const double origin[2],
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -422,7 +427,7 @@ static void set_up(const struct cml_scene *scene, const double origin[2],
     setup->r0_y = beam->radial ? (real)(origin[1] - beam->y) : setup->y0;
 }
 
-/* The rows of a sweep (P16) as the walk reads them. */
+/* Makes the rows of a sweep (P16) as the walk reads them. */
 static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                             const struct cml_engine_rows *rows, struct cml_owned_world *to,
                             struct cml_error *err)
@@ -447,7 +452,7 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tall
     return CML_OK;
 }
 
-/* The scores that derivatives are made of (P17) as the walk reads them. */
+/* Makes the scores for derivatives (P17) as the walk reads them. */
 static cml_status make_scores(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                               struct cml_owned_world *to, struct cml_error *err)
 {

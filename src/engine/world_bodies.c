@@ -1,5 +1,6 @@
-/* Bodies as the kernels read them: media, surfaces, shapes, tree and bounds, from a scene and its
- * surfaces. SPDX-License-Identifier: MIT */
+/* Bodies as the kernels read them: media, surfaces, shapes, tree and bounds, made from a scene and its
+ * surfaces.
+ * SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
 #include "scene/body/body_shape.h"
@@ -7,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Boxes are larger by this share of their coordinates, which is more than rounding moves a packet, its path
- * or a box. */
+/* Share of their coordinates by which boxes are enlarged: more than rounding moves a packet, its path or a
+ * box. */
 static const double err_box_share = 16 * (double)CML_EPSILON;
 
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
@@ -24,7 +25,8 @@ static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, stru
     return cml_arrays_check(&to->arrays, "the bodies", err);
 }
 
-/* A body's medium has the frame of its layer: depths and bins do not change at its surface. */
+/* Fills the medium of body k. It has the frame of its layer, so depths and bins do not change at the body's
+ * surface. */
 static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_world *to)
 {
     const int m = cml_body_medium(scene, k);
@@ -36,8 +38,9 @@ static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_w
     medium->bins = layer->bins;
 }
 
-/* Surface L + 1 + k, with the host above it and the body's own medium, L + 2 + k, below. Whether a step can
- * meet it, the grids say, not the bounds that boundaries of layers have. */
+/* Fills surface L + 1 + k of body k, with its host above and its own medium, L + 2 + k, below. Its paths are
+ * not bounded as those at boundaries of layers are, because the grids of bodies tell if a step can meet
+ * it. */
 static void copy_body(const struct cml_scene *scene, const double origin[2],
                       const struct cml_body_surface *from, int k, struct cml_owned_world *to)
 {
@@ -59,7 +62,7 @@ static void copy_body(const struct cml_scene *scene, const double origin[2],
     to->bodies[k].length = (real)convex.length;
 }
 
-/* Boxes in the precision of the kernels, larger by rounding. */
+/* Copies the tree of bodies. Boxes are in the precision of the kernels, enlarged by more than rounding. */
 static void copy_tree(const struct cml_scene *scene, const double at[2], const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {
@@ -85,7 +88,7 @@ static void copy_tree(const struct cml_scene *scene, const double at[2], const s
     }
 }
 
-/* Cells name a body by its medium. */
+/* Copies the grids over bodies. A cell names a body by its medium. */
 static void copy_grids(const struct cml_scene *scene, const double origin[2],
                        const struct cml_body_grids *grids, struct cml_owned_world *to)
 {

@@ -1,5 +1,7 @@
-/* Detectors as the kernels read them (struct cml_detection): a packet is held against those alone that reach
- * into its cell, so that hundreds cost little more than one. SPDX-License-Identifier: MIT */
+/* Detectors as the kernels read them (struct cml_detection). A grid over the detectors of a level lets a
+ * packet test only the detectors that reach into its cell, so hundreds of detectors cost little more than
+ * one.
+ * SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
 #include "detector.h"
@@ -9,6 +11,7 @@
 
 /* ---- one detector ---- */
 
+/* Returns a detector as the walk reads it, counted from the scene's origin. */
 static struct cml_detector detector_of(const struct cml_scene *scene, const double origin[2],
                                        const struct cml_detector_def *def)
 {
@@ -36,12 +39,13 @@ static struct cml_detector detector_of(const struct cml_scene *scene, const doub
     return d;
 }
 
-/* ---- cells over those of one level ---- */
+/* ---- cells over the detectors of one level ---- */
 
 struct rectangle {
     double low[2], high[2];
 };
 
+/* Returns the rectangle around a detector, in coordinates of the scene. */
 static struct rectangle rectangle_around(const struct cml_detector_def *def)
 {
     const bool ring = def->shape == CML_DETECTOR_RING;
@@ -50,16 +54,16 @@ static struct rectangle rectangle_around(const struct cml_detector_def *def)
     return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
 }
 
-/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all. */
+/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all of them. */
 struct place {
     bool below;
     double z;
-    int number; /* of the detector */
+    int number; /* number of the detector */
 };
 struct level {
     const struct cml_scene *scene;
     const struct place *place;
-    const double *origin; /* scene position, cm */
+    const double *origin; /* the scene's origin, cm */
     int count, n;
     struct rectangle all;
 };
@@ -69,7 +73,7 @@ static const struct cml_detector_def *detector_at(const struct level *level, int
     return &level->scene->detectors[level->place[k].number];
 }
 
-/* The cells along an axis that a detector reaches into, with more to spare than rounding moves a place. */
+/* Finds the cells along an axis that a detector reaches into, widened by more than rounding moves a place. */
 static void find_cells(const struct level *level, const struct rectangle *own, int axis, int *first,
                        int *last)
 {
@@ -78,7 +82,7 @@ static void find_cells(const struct level *level, const struct rectangle *own, i
     *last = (int)fmin(most, floor((own->high[axis] - level->all.low[axis]) * per_cell + 0.01));
 }
 
-/* Whether a ring reaches into a cell, not with its hole alone. */
+/* True if the ring itself reaches into a cell, and not only its hole. */
 static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
 {
     const int at[2] = {ix, iy};
@@ -93,8 +97,8 @@ static bool ring_reaches(const struct level *level, const struct cml_detector_de
     return hypot(farthest[0], farthest[1]) >= def->size[0] && hypot(closest[0], closest[1]) <= def->size[1];
 }
 
-/* Counts, or with a list enters, the detectors of every cell: next[n * n] is how many there are, or where the
- * list of the cell goes on. Returns how many there are in all, or no less than `most`. */
+/* Counts the detectors of every cell, or enters them into a list. next[n * n]: the number in each cell, or
+ * the place where the cell's list goes on. Returns the number in all cells, or a number >= `most`. */
 static double fill_cells(const struct level *level, double most, int *next, int *list)
 {
     double entries = 0;
@@ -114,6 +118,7 @@ static double fill_cells(const struct level *level, double most, int *next, int 
     return entries;
 }
 
+/* Finds the rectangle around all detectors of a level, enlarged by more than rounding. */
 static void find_rectangle(struct level *level)
 {
     struct rectangle *all = &level->all;
@@ -134,14 +139,15 @@ static void find_rectangle(struct level *level)
     }
 }
 
-/* ---- all of them ---- */
+/* ---- all detectors ---- */
 
-/* What is being made: lists grow level by level. */
+/* The detection of a world while it is made: lists grow level by level. */
 struct detection {
     struct cml_owned_world *to;
     int num_starts, num_entries;
 };
 
+/* Enlarges the lists of a detection by `starts` cells and `entries` entries. */
 static cml_status make_room(struct detection *d, int starts, int entries, struct cml_error *err)
 {
     const size_t all_starts = (size_t)d->num_starts + (size_t)starts,
@@ -154,8 +160,8 @@ static cml_status make_room(struct detection *d, int starts, int entries, struct
     return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
 }
 
-/* As fine as leaves few detectors in a cell; one cell where all lie over each other. *count is the caller's
- * to free: [n * n], how many detectors reach into each cell. */
+/* Chooses a grid so fine that few detectors lie in a cell, or one cell if all detectors lie over each other.
+ * *count: [n * n] detectors that reach into each cell; the caller frees it. */
 static cml_status choose_cells(struct level *level, int **count, double *entries, struct cml_error *err)
 {
     const double most = 16.0 * level->count;
@@ -170,6 +176,7 @@ static cml_status choose_cells(struct level *level, int **count, double *entries
     }
 }
 
+/* Adds the detectors of one level, and the grid over them. */
 static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
                             struct cml_error *err)
 {
@@ -206,6 +213,7 @@ static cml_status add_level(struct detection *d, struct level *level, struct cml
     return status;
 }
 
+/* Orders detectors by side, level and number, for qsort. */
 static int compare_places(const void *a, const void *b)
 {
     const struct place *one = a, *other = b;
@@ -214,6 +222,7 @@ static int compare_places(const void *a, const void *b)
     return (one->number > other->number) - (one->number < other->number);
 }
 
+/* Adds all levels: runs of detectors with the same side and level. */
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
                              struct detection *d, int *num_levels, struct cml_error *err)
 {
@@ -229,7 +238,7 @@ static cml_status add_levels(const struct cml_scene *scene, const double origin[
     return CML_OK;
 }
 
-/* Light that is split off goes straight up. */
+/* Returns enum CML_SPLIT_... for the light that is split off at launches, which goes straight up. */
 static int split_of(const struct cml_world *world, int num_detectors, const struct cml_detector *detectors,
                     const struct cml_detector_def *defs)
 {
@@ -242,7 +251,8 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
     return CML_SPLIT_UNSEEN;
 }
 
-/* Where windows say so. Packets are counted from the axis. */
+/* Returns the detector that counts shares of circles, if the windows ask for one. Distances count from the
+ * beam's axis. */
 static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_window_table *windows,
                              int num_levels, const struct cml_owned_world *to)
 {

@@ -1,5 +1,6 @@
 /* Beams as the kernels read them (struct cml_source), with the tables of their light and the sums of their
- * images; and what is said of a beam that starts inside the scene. SPDX-License-Identifier: MIT */
+ * images. Beams that cannot start at their place are refused here.
+ * SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
 #include "base/constants.h"
@@ -13,9 +14,9 @@
 #include <stdlib.h>
 
 #define FINEST_CELL                                                                                          \
-    0.005 /* rad: in so small a part a density that is linear in the angle is so in its cosine */
+    0.005 /* rad: in a part this small, a density linear in the angle is also linear in its cosine */
 
-/* The lowest word that belongs to the share from `below` of `all` on. */
+/* Returns the lowest random word that belongs to the share from `below` of `all` on. */
 static cml_u32 word_of(double below, double all)
 {
     return (cml_u32)fmin(floor(below / all * 4294967296.0 + 0.5), 4294967295.0);
@@ -23,9 +24,9 @@ static cml_u32 word_of(double below, double all)
 
 /* ---- images ---- */
 
-/* Fills words[1 + count]: how many parts are in use, and the lowest word that leads to each. What lies behind
- * the last part with light is out of use; a dark part before it begins where the next one does, and is never
- * chosen. */
+/* Fills words[1 + count]: the number of parts in use, and the lowest word that leads to each. Parts after the
+ * last one with light are out of use. A dark part before it begins at the same word as the next part, and is
+ * never chosen. */
 static void sum_parts(const double *part, int count, cml_u32 *words)
 {
     double all = 0, below = 0;
@@ -39,6 +40,7 @@ static void sum_parts(const double *part, int count, cml_u32 *words)
     }
 }
 
+/* Returns the number of words that the image of a beam takes; 0 without one. */
 static size_t image_words(const struct cml_beam *beam)
 {
     return beam->shape == CML_BEAM_IMAGE
@@ -46,6 +48,7 @@ static size_t image_words(const struct cml_beam *beam)
                : 0;
 }
 
+/* Fills the words of an image: its rows, then the columns of every row. */
 static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
 {
     const size_t columns = (size_t)beam->columns;
@@ -63,11 +66,13 @@ static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct 
 
 /* ---- tables ---- */
 
+/* Returns the number of parts between rows i and i + 1 of a table. */
 static int cells_of_row(const struct cml_light *light, int i)
 {
     return (int)ceil((light->t[i + 1] - light->t[i]) / FINEST_CELL);
 }
 
+/* Returns the most cells that the table of a light takes; 0 without one. */
 static size_t light_cells(const struct cml_light *light)
 {
     size_t count = 0;
@@ -75,8 +80,8 @@ static size_t light_cells(const struct cml_light *light)
     return light->kind == CML_LIGHT_OF_TABLE ? count : 0;
 }
 
-/* The integral of (a + b t) sin t from t0 to t1, whose difference is small: by its midpoint and Simpson's
- * rule, exact to 1e-12 of it. */
+/* Returns the integral of (a + b t) sin t from t0 to t1, which lie close together: by Simpson's rule, exact
+ * to 1e-12 of it. */
 static double light_between(double a, double b, double t0, double t1)
 {
     const double middle = 0.5 * (t0 + t1);
@@ -84,7 +89,7 @@ static double light_between(double a, double b, double t0, double t1)
            ((a + b * t0) * sin(t0) + 4 * (a + b * middle) * sin(middle) + (a + b * t1) * sin(t1));
 }
 
-/* Appends the lit cells between two rows; *below: the light of all before. */
+/* Appends the lit cells between two rows of a table. *below: the light of all cells before. */
 static int cut_row(const struct cml_light *light, int row, struct cml_light_cell *cell, double *sum,
                    double *below)
 {
@@ -106,7 +111,7 @@ static int cut_row(const struct cml_light *light, int row, struct cml_light_cell
     return count;
 }
 
-/* Cells that no word leads to are left out. Returns how many there are. */
+/* Cuts a table into cells, and leaves out cells that no word leads to. Returns the number of cells. */
 static int cut_table(const struct cml_light *light, struct cml_light_cell *cell, double *sum)
 {
     double all = 0;
@@ -122,9 +127,9 @@ static int cut_table(const struct cml_light *light, struct cml_light_cell *cell,
     return used;
 }
 
-/* ---- where packets start ---- */
+/* ---- the start of packets ---- */
 
-/* P1: in which medium packets start, and the weights of what has happened before. */
+/* Finds the medium in which packets start below planes, and the weights that are split off before (P1). */
 static void split_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                            struct cml_source *source)
 {
@@ -136,6 +141,7 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
+/* Fills the shape of a source (struct cml_source). */
 static void set_shape(const struct cml_beam *beam, struct cml_source *source)
 {
     const double a = beam->size[0], b = beam->size[1];
@@ -155,6 +161,7 @@ static void set_shape(const struct cml_beam *beam, struct cml_source *source)
     }
 }
 
+/* Fills the kind and width of a source's light. */
 static void set_light(const struct cml_light *light, struct cml_source *source)
 {
     static const int lights[] = {CML_LIGHT_PARALLEL, CML_LIGHT_EVEN, CML_LIGHT_COSINE, CML_LIGHT_EVEN,
@@ -164,6 +171,7 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
     source->spread = (real)(light->kind == CML_LIGHT_OF_ISOTROPIC ? 2 : 0);
 }
 
+/* Fills the axis of a source, and two unit vectors across it. */
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
     const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),
@@ -175,7 +183,7 @@ static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 
 /* ---- inside ---- */
 
-/* The layer or outer medium at this depth, by the depths of frames; *at: the place in its frame. */
+/* Returns the layer or outer medium at a depth, by the depths of frames. *at: the place in its frame. */
 static int layer_at(const struct cml_world *world, const struct cml_beam *beam, const double off[3],
                     struct cml_vec *at)
 {
@@ -187,6 +195,7 @@ static int layer_at(const struct cml_world *world, const struct cml_beam *beam, 
     return medium;
 }
 
+/* Returns the medium at a place near a beam's middle. off: difference from the middle, cm. */
 static int medium_beside(const struct cml_world *world, const struct cml_beam *beam, const double off[3])
 {
     struct cml_vec at;
@@ -194,9 +203,10 @@ static int medium_beside(const struct cml_world *world, const struct cml_beam *b
     return cml_medium_at(world, medium, &at);
 }
 
-/* How near a start may be to a surface, cm. A mesh takes half of the first term for contact (err_position of
- * surface/tree/rounding.h); the second is for what rounding has left of a place whose numbers are nearly 0.
- * Both are those of single precision in both, so that engines do not differ in what they refuse. */
+/* Returns the least allowed distance (cm) of a start from a surface. A mesh takes half of the first term for
+ * contact (err_position of surface/tree/rounding.h). The second term covers the rounding of a place whose
+ * numbers are nearly 0. Both are those of single precision in both precisions, so that all engines refuse the
+ * same beams. */
 static double least_gap(const struct cml_scene *scene, const struct cml_world *world,
                         const struct cml_beam *beam)
 {
@@ -206,8 +216,8 @@ static double least_gap(const struct cml_scene *scene, const struct cml_world *w
            1e-9 * fmax(scene->nr * scene->dr, scene->nz * scene->dz);
 }
 
-/* No medium is that of a place on a surface: one that has another medium so near, to any side of the place,
- * towards the corners and along the diagonals of the sides of a cube too, where edges stand out. */
+/* Refuses a place on a surface, whose medium is uncertain: one that has another medium so near in any of 26
+ * directions. These go to the sides, corners and edges of a cube, because edges of a surface stand out. */
 static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
                               const struct cml_beam *beam, int medium, struct cml_error *err)
 {
@@ -224,8 +234,8 @@ static cml_status check_place(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* No light starts below a backing, nor beside its boundary's heights where a shape is slanted. Bodies lie in
- * layers, so one that starts in a body starts above. */
+/* Refuses light that starts below a backing, or beside the heights of its boundary if the shape is slanted.
+ * Bodies lie in layers, so a start in a body is above the backing. */
 static cml_status check_backing(const struct cml_scene *scene, const struct cml_world *world,
                                 const struct cml_beam *beam, int medium, struct cml_error *err)
 {
@@ -241,6 +251,7 @@ static cml_status check_backing(const struct cml_scene *scene, const struct cml_
                           "a source that lies above the backing with all its points");
 }
 
+/* Refuses a numerical aperture above the index of the medium at the start. */
 static cml_status check_aperture(const struct cml_scene *scene, const struct cml_beam *beam, int medium,
                                  struct cml_error *err)
 {
@@ -254,8 +265,8 @@ static cml_status check_aperture(const struct cml_scene *scene, const struct cml
 
 /* ---- far away ---- */
 
-/* Depths in the scene between which paths matter: all heights of the outer boundaries, as far again, and all
- * bins. */
+/* Finds the depths in the scene between which paths matter: all heights of the outer boundaries, as far again
+ * beyond them, and all bins. */
 static void find_levels(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         double level[2])
 {
@@ -265,8 +276,8 @@ static void find_levels(const struct cml_scene *scene, const struct cml_surface_
     level[1] = fmax(bottom->depth + 2 * bottom->highest - bottom->lowest, fmax(first, 0) + bins);
 }
 
-/* From the middle of a shape along the axis to the level, cm; 0: it does not start beyond, or the axis does
- * not lead there. */
+/* Returns the distance (cm) from the middle of a shape along the axis to the level; 0 if the shape does not
+ * start beyond it, or the axis does not lead to it. */
 static double way_to_level(const struct cml_beam *beam, const double level[2])
 {
     const double height = cml_beam_height(beam), down = cml_beam_descent(beam);
@@ -275,7 +286,8 @@ static double way_to_level(const struct cml_beam *beam, const double level[2])
     return 0;
 }
 
-/* Where the axis of a far source comes to the scene, found in double precision, its packets start. */
+/* Places a far source: its packets start where its axis comes to the scene, which is found in double
+ * precision. */
 static cml_status place_far(const struct cml_scene *scene, const struct cml_beam *beam,
                             const struct cml_surface_set *surfaces, const double level[2], double way,
                             struct cml_source *source, struct cml_error *err)
@@ -301,8 +313,8 @@ static cml_status place_far(const struct cml_scene *scene, const struct cml_beam
     return cml_fail_field(err, scene->file, beam->line, "beam: z", value, expected);
 }
 
-/* Light that starts elsewhere must not fly so far in one go that single precision tells shapes, bodies and
- * detectors too coarsely where it arrives. Few packets fly 20 free paths. */
+/* Refuses light that may fly so far in one go that single precision tells shapes, bodies and detectors too
+ * coarsely where it arrives. Few packets fly 20 free paths. */
 static cml_status check_flight(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_origin *origin, double distance, double mut,
                                struct cml_error *err)
@@ -320,6 +332,7 @@ static cml_status check_flight(const struct cml_scene *scene, const struct cml_b
 
 /* ---- near ---- */
 
+/* Places a beam that starts at a depth of its own, near or far from the scene. */
 static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_surface_set *surfaces, const struct cml_world *world,
                                struct cml_source *source, struct cml_error *err)
@@ -346,7 +359,8 @@ static cml_status place_inside(const struct cml_scene *scene, const struct cml_b
     return CML_OK;
 }
 
-/* A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
+/* Places a beam from above. A packet that is traced to boundary 0 starts above all of it, by the height of
+ * the boundary. */
 static cml_status place_above(const struct cml_scene *scene, const struct cml_beam *beam,
                               const struct cml_surface_set *surfaces, const struct cml_surface_set *start_as,
                               struct cml_source *source, struct cml_error *err)
@@ -362,7 +376,7 @@ static cml_status place_above(const struct cml_scene *scene, const struct cml_be
     return CML_OK;
 }
 
-/* ---- all of it ---- */
+/* ---- all beams ---- */
 
 double cml_source_bytes(const struct cml_scene *scene)
 {
@@ -388,7 +402,7 @@ static cml_status allocate_sources(const struct cml_scene *scene, struct cml_own
     return cml_arrays_check(&to->arrays, "the beams", err);
 }
 
-/* Tables and images of all beams, one behind the other. */
+/* Fills the tables and images of all beams, one behind the other. */
 static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {

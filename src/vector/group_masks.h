@@ -1,7 +1,11 @@
-/* Between a group of numbers that go through a vector loop together and masks with a bit for each: compare,
- * pack (compress) and unpack (expand). No vector loop in plain C compiles well to them, and processors have
- * an instruction for each; elsewhere they are loops over set bits. Columns are [CML_GROUP], of 4 bytes; bit i
- * of a mask is entry i. Tiny inline helpers, no more code than that. SPDX-License-Identifier: MIT */
+/* Helpers between a group of numbers in a vector loop and masks with a bit for each: compare, pack (compress)
+ * and unpack (expand).
+ *
+ *      column  a b c d e f ...     mask 0b101100     pack ->  c d f        unpack: the way back
+ *
+ * Plain C loops do not compile well to these operations, but some processors have an instruction for each; on
+ * others they are loops over set bits. A column is [CML_GROUP], of 4 bytes; bit i of a mask is entry i.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <stddef.h>
@@ -12,10 +16,10 @@
 #include <immintrin.h>
 #endif
 
-#define CML_GROUP 16 /* a vector of AVX-512 */
+#define CML_GROUP 16 /* numbers in a vector of AVX-512 */
 #define CML_GROUP_MASK 0xffffu
 
-/* The entries with this value. */
+/* Returns the mask of the entries that have this value. */
 static inline uint32_t cml_group_equal(const int *column, int value)
 {
 #ifdef __AVX512F__
@@ -36,7 +40,7 @@ static inline uint32_t cml_group_equal(const int *column, int value)
 #endif
 }
 
-/* The entries below 0; a NaN is not. */
+/* Returns the mask of the entries below 0. A NaN is not below 0. */
 static inline uint32_t cml_group_negative(const float *column)
 {
 #ifdef __AVX512F__
@@ -56,7 +60,8 @@ static inline uint32_t cml_group_negative(const float *column)
 #endif
 }
 
-/* The values of the entries in the mask, side by side; what follows them in to[CML_GROUP] is undefined. */
+/* Writes the values of the entries in the mask side by side to `to`; the rest of to[CML_GROUP] is
+ * undefined. */
 static inline void cml_group_pack(const void *column, uint32_t mask, void *to)
 {
 #ifdef __AVX512F__
@@ -68,7 +73,7 @@ static inline void cml_group_pack(const void *column, uint32_t mask, void *to)
 #endif
 }
 
-/* The values of 8 bytes of the entries in the mask, side by side; what follows them in to[CML_GROUP] is
+/* Writes the 8-byte values of the entries in the mask side by side to `to`; the rest of to[CML_GROUP] is
  * undefined. */
 static inline void cml_group_pack_wide(const uint64_t *column, uint32_t mask, uint64_t *to)
 {
@@ -83,7 +88,8 @@ static inline void cml_group_pack_wide(const uint64_t *column, uint32_t mask, ui
 #endif
 }
 
-/* Values that lie side by side, into the entries of the mask in this order. [CML_GROUP] can be read. */
+/* Writes values that lie side by side into the entries of the mask, in their order. from[CML_GROUP] must be
+ * readable. */
 static inline void cml_group_unpack(const void *from, uint32_t mask, void *column)
 {
 #ifdef __AVX512F__

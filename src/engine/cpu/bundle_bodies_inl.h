@@ -1,24 +1,25 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes in media with bodies: a vector loop finds those that leave a region
- * around them that is known to be free of surfaces of bodies, and kernels/walk.h takes those of them that may
- * meet one, a lane at a time, to where they interact. SPDX-License-Identifier: MIT
- */
+/* Code, included by bundle_walk_inl.h only: lanes in media with bodies. A vector loop finds lanes that leave
+ * their region, which is known to be free of surfaces of bodies. kernels/walk.h takes those of them that may
+ * meet a body to their interaction, a lane at a time.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* For each lane a region without surfaces of bodies (kernels/body.h): a step that begins and ends in it meets
- * none. medium: in whose frame, -1: of none, so that no lane is in it. It stays true for ever, whatever
- * becomes of the packet. */
+/* Regions of lanes without surfaces of bodies (kernels/bounds.h): a path that begins and ends in one meets no
+ * body. medium: the medium in whose frame the region is; -1: no region, so that no lane is in it. A region
+ * stays valid whatever happens to the packet. */
 struct cml_regions {
-    cml_u32 media; /* cml_media_with_bodies */
+    cml_u32 media; /* mask of media with bodies (cml_media_with_bodies) */
     _Alignas(64) int medium[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], square[CML_LANES];
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES], least[CML_LANES];
 };
 
-/* The media that bodies lie in, a bit for each of the first ones; the last bit is for all others. */
+/* Returns the media in which bodies lie, as a mask: a bit for each of the first 31 media, and the last bit,
+ * always set, for all others. */
 static cml_u32 cml_media_with_bodies(const struct cml_world *world)
 {
     const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
@@ -27,13 +28,15 @@ static cml_u32 cml_media_with_bodies(const struct cml_world *world)
     return mask;
 }
 
+/* Begins without any region. */
 static void cml_regions_begin(const struct cml_world *world, struct cml_regions *regions)
 {
     regions->media = cml_media_with_bodies(world);
     for (int i = 0; i < CML_LANES; i++) regions->medium[i] = -1;
 }
 
-/* Which lanes have a path that does not lie in their region, NaN among them: out[CML_LANES] 1. */
+/* Finds lanes whose path does not lie in their region, also those whose path is not a number: out[CML_LANES]
+ * 1. */
 CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct cml_regions *r, int *out)
 {
     const int lanes = b->lanes;
@@ -55,7 +58,7 @@ CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct 
     }
 }
 
-/* The lanes that may leave their region, as a mask. */
+/* Returns the mask of the lanes that may leave their region. */
 static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 {
     _Alignas(64) int out[CML_LANES];
@@ -66,7 +69,8 @@ static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
     return lanes;
 }
 
-/* Whether the lane's path may meet a body. Else it gets the region in which that ends. */
+/* Returns 0 if the lane's path meets no body; then the lane gets the region in which its path ends. Else
+ * returns enum cml_bodies_ahead. */
 static int cml_lane_may_hit_body(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -88,14 +92,14 @@ static int cml_lane_may_hit_body(struct cml_flight *f, int i)
     return CML_NO_BODIES;
 }
 
-/* The lane has come to a boundary and flies on: its path from there, as cml_bundle_fly_again has it. */
+/* Sets the lane's path and task after a boundary event, as cml_bundle_fly_again does. */
 static void cml_lane_fly_again(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     b->task[i] = cml_lane_may_hit(b, i, b->tau[i], &b->s[i]) ? CML_LANE_MAY_HIT : CML_LANE_INTERACT;
 }
 
-/* From boundary to boundary as long as the lane may meet a body before it interacts. */
+/* Flies the lane from boundary to boundary as long as it may meet a body before it interacts. */
 static void cml_fly_lane_past_bodies(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -107,8 +111,8 @@ static void cml_fly_lane_past_bodies(struct cml_flight *f, int i)
     }
 }
 
-/* All lanes that may meet a body before they interact. Those that have been dealt with in this pass may still
- * be close to one, and stay as they are. */
+/* Handles all lanes that may meet a body before they interact. Lanes that were handled in this pass may still
+ * be close to a body, and are left as they are. */
 static void cml_process_bodies(struct cml_flight *f)
 {
     cml_for_lanes(f, cml_lanes_out_of_regions(f) & ~f->past_bodies, cml_fly_lane_past_bodies);

@@ -1,12 +1,13 @@
-/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes near curved boundaries, step 4: from the gathered hits back into the
- * lanes, into the next medium, or out of the scene. SPDX-License-Identifier: MIT */
+/* Code, included by bundle_curved_search_inl.h only: lanes near curved boundaries, step 4. The gathered hits
+ * go back into the lanes, into the next medium, or out of the scene.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_curved_hits_inl.h"
 
-/* The lane's packet has gone into outer medium `to` and may meet the boundary again: on by kernels/walk.h,
+/* Flies the lane's packet on in outer medium `to`, where it may meet the boundary again, by kernels/walk.h
  * until it is back or gone (P6). */
 static void cml_continue_lane_outside(struct cml_flight *f, int i, int to)
 {
@@ -19,9 +20,9 @@ static void cml_continue_lane_outside(struct cml_flight *f, int i, int to)
     cml_return_to_lane(f, i, &packet);
 }
 
-/* Whether a packet that has gone through a primitive of a boundary at p into outer medium `to`, in direction
- * u, cannot come back: packets outside are not followed (P6), or it rises above all that can be seen from
- * there, its horizon, in a clear medium. Most packets that leave do, and need no search. */
+/* True if a packet that has gone through a primitive of a boundary at p into outer medium `to`, in direction
+ * u, cannot come back. Either packets outside are not followed (P6), or the packet rises above its horizon in
+ * a clear medium. Most packets that leave do, and need no search. */
 static int cml_never_returns(const struct cml_world *world, int boundary, int primitive, int to,
                              struct cml_vec p, struct cml_vec u)
 {
@@ -31,10 +32,9 @@ static int cml_never_returns(const struct cml_world *world, int boundary, int pr
            (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(horizon, u, side));
 }
 
-/* The lane's packet has left the material for good at p, cm from the scene's origin, in direction u: into
- * outer medium `to`, in one boundary event more than the lane has counted. It had entered, so it is not
- * specular.
- */
+/* Ends the lane's packet, which has left the material for good at p in direction u, into outer medium `to`.
+ * p: cm from the scene's origin. The lane has not counted this boundary event yet. The packet had entered, so
+ * it is not specular. */
 static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
                                  struct cml_vec u)
 {
@@ -66,8 +66,8 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
 }
 
 /* cml_boundary_event for the k-th of the hits, whose direction behind the boundary is known: into medium
- * `other` where it went through, else back into its own. undeflected: equal indices, so all go through (P5)
- * and draw nothing. */
+ * `other` if it went through, else back into its own. undeflected: indices are equal, so all packets go
+ * through (P5) and draw nothing. */
 static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits *h, int k, int boundary,
                                     int other, int undeflected)
 {
@@ -108,7 +108,8 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     cml_load_medium(f, i);
 }
 
-/* P11: the paths to the hits, in a medium of index n, but for those that kernels/walk.h does again. */
+/* Counts the optical paths to the hits (P11), in a medium of index n. Doubtful hits are left out, because
+ * kernels/walk.h does them again. */
 static void cml_count_hit_paths(struct cml_bundle *b, const struct cml_hits *h, real n)
 {
     for (int k = 0; k < h->count; k++) {
@@ -119,7 +120,7 @@ static void cml_count_hit_paths(struct cml_bundle *b, const struct cml_hits *h, 
     }
 }
 
-/* P14: the marks up to the hits, but for those. */
+/* Scores the marks of fluence up to the hits (P14), except for doubtful ones. */
 static void cml_mark_to_hits(struct cml_flight *f, const struct cml_hits *h)
 {
     for (int k = 0; k < h->count; k++) {
@@ -130,8 +131,8 @@ static void cml_mark_to_hits(struct cml_flight *f, const struct cml_hits *h)
     }
 }
 
-/* Gathered hits of one boundary: roots and directions in vector loops, then lane by lane back into the
- * bundle. Doubtful ones are done again by kernels/walk.h. Leaves the hits empty for the next round. */
+/* Processes the gathered hits of one boundary: roots and directions in vector loops, then lane by lane back
+ * into the bundle. Doubtful hits are done again by kernels/walk.h. Leaves no hits for the next round. */
 static void cml_process_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;

@@ -1,34 +1,35 @@
-/* Code, included by bundle_curved_reach_inl.h and bundle_curved_cross_inl.h and so compiled once for each
- * level of the processor (engine_cpu_level.c says why). Lanes near curved boundaries, step 3: packets that
- * meet one boundary, gathered. Roots and normals of rings, reflection and refraction, for many packets in
- * vector loops. SPDX-License-Identifier: MIT */
+/* Code, included by bundle_curved_reach_inl.h and bundle_curved_cross_inl.h: lanes near curved boundaries,
+ * step 3. Packets that meet one boundary are gathered. Vector loops find roots and normals of rings, and
+ * reflect or refract.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Packets that meet one boundary from one side: structure of arrays, entries 0..count-1. Positions in the
- * boundary's frame, x and y from the scene's origin, cm. Loops go on to whole vectors; what lies behind the
- * packets may be anything. */
+/* Packets that meet one boundary from one side, a structure of arrays with entries 0 to count - 1. Positions
+ * are in the boundary's frame, x and y from the scene's origin, cm. Loops go over whole vectors, so entries
+ * behind the packets may hold anything. */
 struct cml_hits {
     int count;
     _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    /* of rings */
-    int known[CML_LANES]; /* t is; else it is the root in [t0, t1] */
+    /* Members for hits on rings: */
+    int known[CML_LANES]; /* 1: t is known; 0: t is the root in [t0, t1] */
     real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
     real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
     real t[CML_LANES];
     cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES], reflection[CML_LANES];
-    /* what comes of it */
-    int doubtful[CML_LANES]; /* to be asked for again, by itself */
+    /* Results of the vector loops: */
+    int doubtful[CML_LANES]; /* 1: the hit must be searched again, by itself */
     int through[CML_LANES];
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES];
 };
 
-/* The root of cml_ring_span in [t0, t1] (cm along the ray), where the ray enters the ring's cone and does not
- * stand on it; slope other than 0. Returns 1, or 0 where Newton's method does not do and it takes a search.
- */
+/* Finds the root of cml_ring_span in [t0, t1] (cm along the ray) of a ray that enters the ring's cone and
+ * does not stand on it. The slope is not 0. Returns 0 if Newton's method fails, so that a search is
+ * needed. */
 static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct cml_vec u, real side, real t0,
                                  real t1, real *root)
 {
@@ -38,8 +39,9 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
     return cml_ring_newton(ring, &ray, t0, t1, first, half_root_gap, root);
 }
 
-/* Where packets meet their ring, as in cml_intersect_field for a packet that is not the beam itself: fills t,
- * normals and doubtful (the root must be searched for, or it is the tip), and moves x, y, z there. */
+/* Finds where packets meet their ring, as cml_intersect_field does for packets other than those of the beam
+ * itself. Fills t, normals and doubtful (the root must be searched for, or it is the tip), and moves x, y, z
+ * there. */
 CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);
@@ -67,17 +69,17 @@ CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, st
     }
 }
 
-/* P5 between unequal indices n1 (near) and n2, as cml_reflect_or_refract where normal and facet are the same:
- * fills through, and turns ux, uy, uz. A direction on the wrong side of the facet can only be one in its
- * plane but for rounding; a packet that leads away from the facet already, because rounding has put it before
- * the facet, goes on as it was: mirrored, it would run through the facet. Returns for how many packets, those
- * that are doubtful left out, the facet has overruled a direction. */
+/* Reflects or refracts at the hits between unequal indices n1 (near) and n2 (P5), as cml_reflect_or_refract
+ * does if normal and facet are the same: fills through, and turns ux, uy, uz. A direction can be on the wrong
+ * side of the facet only if it lies in the facet's plane but for rounding. A packet that rounding has put
+ * before the facet, and that already leads away from it, goes on as it was: mirrored, it would run through
+ * the facet. Returns the number of directions that the facet has overruled, without doubtful hits. */
 CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real side, real n1, real n2,
                                          struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even =
-        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
+    /* Number of first reflections that draw from the lattice. */
+    const cml_u32 even = setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u;
     const int count = h->count, size = cml_whole_vectors(count);
     int overruled = 0;
 #pragma omp simd reduction(+ : overruled)

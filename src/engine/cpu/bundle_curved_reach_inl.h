@@ -1,6 +1,7 @@
-/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes near curved boundaries, step 1: the part of its path on which each can
- * meet one before it interacts, if any. Asked for many lanes in vector loops, a medium at a time.
+/* Code, included by bundle_curved_search_inl.h only: lanes near curved boundaries, step 1. Vector loops find
+ * the part of its path on which a lane can meet a boundary before it interacts, if any, for many lanes, a
+ * medium at a time.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,8 +9,8 @@
 #include "engine/cpu/bundle_curved_hits_inl.h"
 #include "surface/mesh/grid_lanes_inl.h"
 
-/* The lanes that are in a medium and have a path that is safe for one of its boundaries get that bit. depth:
- * of the boundary in the frame of the medium, cm. */
+/* Sets `bit` in `safe` of the lanes that are in a medium and have a path that is safe for one of its
+ * boundaries. depth: of the boundary in the frame of the medium, cm. */
 CML_LOOP void cml_bundle_find_safe(struct cml_bundle *b, const struct cml_safe_cells *shared, int medium,
                                    real depth, int bit)
 {
@@ -23,12 +24,12 @@ CML_LOOP void cml_bundle_find_safe(struct cml_bundle *b, const struct cml_safe_c
     }
 }
 
-/* Sorts the lanes with MAY_HIT: MAY_HIT_CURVED where a boundary that is no plane can be met, MAY_RETURN where
- * that is one which they head away from, INTERACT where none can be met before the interaction, else they
- * keep it, for a plane. steepest: the greatest slope of any curved boundary; a direction that leaves such a
- * boundary more steeply cannot meet it, however close it begins. safe: [CML_LANES] for which boundaries a
- * lane's path is safe, CML_SAFE_BELOW and CML_SAFE_ABOVE; or NULL, so that each caller below has a loop of
- * its own. Returns 1 when any has MAY_HIT_CURVED or MAY_RETURN. */
+/* Sorts the lanes with MAY_HIT. They get MAY_HIT_CURVED if they can meet a curved boundary, MAY_RETURN if
+ * they head away from this boundary, INTERACT if they can meet no boundary before the interaction, and keep
+ * MAY_HIT for a plane. steepest: the greatest slope of any curved boundary; a direction that leaves such a
+ * boundary more steeply cannot meet it, however close it begins. safe: 1 if `safe` of the bundle holds safe
+ * paths; constant, so that each caller below has a loop of its own. Returns 1 if any lane has MAY_HIT_CURVED
+ * or MAY_RETURN. */
 __attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_bundle *b, real steepest,
                                                                      const int safe)
 {
@@ -59,24 +60,25 @@ __attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_
     return any;
 }
 
-/* safe: whether a boundary has safe distances, which `safe` of the bundle has for each lane's path. */
+/* Runs cml_bundle_classify. safe: true if a boundary has safe distances, so that `safe` of the bundle is
+ * filled for each lane's path. */
 CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest, bool safe)
 {
     return safe ? cml_bundle_classify(b, steepest, 1) : cml_bundle_classify(b, steepest, 0);
 }
 
-/* Where gathered lanes can meet one boundary: on the part [from, to] of their paths, cm from where they are,
- * if meets is 1. */
+/* The intervals of gathered lanes for one boundary: if meets is 1, a lane can meet the boundary on the part
+ * [from, to] of its path, cm from its place. */
 struct cml_intervals {
     _Alignas(64) int meets[CML_LANES];
     real from[CML_LANES], to[CML_LANES];
 };
 
-#define CML_GATHERED (CML_LANES + CML_GROUP) /* packing writes whole groups */
+#define CML_GATHERED (CML_LANES + CML_GROUP) /* room for lanes; packing writes whole groups */
 
-/* Lanes of one medium, gathered side by side, so that all of them look at the same two boundaries and vectors
- * are full. size: their number, count, rounded up to whole vectors; what lies behind the lanes there may be
- * anything. Positions in the frame of the medium, lengths in cm. */
+/* Lanes of one medium, gathered side by side, so that all examine the same two boundaries and vectors are
+ * full. count: number of lanes; size: count rounded up to whole vectors; entries behind the lanes may hold
+ * anything. Positions are in the frame of the medium, lengths in cm. */
 struct cml_gathered {
     int count, size;
     int lane[CML_LANES];
@@ -85,7 +87,7 @@ struct cml_gathered {
     real s[CML_GATHERED];
     struct cml_intervals above, below;
     struct cml_hits hits_above, hits_below;
-    struct cml_grid_lanes rays; /* of those lanes that vector loops can answer */
+    struct cml_grid_lanes rays; /* rays of the lanes that vector loops can answer */
 };
 
 /* Gathers lanes, in the order of their numbers: each column is packed group by group. */
@@ -124,8 +126,8 @@ CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real 
 }
 
 /* cml_curved_interval for gathered lanes, without its branches: both ways of every branch are computed and
- * selected, with the same results. depth, side as above. form is constant, so that each caller has a loop
- * for its kind of pyramid. */
+ * selected, with the same results. depth: of the boundary's frame in that of the medium; side: +1 the lanes
+ * are below it, -1 above. form: constant, so that each caller has a loop for its kind of pyramid. */
 __attribute__((always_inline)) static inline void
 cml_gathered_curved(const struct cml_world *world, const struct cml_surface *shared,
                     const struct cml_gathered *c, real depth, real side, struct cml_intervals *ahead,
@@ -156,7 +158,8 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     }
 }
 
-/* By radius below cones, below a mesh by cells of the x-y plane, or of its period where it is repeated. */
+/* Finds intervals by the form of the boundary's pyramid: radius for cones, cells of the x-y plane for a mesh,
+ * cells of the period for a repeated mesh. */
 CML_LOOP void cml_gathered_by_form(const struct cml_world *world, const struct cml_surface *surface,
                                    const struct cml_gathered *c, real depth, real side,
                                    struct cml_intervals *ahead)
@@ -169,8 +172,9 @@ CML_LOOP void cml_gathered_by_form(const struct cml_world *world, const struct c
         cml_gathered_curved(world, surface, c, depth, side, ahead, CML_BOUNDS_SQUARE);
 }
 
-/* Intervals of gathered lanes with one boundary of their medium, seen from `side`. The outer media have only
- * one; on the other side nothing is met. depth: of the boundary in the frame of the medium, cm. */
+/* Finds the intervals of gathered lanes for one boundary of their medium, seen from `side`. An outer medium
+ * has only one boundary, so on its other side nothing is met. depth: of the boundary in the frame of the
+ * medium, cm. */
 static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real depth, real side,
                                   struct cml_intervals *ahead)
 {
@@ -186,7 +190,7 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
         cml_gathered_by_form(world, surface, f->gathered, depth, side, ahead);
 }
 
-/* cml_find_intervals for lanes of one medium: with its boundary above, then with the one below. */
+/* cml_find_intervals for lanes of one medium: first with the boundary above, then with the one below. */
 static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
@@ -195,15 +199,15 @@ static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_
     cml_gathered_boundary(f, medium, f->world->media[medium].span, -1, &gathered->below);
 }
 
-/* The interval of the k-th gathered lane. */
+/* Returns the interval of the k-th gathered lane. */
 static struct cml_interval cml_interval_of(const struct cml_intervals *of, int k)
 {
     const struct cml_interval s = {of->meets[k], of->from[k], of->to[k]};
     return s;
 }
 
-/* For which boundaries the paths of lanes are safe: in the layers on either side of every boundary that has
- * safe distances, where lanes may hit one. */
+/* Finds the boundaries for which the paths of lanes are safe. It looks at the layers on either side of every
+ * boundary that has safe distances, if lanes there may hit one. */
 static void cml_find_safe_lanes(const struct cml_flight *f)
 {
     const struct cml_world *world = f->world;

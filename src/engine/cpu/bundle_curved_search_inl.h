@@ -1,6 +1,7 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes near curved boundaries, step 2: which ring or facet each lane meets.
- * Lane by lane, because every one walks through other rings, or other nodes of a tree.
+/* Code, included by bundle_walk_inl.h only: lanes near curved boundaries, step 2. It finds the ring or facet
+ * that each lane meets, mostly lane by lane, because each lane walks through other rings, or other nodes of a
+ * tree.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -8,10 +9,10 @@
 #include "engine/cpu/bundle_curved_reach_inl.h"
 #include "surface/mesh/mesh_surface.h"
 
-/* Whether lane i can go the fast way of cml_intersect_lane: it is in the material, can meet this boundary
- * only, and it is curved and smooth and has no backing; facets are not scored; it has had boundary events, so
- * it is not the beam itself (P1); it is far from the limits of P9, interacts at a finite distance and its
- * direction is a number. All else goes by kernels/walk.h. */
+/* True if lane i can go the fast way of cml_intersect_lane. It is in the material, and can meet this boundary
+ * only, which is curved and smooth and has no backing. Facets are not scored. It has had boundary events, so
+ * it is not the beam itself (P1). It is far from the limits of P9, interacts at a finite distance, and its
+ * direction is a number. All other lanes go by kernels/walk.h. */
 static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
 {
     const struct cml_bundle *b = f->b;
@@ -24,7 +25,7 @@ static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
            b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY && cml_dot(u, u) < 2;
 }
 
-/* What primitive of a boundary the lane's packet stands on, or CML_NEAR_FACETS; -1: none. */
+/* Returns the primitive of a boundary that the lane's packet stands on, or CML_NEAR_FACETS; -1: none. */
 static int cml_lane_on_primitive(const struct cml_bundle *b, int i, int boundary)
 {
     const int on_surface = b->interactions_at_hit[i] == b->interactions[i] && b->on_boundary[i] == boundary;
@@ -32,7 +33,7 @@ static int cml_lane_on_primitive(const struct cml_bundle *b, int i, int boundary
 }
 
 /* Adds lane i, whose packet hits the primitive, to the gathered hits of a boundary. p: in the frame of the
- * boundary, where its path begins or where it hits. Returns its number among them. */
+ * boundary, where its path begins or where it hits. Returns its number among the hits. */
 static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct cml_vec p, struct cml_hits *h)
 {
     const int k = h->count++;
@@ -51,9 +52,9 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     return k;
 }
 
-/* Which ring lane i meets: cml_intersect_field up to the bracketed root. Marching from ring to ring takes as
- * many steps as it takes, lane by lane; the root within the ring is left to a vector loop
- * (cml_hits_refine_rings). p: in the boundary's frame; s: the part of the path to be searched. */
+/* Finds the ring that lane i meets: cml_intersect_field up to the bracketed root. The number of steps from
+ * ring to ring differs by lane, so this goes lane by lane. A vector loop finds the root within the ring
+ * (cml_hits_refine_rings). p: in the boundary's frame; s: the part of the path to search. */
 static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
                            struct cml_interval s, struct cml_hits *h)
 {
@@ -81,13 +82,14 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml
     h->t_max[k] = s.to;
 }
 
-/* Whether normals are interpolated between vertices: then P5 has cases that the vector loop does not know. */
+/* True if normals are interpolated between vertices. Then P5 has cases that the vector loop does not
+ * handle. */
 static int cml_has_shading_normal(const struct cml_hit *hit)
 {
     return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
 }
 
-/* Which facet lane i meets. p: in the boundary's frame; t_max: length of its path, cm. */
+/* Finds the facet that lane i meets. p: in the boundary's frame; t_max: length of its path, cm. */
 static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
                            struct cml_hits *h)
 {
@@ -114,7 +116,7 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
     }
 }
 
-/* Finds what lane i meets of one curved boundary, the only one that it can meet. */
+/* Finds the crossing of lane i with one curved boundary, the only one that it can meet. */
 static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_interval s,
                                struct cml_hits *h)
 {
@@ -127,8 +129,8 @@ static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real s
         cml_query_lane(f, i, boundary, p, side, s.to, h);
 }
 
-/* What of the scene the rays of gathered lanes have in common that ask a boundary; grid NULL where vector
- * loops cannot answer them. */
+/* Returns the parts of the scene that the rays of gathered lanes share when they ask a boundary. grid is NULL
+ * if vector loops cannot answer them. */
 static struct cml_grid_view cml_view_grid(const struct cml_world *world, int boundary, real side)
 {
     struct cml_grid_view view = {.grid = NULL};
@@ -145,7 +147,7 @@ static struct cml_grid_view cml_view_grid(const struct cml_world *world, int bou
     return view;
 }
 
-/* The rays of gathered lanes: bit k of `asking` is the k-th. */
+/* Gathers the rays of the lanes that ask a mesh: bit k of `asking` is the k-th gathered lane. */
 static void cml_gather_rays(struct cml_gathered *c, real depth, uint64_t asking,
                             const struct cml_intervals *ahead)
 {
@@ -164,7 +166,8 @@ static void cml_gather_rays(struct cml_gathered *c, real depth, uint64_t asking,
     }
 }
 
-/* What comes of the k-th ray's answer. */
+/* Handles the answer to the k-th ray: a hit, a miss, or a search of its own if vector loops could not
+ * decide. */
 static void cml_take_answer(struct cml_flight *f, int boundary, real side, const struct cml_grid_lanes *l,
                             int k, struct cml_hits *h)
 {
@@ -184,7 +187,7 @@ static void cml_take_answer(struct cml_flight *f, int boundary, real side, const
     }
 }
 
-/* Gathered lanes whose packets stand on nothing ask a mesh, together. */
+/* Asks a mesh for the hits of gathered lanes whose packets stand on nothing, all together. */
 static void cml_ask_grid(struct cml_flight *f, int boundary, const struct cml_grid_view *view,
                          uint64_t asking, const struct cml_intervals *ahead, struct cml_hits *h)
 {
@@ -195,7 +198,8 @@ static void cml_ask_grid(struct cml_flight *f, int boundary, const struct cml_gr
     for (int k = 0; k < l->count; k++) cml_take_answer(f, boundary, view->side, l, k, h);
 }
 
-/* Lane i, the k-th gathered: most meet nothing and interact. Else by kernels/walk.h. */
+/* Continues lane i, the k-th gathered. Most lanes meet nothing and interact; the others go by
+ * kernels/walk.h. */
 static void cml_continue_gathered(struct cml_flight *f, int i, int k)
 {
     const struct cml_gathered *c = f->gathered;
@@ -210,8 +214,8 @@ static void cml_continue_gathered(struct cml_flight *f, int i, int k)
     cml_continue_lane(f, i, intervals, b->s[i]);
 }
 
-/* All steps for lanes of one medium: intervals, then search, many lanes at a time or lane by lane, then the
- * hits of either boundary. */
+/* Does all steps for lanes of one medium: intervals, then the search, many lanes at a time or lane by lane,
+ * then the hits of both boundaries. */
 static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
@@ -246,8 +250,8 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
     CML_HOOK_END(CML_HOOK_HITS);
 }
 
-/* A lane that heads away from the curved boundary it is near, and can meet no other before it interacts:
- * whether it rises above all that it sees there. Most do, and need not wait for others. */
+/* Handles a lane that heads away from the curved boundary that it is near, and can meet no other before it
+ * interacts. It interacts if it rises above its horizon. Most lanes do, and need not wait for others. */
 static void cml_check_horizon(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -259,9 +263,10 @@ static void cml_check_horizon(struct cml_flight *f, int i)
     b->task[i] = cml_heads_away(horizon, u, side) ? CML_LANE_INTERACT : CML_LANE_MAY_HIT_CURVED;
 }
 
-/* Lanes that may hit a curved boundary wait for others, as those at planes do (cml_process_planes): the
- * vector loops take as long for few. Then medium by medium, that of the lowest lane first. Lanes of a pencil
- * beam above a boundary whose hit is known need no search. */
+/* Processes lanes that may hit a curved boundary. They wait for others, as lanes at planes do
+ * (cml_process_planes), because the vector loops take as long for few lanes. Then media are processed one by
+ * one, that of the lowest lane first. Lanes of a pencil beam above a boundary whose hit is known need no
+ * search. */
 static void cml_process_curved(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 32 : 1;

@@ -1,20 +1,22 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). The vector loops of an interaction: hop, drop and spin.
+/* Code, included by bundle_walk_inl.h and bundle_marks_inl.h: the vector loops of an interaction, which are
+ * flight, absorption and scattering (MCML's hop, drop and spin).
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Lanes with INTERACT: MCML's hop (P2) and drop (P3). tally: whether deposits go into A_rz; then
- * fills cell (P7) and dw, which is 0 in the other lanes so that all can be added without a branch. trails:
- * whether lanes have trails (P13); where a lane stands that does not hop counts again, which changes nothing.
- * Both are constant, so that there is a loop for each. Returns 1 when a packet is below the roulette
- * threshold. */
-__attribute__((always_inline)) static inline int
-cml_bundle_hop_drop(const struct cml_setup *shared, struct cml_bundle *b, const int tally, const int trails)
+/* Moves lanes with INTERACT to their interaction (P2), and absorbs there (P3). tally: 1 if deposits go into
+ * A_rz; then cell (P7) and dw are filled, dw with 0 in the other lanes, so that all can be added without a
+ * branch. trails: 1 if lanes have trails (P13); a lane that does not move counts its place again, which
+ * changes nothing. Both are constant, so that there is a loop for each case. Returns 1 if a packet is below
+ * the roulette threshold. */
+__attribute__((always_inline)) static inline int cml_bundle_move_and_absorb(const struct cml_setup *shared,
+                                                                            struct cml_bundle *b,
+                                                                            const int tally, const int trails)
 {
     const int lanes = b->lanes;
-    const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
+    const struct cml_setup setup = *shared; /* a copy, which stores into the bundle cannot change */
     const real *restrict const absorb = CML_OF_MEDIUM(b, absorb), *restrict const bins =
                                                                       CML_OF_MEDIUM(b, bins);
     int low = 0;
@@ -44,8 +46,8 @@ cml_bundle_hop_drop(const struct cml_setup *shared, struct cml_bundle *b, const 
     return low;
 }
 
-/* P11, where time is asked for: their paths. Of all lanes the gate, and whether it is another one than
- * before: [CML_LANES] each. */
+/* Counts the optical paths of lanes that interact (P11). gate: [CML_LANES] gate of each lane; changed:
+ * [CML_LANES] 1 if it is another gate than before. */
 CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_bundle *b, int *gate,
                                      int *changed)
 {
@@ -62,8 +64,8 @@ CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_b
     }
 }
 
-/* P16: of all lanes whether they interact in another gate than that of `since`, when their rows were booked
- * last: [CML_LANES] each. */
+/* Finds lanes that interact in another gate than that of `since`, the time when their rows were last booked
+ * (P16): later[CML_LANES] 1. */
 CML_LOOP void cml_bundle_find_later(const struct cml_setup *setup, const struct cml_bundle *b,
                                     const real *since, int *later)
 {
@@ -74,9 +76,9 @@ CML_LOOP void cml_bundle_find_later(const struct cml_setup *setup, const struct 
                    (cml_gate(gates, since[i] + b->path[i]) != cml_gate(gates, since[i]));
 }
 
-/* Where media have tables of phase functions: the cells of all lanes. They are fetched one by one, for
- * instructions that gather take longer, and before the hop, whose vectors do not wait for them. Both members
- * of a cell that has parts are negative. */
+/* Finds the cells of phase tables for all lanes. They are fetched one by one, because gather instructions
+ * take longer, and before the lanes move, because those vectors need not wait for them. Both members of a
+ * cell that has parts are negative. */
 CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const struct cml_bundle *b,
                                      struct cml_phase_cell *cell)
 {
@@ -94,9 +96,10 @@ CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const s
     }
 }
 
-/* Turns the lanes that interact (P4): by the cells, as cml_scatter_in, or where no medium has a table, and
- * cell is NULL. only_tables: as cml_world says. trails: as in cml_bundle_hop_drop. All are constant. */
-__attribute__((always_inline)) static inline void cml_bundle_spin(const struct cml_phase_cell *cell,
+/* Scatters the lanes that interact (P4): by cells of tables, as cml_scatter_in does, or by Henyey and
+ * Greenstein's function if cell is NULL. only_tables: as in cml_world; trails: as in
+ * cml_bundle_move_and_absorb. All are constant. */
+__attribute__((always_inline)) static inline void cml_bundle_turn(const struct cml_phase_cell *cell,
                                                                   struct cml_bundle *b, const int only_tables,
                                                                   const int trails)
 {
@@ -117,18 +120,19 @@ __attribute__((always_inline)) static inline void cml_bundle_spin(const struct c
     }
 }
 
-CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
+/* Scatters lanes by cells of phase tables, with the loop for only_tables and trails. */
+CML_LOOP void cml_bundle_turn_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b,
                                         int only_tables)
 {
     const int trails = b->stay != NULL;
     if (only_tables)
-        trails ? cml_bundle_spin(cell, b, 1, 1) : cml_bundle_spin(cell, b, 1, 0);
+        trails ? cml_bundle_turn(cell, b, 1, 1) : cml_bundle_turn(cell, b, 1, 0);
     else
-        trails ? cml_bundle_spin(cell, b, 0, 1) : cml_bundle_spin(cell, b, 0, 0);
+        trails ? cml_bundle_turn(cell, b, 0, 1) : cml_bundle_turn(cell, b, 0, 0);
 }
 
-/* P19: which lanes have interacted and are outside of their windows: outside[CML_LANES] 1. Returns whether
- * any is. */
+/* Finds lanes that have interacted and are outside of their windows (P19): outside[CML_LANES] 1. Returns 1 if
+ * there is any. */
 CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct cml_bundle *b, int *outside)
 {
     const struct cml_weight_windows windows = world->windows;
@@ -154,7 +158,7 @@ CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct
     return any;
 }
 
-/* P16: which lanes have had an interaction that A(r,z) of rows is made of: sampled[CML_LANES] 1. */
+/* Finds lanes that have had an interaction which makes up A(r,z) of rows (P16): sampled[CML_LANES] 1. */
 CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struct cml_bundle *b, int *sampled)
 {
     const struct cml_setup copy = *setup;
@@ -165,48 +169,52 @@ CML_LOOP void cml_bundle_find_sampled(const struct cml_setup *setup, const struc
     }
 }
 
-/* Moves lanes to their interactions, absorbs and turns them, where absorption is tallied. */
+/* Moves lanes to their interactions, absorbs and scatters them; absorption is tallied. Returns 1 if a packet
+ * is below the roulette threshold. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 1, 0);
-    cml_bundle_spin(NULL, b, 0, 0);
+    const int low = cml_bundle_move_and_absorb(setup, b, 1, 0);
+    cml_bundle_turn(NULL, b, 0, 0);
     return low;
 }
 
-/* Moves, absorbs and turns where no absorption is tallied. Books are kept from weights (cml_flush_deposits).
- */
+/* Moves lanes to their interactions, absorbs and scatters them; no absorption is tallied. The balance is kept
+ * from the weights (cml_flush_deposits). */
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin(NULL, b, 0, 0);
+    const int low = cml_bundle_move_and_absorb(setup, b, 0, 0);
+    cml_bundle_turn(NULL, b, 0, 0);
     return low;
 }
 
-/* cml_bundle_interact and cml_bundle_scatter where lanes have trails (P13). */
+/* cml_bundle_interact for lanes with trails (P13). */
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 1, 1);
-    cml_bundle_spin(NULL, b, 0, 1);
+    const int low = cml_bundle_move_and_absorb(setup, b, 1, 1);
+    cml_bundle_turn(NULL, b, 0, 1);
     return low;
 }
 
+/* cml_bundle_scatter for lanes with trails (P13). */
 CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 0, 1);
-    cml_bundle_spin(NULL, b, 0, 1);
+    const int low = cml_bundle_move_and_absorb(setup, b, 0, 1);
+    cml_bundle_turn(NULL, b, 0, 1);
     return low;
 }
 
-/* Interactions where media have tables of phase functions, with or without absorption tallied and trails. */
+/* Moves, absorbs and scatters lanes in a scene with phase tables. tally: 1 if absorption is tallied. Returns
+ * 1 if a packet is below the roulette threshold. */
 CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct cml_bundle *b, int tally)
 {
     _Alignas(64) struct cml_phase_cell cell[CML_LANES];
     cml_bundle_find_phases(world->phase_cells, b, cell);
     const struct cml_setup *setup = &world->setup;
     const int trails = b->stay != NULL;
-    const int low = tally ? trails ? cml_bundle_hop_drop(setup, b, 1, 1) : cml_bundle_hop_drop(setup, b, 1, 0)
-                    : trails ? cml_bundle_hop_drop(setup, b, 0, 1)
-                             : cml_bundle_hop_drop(setup, b, 0, 0);
-    cml_bundle_spin_by_tables(cell, b, world->only_tables);
+    const int low = tally    ? trails ? cml_bundle_move_and_absorb(setup, b, 1, 1)
+                                      : cml_bundle_move_and_absorb(setup, b, 1, 0)
+                       : trails ? cml_bundle_move_and_absorb(setup, b, 0, 1)
+                             : cml_bundle_move_and_absorb(setup, b, 0, 0);
+    cml_bundle_turn_by_tables(cell, b, world->only_tables);
     return low;
 }

@@ -1,25 +1,26 @@
-/* Code, included by bundle_curved_cross_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes at boundaries one by one, by kernels/walk.h: the rare cases that
- * vector loops leave to be done. SPDX-License-Identifier: MIT */
+/* Code, included by bundle_curved_cross_inl.h and bundle_bodies_inl.h: lanes at boundaries one by one, by
+ * kernels/walk.h. These are the rare cases that vector loops leave over.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 
-/* No boundary comes first: the lane interacts in this pass, s (cm) further on. */
+/* Lets the lane interact in this pass, s (cm) further on, because no boundary comes first. */
 static void cml_lane_set_interacting(struct cml_flight *f, int i, real s)
 {
     f->b->s[i] = s;
     f->b->task[i] = CML_LANE_INTERACT;
 }
 
-/* Whether a lane's packet is still on its way from the source to a boundary whose hit is known
+/* True if a lane's packet is still on its way from the source to a boundary whose hit is known
  * (bundle_prepare.h). */
 static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u32 boundary_events)
 {
     return f->first_hit_known && medium == 0 && boundary_events == 0;
 }
 
-/* cml_nearest_hit, but for a hit that is known without a search. */
+/* cml_nearest_hit, but without a search if the hit is known. */
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
                         struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
@@ -32,11 +33,10 @@ static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
     return found;
 }
 
-/* Boundary events of one packet by kernels/walk.h: one, and as many more as it takes until it is back in the
- * material or has ended: lanes hold packets of outer media only before they have entered. intervals: where on
- * its path it can meet boundaries. Returns 0 when there was no event: then the packet interacts, *t (cm)
- * further on.
- */
+/* Handles boundary events of one packet by kernels/walk.h: one event, and as many more as it takes until the
+ * packet is back in the material or has ended, because lanes hold packets of outer media only before they
+ * have entered. intervals: the parts of its path on which it can meet boundaries. Returns 0 if there was no
+ * event; then the packet interacts, *t (cm) further on. */
 static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *packet,
                                struct cml_boundary_intervals intervals, real *t)
 {
@@ -60,7 +60,7 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     }
 }
 
-/* P15: where kernels/walk.h puts expected values of the lane's packet. */
+/* Makes kernels/walk.h add the expected values of the lane's packet to its batch (P15). */
 static void cml_expect_of_lane(struct cml_flight *f, int i)
 {
     if (f->to.expected)
@@ -68,7 +68,7 @@ static void cml_expect_of_lane(struct cml_flight *f, int i)
             f->late & CML_LANE_BIT(i) ? f->late_profiles[i] + f->tally->profile.expected : NULL;
 }
 
-/* Back into the lane a packet that is in the material again, or else its end into the collection. */
+/* Puts a packet that is in the material again back into the lane, or adds its end to the collection. */
 static void cml_return_to_lane(struct cml_flight *f, int i, struct cml_packet *packet)
 {
     cml_tally_events(packet, f->tally);
@@ -82,7 +82,7 @@ static void cml_return_to_lane(struct cml_flight *f, int i, struct cml_packet *p
     }
 }
 
-/* A packet in an outer medium leaves for good, or comes back into the material (P6). */
+/* Flies a packet in an outer medium until it leaves for good, or comes back into the material (P6). */
 static void cml_fly_outside(const struct cml_flight *f, struct cml_packet *packet)
 {
     const struct cml_world *world = f->world;
@@ -92,8 +92,8 @@ static void cml_fly_outside(const struct cml_flight *f, struct cml_packet *packe
     cml_boundary_events(f, packet, intervals, &t);
 }
 
-/* The lane's packet meets `hit`, found by a query that has been counted nowhere yet, and then whatever it
- * takes until it is back in the material or has ended. */
+/* Handles the lane's meeting with `hit`, which a search has found that was counted nowhere yet, and all that
+ * follows until the packet is back in the material or has ended. */
 static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_hit *hit)
 {
     const struct cml_world *world = f->world;
@@ -109,8 +109,8 @@ static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_
     cml_return_to_lane(f, i, &packet);
 }
 
-/* A query has found no boundary on the lane's path: it interacts, unless that puts it beyond a boundary it
- * has not crossed (P9). */
+/* Handles a search that has found no boundary on the lane's path: the lane interacts, unless its place is
+ * then beyond a boundary that it has not crossed (P9). */
 static void cml_lane_misses(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -122,8 +122,9 @@ static void cml_lane_misses(struct cml_flight *f, int i)
         cml_lane_set_interacting(f, i, b->s[i]);
 }
 
-/* The lane's packet may meet a boundary within `intervals`, or has no interaction ahead (P9), or is not a
- * number: one step of kernels/walk.h up to the interaction itself, which the loops make. */
+/* Does one step of kernels/walk.h for the lane, but not the interaction itself, which the loops make. The
+ * lane's packet may meet a boundary within `intervals`, or has no interaction ahead (P9), or is not a
+ * number. */
 static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_boundary_intervals intervals)
 {
     real t;
@@ -135,7 +136,7 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose_packet(&packet, CML_LOST_NAN);
     } else if (!cml_boundary_events(f, &packet, intervals, &t)) {
-        /* as in cml_interact */
+        /* the same check for a leak as in cml_interact */
         if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
             cml_lose_packet(&packet, CML_LOST_LEAKED);
         else
@@ -148,7 +149,7 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
         cml_return_to_lane(f, i, &packet);
 }
 
-/* The lane interacts after s (cm), unless a boundary may come first, there is no interaction, or the
+/* Lets the lane interact after s (cm), unless a boundary may come first, there is no interaction, or the
  * direction is not a number. */
 static void cml_continue_lane(struct cml_flight *f, int i, struct cml_boundary_intervals intervals, real s)
 {
@@ -161,8 +162,9 @@ static void cml_continue_lane(struct cml_flight *f, int i, struct cml_boundary_i
         cml_lane_set_interacting(f, i, s);
 }
 
-/* Lane i from the start of its path, without the vector loops: its optical depth may still lie in the tail,
- * or it has no event ahead, or is on its way from the source to a boundary whose hit is known. */
+/* Processes lane i from the start of its path, without the vector loops. Its optical depth may still lie in
+ * the tail, or it has no event ahead, or it is on its way from the source to a boundary whose hit is
+ * known. */
 static void cml_process_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -177,7 +179,7 @@ static void cml_process_lane(struct cml_flight *f, int i)
     cml_continue_lane(f, i, intervals, s);
 }
 
-/* What comes next of a lane that may meet a body, and has its path s. ahead: enum cml_bodies_ahead. */
+/* Processes a lane that may meet a body, and has its path s. ahead: enum cml_bodies_ahead. */
 static void cml_process_lane_at_bodies(struct cml_flight *f, int i, int ahead)
 {
     const struct cml_bundle *b = f->b;

@@ -1,35 +1,36 @@
-/* Code, included by the other bundle_*_inl.h and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). The lanes of a bundle one by one: a packet's columns, what it deposits, and
- * its end. SPDX-License-Identifier: MIT */
+/* Code, included by the other bundle_*_inl.h: the lanes of a bundle one by one, that is a packet's columns,
+ * its deposits, and its end.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_flight.h"
 
 #include <stddef.h>
 
-/* Lanes that go into one vector register: loops over fewer take as long. */
+/* Lanes in one vector register. Loops over fewer lanes take as long. */
 #if defined(__AVX512F__)
 #define CML_VECTOR 16
 #elif defined(__AVX2__)
 #define CML_VECTOR 8
 #else
-#define CML_VECTOR 1 /* what gathers has no vectors */
+#define CML_VECTOR 1 /* the baseline has no vector instructions for gathering */
 #endif
 
-/* A number of lanes, rounded up to whole vectors: a loop over it needs no remainder loop. */
+/* Returns a number of lanes, rounded up to whole vectors: a loop over it needs no remainder loop. */
 static inline int cml_whole_vectors(int count)
 {
     return (count + CML_VECTOR - 1) / CML_VECTOR * CML_VECTOR;
 }
 
-/* Calls handle for every lane of the mask, in order: find the lowest bit, then take it away. */
+/* Calls handle for every lane of the mask, in order: finds the lowest bit, then clears it. */
 static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(struct cml_flight *, int))
 {
     for (; mask; mask &= mask - 1) handle(f, __builtin_ctzll(mask));
 }
 
-/* Copies the medium that lane i is in into its columns. Loops read media from columns: gathering them by
- * medium number would take a load per lane and value. */
+/* Copies the properties of lane i's medium into its columns. Loops read media from columns, because gathering
+ * by medium number would take a load per lane and value. */
 static void cml_load_medium(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -39,13 +40,14 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
+/* Returns the photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes
+ * wide. */
 static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
 {
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
-/* P19: how many of a group's lanes hold branches. */
+/* Returns the number of a group's lanes that hold branches (P19). */
 static int cml_count_branches(const struct cml_bundle *b, int first, cml_u32 lanes)
 {
     int count = 0;
@@ -53,12 +55,13 @@ static int cml_count_branches(const struct cml_bundle *b, int first, cml_u32 lan
     return count;
 }
 
-/* P16: factors of the rows of the lane's packet. */
+/* Returns the factors of the rows of the lane's packet (P16). */
 static real *cml_lane_factors(const struct cml_flight *f, int i)
 {
     return f->factors + (size_t)i * cml_row_factors((size_t)f->rows.count);
 }
 
+/* Returns the rows of the lane's packet for a booking (P16). */
 static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
 {
     return cml_row_packet_of(&f->world->setup, &f->rows, cml_lane_index(f->b, i), cml_lane_factors(f, i));
@@ -71,7 +74,7 @@ static void cml_launch_lane_rows(const struct cml_flight *f, int i, int times, r
     cml_rows_launch(&rows, f->b->w[i], times, path);
 }
 
-/* The trail of the lane's packet (P13); empty where nobody wants it. */
+/* Returns the trail of the lane's packet (P13); empty if no result needs trails. */
 static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
 {
     const struct cml_trail none = {0};
@@ -80,9 +83,9 @@ static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
     return (struct cml_trail){b->stay + row, b->deepest[i]};
 }
 
-/* What rows have absorbed since the lane's deposits, so much of the packet's weight, were last booked. Its
- * loops are vectors only where all that they call is inlined, which compilers leave out where a rare function
- * calls. */
+/* Books the absorption of rows since the last booking of the lane; the packet itself has lost `deposited`
+ * since then. This is a function of its own, because its loops become vectors only if all that they call is
+ * inlined, and compilers do not inline into a rare function. */
 __attribute__((noinline, hot, flatten)) static void cml_fly_lane_rows(struct cml_flight *f, int i,
                                                                       cml_u32 deposited)
 {
@@ -94,9 +97,8 @@ __attribute__((noinline, hot, flatten)) static void cml_fly_lane_rows(struct cml
     b->path[i] = 0;
 }
 
-/* What the lane's packet has deposited since its gate (P11), or its medium, was another one: where time is
- * asked for, there are rows, or the packet is late. A function of its own: inlined, it would cost registers
- * where neither is so. */
+/* Books the lane's deposits into gates (P11), rows (P16), or the sums of a late packet's batch. It is called
+ * only if one of these is needed, and not inlined, because it would cost registers elsewhere. */
 __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, int i, cml_u32 deposited)
 {
     const int gate = f->b->gate[i];
@@ -111,17 +113,17 @@ __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, 
     cml_add_to_gate(&late, f->world->setup.gates, f->b->medium[i], gate, deposited);
 }
 
-/* The backing leaves w of the lane's packet, whose deposits have been booked. */
+/* Books the weight that the backing takes in the lane's rows: the packet, whose deposits have been booked,
+ * keeps w. */
 __attribute__((noinline, cold)) static void cml_keep_lane_rows(const struct cml_flight *f, int i, cml_u32 w)
 {
     const struct cml_row_packet rows = cml_lane_rows(f, i);
     cml_rows_backing(&rows, f->b->w[i], w);
 }
 
-/* Books what the lane's packet has deposited since it was last called, into its layer's sum, its gate (P11)
- * and the packet's own. A packet loses weight by deposits only, so they need not be added up one by one: they
- * are the difference of two weights. To be called before the medium or the gate changes, or the weight by
- * anything else. */
+/* Books the deposits of the lane's packet since the last booking: into the sum of its layer, its gate (P11)
+ * and the packet's own sum. A packet loses weight only by deposits, so their sum is the difference of two
+ * weights. To be called before the medium or the gate changes, or the weight by anything else. */
 static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -133,7 +135,8 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     if (f->books_more || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
 }
 
-/* P13: the lane is about to come into another medium, or its packet has ended. */
+/* Ends the visit of the lane's packet to its medium (P13): it is about to come into another medium, or has
+ * ended. */
 __attribute__((noinline, cold)) static void cml_end_lane_visit(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -146,13 +149,14 @@ __attribute__((noinline, cold)) static void cml_end_lane_visit(struct cml_flight
     b->before[i] = b->interactions[i];
 }
 
-/* P13: the lane has come to z in a medium, whose frame it is in. */
+/* Counts a depth of the lane's packet (P13): it has come to z, in the frame of its medium. */
 static inline void cml_count_lane_depth(struct cml_bundle *b, int i, real z)
 {
     b->low[i] = z > b->low[i] ? z : b->low[i];
 }
 
-/* P13: the lane's packet has gone into an outer medium for good, at depth z of its frame. */
+/* Ends the trail of the lane's packet (P13), which has gone into an outer medium for good, at depth z of that
+ * medium's frame. */
 static void cml_leave_lane(struct cml_flight *f, int i, int to, real z)
 {
     real *deepest = &f->b->deepest[i];
@@ -161,10 +165,10 @@ static void cml_leave_lane(struct cml_flight *f, int i, int to, real z)
     *deepest = deep > *deepest ? deep : *deepest;
 }
 
-/* The lane's packet as kernels/walk.h knows it. What it stands on, and how often it has bounced, are from its
- * last boundary event and hold only if it has not interacted since (bundle.h). Filled member by member: a
- * packet that is built and then copied would be stored in parts and loaded whole, and such loads wait for the
- * stores (no store forwarding). */
+/* Fills *packet with the lane's packet as kernels/walk.h knows it. The place it stands on and its number of
+ * bounces come from its last boundary event, and hold only if it has not interacted since (bundle.h). The
+ * packet is filled member by member: if it were built and then copied, it would be stored in parts and loaded
+ * whole, and such loads wait for the stores (no store forwarding). */
 static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml_packet *packet)
 {
     const int on_surface = b->interactions_at_hit[i] == b->interactions[i];
@@ -207,7 +211,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->absorbed = packet->gained = packet->roulette = packet->backing = 0;
 }
 
-/* Position (cm, frame of the medium) and direction of a lane's packet. */
+/* Stores the position (cm, frame of the medium) and direction of a lane's packet. */
 static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct cml_vec u)
 {
     b->x[i] = p.x;
@@ -218,7 +222,7 @@ static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct 
     b->uz[i] = u.z;
 }
 
-/* P14: the lane flies t (cm) from its place, or from `from`; `events` as in struct cml_stretch. */
+/* Returns the stretch of path that the lane is about to fly from its place (P14). */
 static struct cml_stretch cml_lane_stretch(const struct cml_bundle *b, int i)
 {
     const struct cml_stretch s = {cml_lane_index(b, i),
@@ -231,7 +235,7 @@ static struct cml_stretch cml_lane_stretch(const struct cml_bundle *b, int i)
     return s;
 }
 
-/* P16, of a lane that is in the material. */
+/* True if the lane, which is in the material, has been outside since its rows were last booked (P16). */
 static int cml_lane_rows_have_returned(const struct cml_flight *f, int i)
 {
     if (!f->rows.timed) return 0;
@@ -240,7 +244,7 @@ static int cml_lane_rows_have_returned(const struct cml_flight *f, int i)
     return cml_rows_have_returned(f->world, &rows, &trail);
 }
 
-/* Back into lane i what boundary events of kernels/walk.h can change. If the medium is another one, the
+/* Stores in lane i the members that boundary events of kernels/walk.h can change. If the medium changes, the
  * deposits in the old one are booked first. */
 static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
@@ -279,9 +283,9 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     cml_load_medium(f, i);
 }
 
-/* The lane's packet is about to interact at a place within rounding of a mesh. What cml_interact then writes
- * into a packet is written here ahead of the interaction, with the number that this will have: until the next
- * one the packet stands on no facet, and may be beyond one (CML_NEAR_FACETS). */
+/* Notes that the lane's packet is about to interact within rounding of a mesh. cml_interact would write this
+ * into a packet; here it is written ahead of the interaction, with the number that the interaction will have.
+ * Until the next one the packet stands on no facet, and may be beyond one (CML_NEAR_FACETS). */
 static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cml_packet *packet)
 {
     b->interactions_at_hit[i] = packet->interactions + 1;
@@ -290,7 +294,8 @@ static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cm
     b->on_primitive[i] = CML_NEAR_FACETS;
 }
 
-/* Totals and profiles of a late packet, lane i, that has ended: entry `at` of the collection (tally.h). */
+/* Adds a late packet that has ended to the totals and profiles of its batch (tally.h). i: its lane; at: its
+ * entry in the collection. */
 static void cml_end_late(const struct cml_flight *f, int i, int at, const struct cml_trail *trail)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -316,9 +321,9 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     if (setup->gates.count) row[(up ? begin->Rd_t : begin->Tt_t) + (size_t)exit.gate] += w;
 }
 
-/* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
- * lane to collection in registers: built in memory, it would be stored in parts and loaded whole, which
- * stalls. */
+/* Ends the lane's packet. end: all about its end but the weight that it has absorbed. The function is
+ * inlined, so that `end` goes from lane to collection in registers: built in memory, it would be stored in
+ * parts and loaded whole, which stalls. */
 __attribute__((always_inline)) static inline void cml_push_termination(struct cml_flight *f, int i,
                                                                        struct cml_termination end)
 {
@@ -332,12 +337,12 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     const int at = f->terminated.count;
     cml_terminated_push(f->world, &f->terminated, &end, f->factors ? &rows : NULL, f->tally);
     if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at, &end.trail);
-    CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
+    CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* the lane held a packet, which ends only once */
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);
 }
 
-/* The lane's packet has ended where it is; lost, if there is a cause (P9). */
+/* Ends the lane's packet where it is; lost, if there is a cause (P9). */
 static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
     const struct cml_bundle *b = f->b;
@@ -359,7 +364,7 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
     cml_push_termination(f, i, end);
 }
 
-/* Mask of the lanes that have this value in a column, of tasks or media. */
+/* Returns the mask of the lanes that have this value in a column, of tasks or media. */
 static uint64_t cml_lanes_equal(const int *column, int value)
 {
     uint64_t mask = 0;
@@ -368,8 +373,8 @@ static uint64_t cml_lanes_equal(const int *column, int value)
     return mask;
 }
 
-/* Mask of the lanes that play roulette (P8): they have just interacted, and are below the threshold. Two
- * halves of 32 bits, since a vector's elements have 32. */
+/* Returns the mask of the lanes that play roulette (P8): they have just interacted, and are below the
+ * threshold. It is built in two halves, because a vector's elements have 32 bits. */
 static uint64_t cml_lanes_below(const struct cml_bundle *b, cml_u32 threshold)
 {
     cml_u32 low = 0, high = 0;

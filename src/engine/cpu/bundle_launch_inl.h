@@ -1,5 +1,9 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). New packets, into the lanes of those that have ended.
+/* Code, included by bundle_walk_inl.h only: launches new packets into the lanes of packets that have ended.
+ *
+ *      source of photons --> cml_fill_queue --> launch queue, 64 photons --> cml_launch_group --> lanes
+ *                                                   | ballistic packets are counted, and get no lane
+ *
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -9,7 +13,7 @@
 
 #include <string.h>
 
-/* A lane without a packet takes part in every loop, and does nothing in any: weight 0 deposits nothing, and
+/* Makes a lane without a packet harmless. It takes part in every loop, but its weight 0 deposits nothing, and
  * in a medium without boundaries it meets none, whatever path it draws. */
 static void cml_park_lane(struct cml_flight *f, int i)
 {
@@ -36,9 +40,9 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
             queue->tau[i] = cml_optical_depth(stream, next + CML_NUM_BATCHES * (uint64_t)i, 0, 0);
 }
 
-/* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
- * one end times their number is booked with their batch (cml_end_batch). The others close up;
- * returns how many they are. */
+/* Counts the ballistic packets among the first `count` of the queue and drops them. All of them end alike, so
+ * one end times their number is booked with their batch (cml_end_batch). The others close up; returns their
+ * number. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -62,14 +66,15 @@ static int cml_count_ballistic(struct cml_flight *f, int count)
     return at;
 }
 
-/* Into the tally, of which the source is told: all that packets of the batch under way have brought so far,
- * and those that were late. Ballistic packets have been counted only: their one end goes into the tally as
- * often as they were. */
+/* Ends the batch under way: brings the collection and the ballistic packets into the tally, and tells the
+ * source that the tally holds all scores of the batch so far, with those of late packets. Ballistic packets
+ * have only been counted: their one end is added as often as they were. */
 static void cml_end_batch(struct cml_flight *f)
 {
     cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
-        f->ballistic.end.index = (uint64_t)f->batch; /* which says the group */
+        /* The index of a batch's first photon: it tells the group. */
+        f->ballistic.end.index = (uint64_t)f->batch;
         cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, NULL, f->tally);
         cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
@@ -78,9 +83,8 @@ static void cml_end_batch(struct cml_flight *f)
     cml_tally_drop_late(f->tally);
 }
 
-/* The photons that come next are of another batch. Those in flight are late from here on: the bundle stays
- * full, which it would not if it waited for them. Lanes whose packets have ended are among them until they
- * are refilled. */
+/* Begins another batch. Packets in flight are late from here on. The bundle does not wait for their ends, so
+ * it stays full. Lanes whose packets have ended count as late until they are refilled. */
 static void cml_begin_batch(struct cml_flight *f, int batch)
 {
     const struct cml_bundle *b = f->b;
@@ -94,7 +98,7 @@ static void cml_begin_batch(struct cml_flight *f, int batch)
     f->first_cell = cml_first_cell(&f->to, (cml_u64)batch);
 }
 
-/* The next photons into hand, and the shifts that they have in common. Returns 0 when there are none. */
+/* Takes the next photons in hand, with the shifts that they share. Returns 0 if there are none. */
 static int cml_take_photons(struct cml_flight *f)
 {
     if (!f->source->next(f->source->context, &f->next, &f->left)) return 0;
@@ -106,7 +110,7 @@ static int cml_take_photons(struct cml_flight *f)
     return 1;
 }
 
-/* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 when there are no more
+/* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 if there are no more
  * packets. */
 static int cml_fill_queue(struct cml_flight *f)
 {
@@ -127,7 +131,7 @@ static int cml_fill_queue(struct cml_flight *f)
     return 1;
 }
 
-/* The lowest `count` bits that are set in a mask. */
+/* Returns the lowest `count` bits that are set in a mask. */
 static cml_u32 cml_first_bits(cml_u32 mask, int count)
 {
     cml_u32 rest = mask;
@@ -136,21 +140,23 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
     return mask & ~rest;
 }
 
-/* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P16). */
+/* Sets the path that the lane's packet has behind it. Its rows begin at the packet's place, because the
+ * layers above absorb in no row (P16). */
 static void cml_launch_path(struct cml_flight *f, int i, real path)
 {
     f->b->path[i] = f->factors && !f->b->stay ? (real)0 : path;
     if (f->factors) cml_launch_lane_rows(f, i, 1, path);
 }
 
-/* The lane as cml_place puts its packet, where that is another weight or medium than that of the lanes beside
- * it. */
+/* Sets weight, medium and path of a lane's packet as cml_place does, if they may differ from those of the
+ * lanes beside it. */
 static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_packet *start)
 {
     struct cml_bundle *b = f->b;
     if (f->world->setup.num_sources > 1)
         cml_add_specular(&f->to, start->index, cml_split_off(f->world, start->index));
-    if (f->factors) cml_launch_lane_rows(f, i, -1, 0); /* another weight than that of the lanes beside it */
+    /* Takes back the launch with the weight of the other lanes. */
+    if (f->factors) cml_launch_lane_rows(f, i, -1, 0);
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;
     cml_launch_path(f, i, start->path);
@@ -159,8 +165,7 @@ static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_p
     cml_load_medium(f, i);
 }
 
-/* P1 where packets start elsewhere and the queue does not know where, and scores of the launch where facets
- * or fluence are asked for: a lane at a time. */
+/* Places the packet of one lane (P1), if the queue does not, and scores its launch for facets and fluence. */
 static void cml_place_lane(struct cml_flight *f, int i)
 {
     struct cml_packet *start = &f->start;
@@ -176,7 +181,7 @@ static void cml_place_lane(struct cml_flight *f, int i)
     f->b->mark[i] = start->mark;
 }
 
-/* P13, of a lane that holds a new packet. */
+/* Begins the trail of a lane that holds a new packet (P13). */
 static void cml_begin_lane_trail(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -186,18 +191,19 @@ static void cml_begin_lane_trail(struct cml_flight *f, int i)
     b->here[i] = b->momentum[i] = 0;
     b->low[i] = cml_first_low(b->path[i], b->z[i]);
     b->before[i] = 0;
-    if (f->factors && b->path[i] > 0) b->path[i] = 0; /* as in cml_launch_path */
+    /* With rows the path counts from here, as in cml_launch_path. */
+    if (f->factors && b->path[i] > 0) b->path[i] = 0;
 }
 
-/* P13: the trail of lane `from` into that of lane `to`. */
+/* Copies the trail of lane `from` into that of lane `to` (P13). */
 static void cml_move_trail(const struct cml_bundle *b, int from, int to)
 {
     const struct cml_trail old = cml_lane_trail(b, from), new = cml_lane_trail(b, to);
     memcpy(new.stay, old.stay, (size_t)b->num_media * sizeof *old.stay);
 }
 
-/* Lane `from` into lane `to`, which holds no packet: every column of the structure of arrays. All columns are
- * 4 bytes wide and follow one another from x on. */
+/* Moves lane `from` to lane `to`, which holds no packet: every column of the structure of arrays. All columns
+ * are 4 bytes wide and follow one another from x on. */
 static void cml_move_lane(struct cml_flight *f, int from, int to)
 {
     const size_t first = offsetof(struct cml_bundle, x), column = sizeof f->b->x;
@@ -215,9 +221,9 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
     f->live |= CML_LANE_BIT(to);
 }
 
-/* Lane compaction: nothing is left to launch, so packets in flight move together into as few groups of lanes
- * as they fill, and passes do not go over the others any more. Without it the last packets of a range would
- * each pay for a whole bundle. */
+/* Compacts the lanes when nothing is left to launch: packets in flight move together into as few groups of
+ * lanes as they fill, and passes no longer go over the others. Without it each of the last packets of a range
+ * would cost as much as a whole bundle. */
 static void cml_compact_lanes(struct cml_flight *f)
 {
     const int lanes = (__builtin_popcountll(f->live) + CML_GROUP - 1) / CML_GROUP * CML_GROUP;
@@ -229,8 +235,8 @@ static void cml_compact_lanes(struct cml_flight *f)
     f->b->lanes = lanes;
 }
 
-/* Packets like `start` into lanes of a group. Most of these held packets that ended in the medium where new
- * ones start, so their columns of the medium are right already; the others load it. */
+/* Launches packets like `start` into lanes of a group. Most lanes held packets that ended in the medium where
+ * new ones start, so their columns of the medium are right already. The others load them. */
 static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
@@ -248,7 +254,7 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     }
 }
 
-/* Lanes of a group whose packets of the queue are transmitted at the first boundary. */
+/* Returns the mask of a group's lanes whose packets of the queue are transmitted at the first boundary. */
 static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue, cml_u32 lanes)
 {
     _Alignas(64) int through[CML_GROUP] = {0};
@@ -256,7 +262,7 @@ static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue,
     return cml_group_equal(through, 1);
 }
 
-/* What the lanes of a group need of the lattice. */
+/* Gives the lanes of a group their words of the lattice. */
 static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
 {
     const struct cml_launch_queue *queue = &f->queue;
@@ -265,7 +271,8 @@ static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
     cml_bundle_launch_lattice(f->b, reversed, queue->shifts, first, lanes);
 }
 
-/* P1: packets of the queue, from entry `at` on, start where it says. Their depth is that of all. */
+/* Gives packets of the queue, from entry `at` on, their places and directions (P1). The depth of the start is
+ * the same for all. */
 static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
@@ -278,9 +285,9 @@ static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 l
     cml_group_unpack(queue->uz + at, lanes, b->uz + first);
 }
 
-/* Packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values that lie
- * side by side go to the lanes of the mask, in order. Packets that are transmitted at the first boundary
- * start behind it. */
+/* Launches packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values
+ * that lie side by side go to the lanes of the mask, in order. Packets that are transmitted at the first
+ * boundary start behind it. */
 static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
@@ -304,8 +311,8 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (b->stay) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
-/* P19: the last branch that waits, into a lane. It stands on a surface only as a packet within rounding of a
- * mesh does. */
+/* Launches the branch that came last to the stack into a lane (P19). It stands on a surface only as a packet
+ * within rounding of a mesh does. */
 static void cml_launch_branch(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -336,8 +343,8 @@ static void cml_launch_branch(struct cml_flight *f, int i)
     f->late_profiles[i] = cml_tally_late(f->tally, batch);
 }
 
-/* New packets for lanes of a group, branches before photons, from as many fillings of the queue as it takes;
- * lanes for which there are none are parked. */
+/* Launches new packets into lanes of a group, branches before photons, and fills the queue as often as
+ * needed. Lanes for which there are no packets are parked. */
 static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
 {
     if (f->to.branches)
@@ -351,8 +358,8 @@ static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
     cml_for_lanes(f, (uint64_t)lanes << first, cml_park_lane);
 }
 
-/* Refills the lanes whose packet has ended, as long as there are packets: a full bundle is what makes vectors
- * pay. */
+/* Refills the lanes whose packet has ended, as long as there are packets, because vectors pay only in a full
+ * bundle. */
 static void cml_refill(struct cml_flight *f)
 {
     const uint64_t ended = f->ended;

@@ -1,16 +1,18 @@
-/* Code, included by the other bundle_*_inl.h and so compiled once for each level of the processor: these are
- * the vector loops, for which the levels exist (engine_cpu_level.c). Every loop goes over all lanes of the
- * bundle. Lanes whose task is another compute as well, and keep what they had: a select costs less than a
- * branch. Lanes without a packet may hold anything. SPDX-License-Identifier: MIT */
+/* Code, included by the other bundle_*_inl.h: the vector loops of a pass, for which the levels of the
+ * processor exist. Every loop goes over all lanes of the bundle. A lane whose task is another one computes as
+ * well, and keeps its old values: a select costs less than a branch. Lanes without a packet may hold
+ * anything.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "walk.h"
 
 #include <stddef.h>
 
-/* The select of a vector loop: a in active lanes (1), b in the others (0). A compiler turns `active ? a : b`
- * that is stored where b came from into a conditional store. That is right where vectors have masks
- * (AVX-512); where they have none it is slow, and the value is put together from bits instead. */
+/* Returns the select of a vector loop: a in active lanes (1), b in the others (0). A compiler turns `active ?
+ * a : b`, stored where b came from, into a conditional store. That is fast if vectors have masks (AVX-512).
+ * Otherwise it is slow, and the value is put together from bits instead. */
 static inline cml_u32 cml_pick_word(int active, cml_u32 a, cml_u32 b)
 {
 #ifdef __AVX512F__
@@ -31,23 +33,25 @@ static inline real cml_pick(int active, real a, real b)
     return cml_float_of(cml_pick_word(active, cml_bits_of(a), cml_bits_of(b)));
 }
 
-/* A random word, or in its place where `even` is 1 one of the lattice, as cml_lattice_word has it. */
+/* Returns a random word, or, if `even` is 1, one of the lattice in its place, as cml_lattice_word does. */
 static inline cml_u32 cml_even_or_random(int even, cml_u32 lattice, cml_u32 random)
 {
     return cml_pick_word(even, (lattice & ~255u) | (random & 255u), random);
 }
 
-/* A vector loop is a function of its own: inlined, its constants would compete for registers with those of
- * the loops beside it, and a profile could not tell them apart. What it calls is inlined. */
+/* A vector loop is a function of its own. If it were inlined, its constants would compete for registers with
+ * those of the loops beside it, and a profile could not tell them apart. The functions that it calls are
+ * inlined. */
 #define CML_LOOP static __attribute__((noinline))
 
-/* What the photons of the queue have in common when they draw for the reflection at a boundary event. */
+/* The numbers that the photons of the queue share when they draw for the reflection at a boundary event. */
 struct cml_queue_crossing {
-    cml_u32 crossing;         /* its number, as in cml_draw_reflection */
-    int even;                 /* draws from the lattice */
-    cml_u32 generator, shift; /* there */
+    cml_u32 crossing;         /* number of the boundary event, as in cml_draw_reflection */
+    int even;                 /* 1: the reflection draws from the lattice */
+    cml_u32 generator, shift; /* generator and shift of the lattice's dimension */
 };
 
+/* Returns the numbers that the photons of the queue share at boundary event `crossing`. */
 static inline struct cml_queue_crossing
 cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_queue *queue, cml_u32 crossing)
 {
@@ -60,7 +64,7 @@ cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_que
     return at;
 }
 
-/* cml_draw_reflection for photon i of the queue. */
+/* Returns cml_draw_reflection for photon i of the queue. */
 static inline cml_u32 cml_queue_reflection(struct cml_stream stream, const struct cml_launch_queue *queue,
                                            int i, struct cml_queue_crossing at)
 {
@@ -71,10 +75,10 @@ static inline cml_u32 cml_queue_reflection(struct cml_stream stream, const struc
 }
 
 /* Fills the launch queue with CML_QUEUE photons of a batch from index `next` on: the block of their first
- * interaction, the optical depth to it (P2), and whether they are transmitted at the first boundary.
- * reflectance: there, if the beam meets it at one place and angle; 0: it reflects nothing, or is not known.
- * Returns 1 when an optical depth lies in the tail (P2), which is too rare for this loop and is infinite in
- * the queue. */
+ * interaction, the optical depth to it (P2), and 1 in `through` if they are transmitted at the first
+ * boundary. reflectance: of that boundary, if the beam meets it at one place and angle; 0: it reflects
+ * nothing, or is not known. Returns 1 if an optical depth lies in the tail (P2): this is too rare for the
+ * loop, and the depth is infinite in the queue. */
 CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real reflectance,
                             struct cml_launch_queue *queue)
 {
@@ -108,9 +112,9 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
     return tail;
 }
 
-/* Which photons of the queue are not ballistic: they interact before they have flown `path` (cm) through a
- * medium of that mean free path (cm), or are reflected at the boundary before it or at the one behind it.
- * crossings: number of the random draw for the boundary behind, reflectance: of that boundary. */
+/* Finds the photons of the queue that are not ballistic. They interact before they have flown `path` (cm)
+ * through a medium of the mean free path mfp (cm), or are reflected at the boundary before it or at the one
+ * behind it. crossings: number of the random draw for the boundary behind; reflectance: of that boundary. */
 CML_LOOP void cml_queue_find_not_ballistic(const struct cml_setup *setup, real path, real mfp,
                                            cml_u32 crossings, real reflectance,
                                            struct cml_launch_queue *queue)
@@ -125,9 +129,9 @@ CML_LOOP void cml_queue_find_not_ballistic(const struct cml_setup *setup, real p
     }
 }
 
-/* Fills lanes of the group that begins at `first`, lane first + k where bit k of `lanes` is set, with packets
- * like `start`. Indices, draws and optical depths have come from the queue; media are the caller's to load.
- * absorbed: [CML_LANES], what the lanes' packets have deposited. */
+/* Fills lanes of the group that begins at `first` with packets like `start`: lane first + k if bit k of
+ * `lanes` is set. Indices, draws and optical depths have come from the queue; the caller loads media.
+ * absorbed: [CML_LANES] deposits of the lanes' packets. */
 CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
                                 int first, cml_u32 lanes)
 {
@@ -158,8 +162,8 @@ CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
     }
 }
 
-/* Words of the lattice for new packets in the lanes of a group, as in cml_bundle_launch: for the interactions
- * after the first, and for the reflections. reversed: [CML_GROUP] of their photons; shifts:
+/* Gives new packets in the lanes of a group their words of the lattice, as in cml_bundle_launch: for the
+ * interactions after the first, and for the reflections. reversed: [CML_GROUP] of their photons; shifts:
  * [CML_LATTICE_BLOCKS] of their batch. */
 CML_LOOP void cml_bundle_launch_lattice(struct cml_bundle *b, const cml_u32 *reversed,
                                         const struct cml_block *shifts, int first, cml_u32 lanes)
@@ -182,15 +186,24 @@ CML_LOOP void cml_bundle_launch_lattice(struct cml_bundle *b, const cml_u32 *rev
     }
 }
 
-/* Which boundaries lane i may meet on a path of length s (cm), by depths alone: flags, 1 or 0. A path ends
- * beyond the part of a boundary that comes first, or begins beyond that part of a curved one. Conservative: a
- * boundary that is not named here cannot be met, rounding included. Each comparison is the negation of the
- * safe case, so that a NaN or an infinite path is sent on to where such packets are dealt with. A path can
- * meet a plane only if it ends beyond it: that is why there is no start flag for planes. */
+/* The boundaries that lane i may meet on a path of length s (cm), by depths alone: flags, 1 or 0. A boundary
+ * may be met if the path ends beyond the nearest part of it, or, if it is curved, begins beyond this part. A
+ * path can meet a plane only if it ends beyond it, so planes have no start flag.
+ *
+ *       stop_above   - - - - - - - - - - - - - -
+ *                           .     nothing here          a path between these depths meets no boundary
+ *                       p --'--> q
+ *       stop_below   - - - - - - - - - - - - - -
+ *
+ * The flags are conservative: a boundary without a flag cannot be met, rounding included. Each comparison is
+ * the negation of the safe case, so a path that is infinite or not a number is sent on to the code that
+ * handles such packets. */
 struct cml_lane_candidates {
-    int ends_above, ends_below, starts_above, starts_below; /* beyond a boundary, or within its heights */
+    /* Ends or starts beyond a boundary, or within its heights. */
+    int ends_above, ends_below, starts_above, starts_below;
 };
 
+/* Finds the boundaries that lane i may meet on a path of length s (cm). */
 static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
     const real z = b->z[i], step = s * b->uz[i], end = z + step, err_depth = cml_err_depth(z, step);
@@ -202,8 +215,8 @@ static inline struct cml_lane_candidates cml_find_lane_candidates(const struct c
     return ahead;
 }
 
-/* Whether lane i may meet a boundary before its interaction. *distance: to that, cm. In thick media hardly
- * any lane may, and this comparison of depths is all that boundaries cost. */
+/* True if lane i may meet a boundary before its interaction. *distance: to the interaction, cm. In thick
+ * media hardly any lane may, and boundaries cost no more than this comparison of depths. */
 static inline int cml_lane_may_hit(const struct cml_bundle *b, int i, real tau, real *distance)
 {
     const real s = cml_path(tau, CML_OF_MEDIUM(b, mfp)[i]);
@@ -212,8 +225,8 @@ static inline int cml_lane_may_hit(const struct cml_bundle *b, int i, real tau, 
     return ahead.ends_above | ahead.ends_below | ahead.starts_above | ahead.starts_below;
 }
 
-/* Lanes that have crossed or left a plane, or hold a new packet: the path to the interaction from there, and
- * the task INTERACT or MAY_HIT, as cml_bundle_fly does for all. */
+/* Gives lanes that have crossed or left a plane, or hold a new packet, the path to their interaction, and the
+ * task INTERACT or MAY_HIT, as cml_bundle_fly does for all lanes. */
 CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
@@ -227,9 +240,10 @@ CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)
     }
 }
 
-/* All lanes: the words of the next interaction (rng.h), those of the second and third from the lattice
- * (lattice.h); the first ones have come with the launch. Lanes with INTERACT have just had
- * one, and count it here; the others keep what they have, which a vector loop computes anyway. */
+/* Draws the words of the next interaction in all lanes (rng.h), for the second and third interaction from the
+ * lattice (lattice.h); the first words came with the launch. Lanes with INTERACT have just had an
+ * interaction, and count it here. The others keep their values, although a vector loop computes new ones as
+ * well. */
 CML_LOOP void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int lanes = b->lanes;
@@ -253,14 +267,13 @@ CML_LOOP void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *
     }
 }
 
-/* What a loop says of all lanes: bits. */
+/* Findings of a loop over all lanes, as bits. */
 enum { CML_ANY_MAY_HIT = 1, CML_ANY_TAIL = 2 };
 
-/* All lanes: those with INTERACT get a new optical depth (P2). Then all get the path s to their interaction,
- * and the task INTERACT, or MAY_HIT where a boundary may come first. Returns CML_ANY_MAY_HIT when one has
- * that, and CML_ANY_TAIL with it when the optical depth of one lies in the tail: such a lane's path is
- * infinite, so it may hit.
- */
+/* Gives lanes with INTERACT a new optical depth (P2), and all lanes the path s to their interaction, with the
+ * task INTERACT, or MAY_HIT if a boundary may come first. Returns CML_ANY_MAY_HIT if any lane may hit, and
+ * CML_ANY_TAIL with it if an optical depth lies in the tail: the path of such a lane is infinite, so it may
+ * hit. */
 CML_LOOP int cml_bundle_fly(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
@@ -284,13 +297,13 @@ CML_LOOP int cml_bundle_fly(struct cml_bundle *b)
 
 enum { CML_ANY_AT_PLANE = 1, CML_ANY_AT_LIMIT = 2 };
 
-/* Lanes with MAY_HIT that meet a plane before they interact are moved to it: TRANSMITTED where the indices
- * are equal, else AT_PLANE. A packet meets the plane that it heads for, and never the one that it leaves.
- * Those that meet none go back to INTERACT, or to NO_EVENT where they never interact. Returns
- * CML_ANY_AT_PLANE when any lane is AT_PLANE, and CML_ANY_AT_LIMIT with it when one has NO_EVENT or may have
- * bounced too often (cml_lane_is_at_limit). n1, n2: indices on the near and the far side; t: distance to the
- * plane, cm, below 0 where rounding has put the packet beyond it. measured: whether paths are counted (P11),
- * and s becomes the distance to the plane; constant, so that each way has a loop of its own. */
+/* Moves lanes with MAY_HIT that meet a plane before they interact to this plane. They become TRANSMITTED if
+ * the indices are equal, else AT_PLANE. A packet meets the plane that it heads for, and never the one that it
+ * leaves. Lanes that meet no plane go back to INTERACT, or to NO_EVENT if they never interact.
+ * Returns CML_ANY_AT_PLANE if any lane is AT_PLANE, and CML_ANY_AT_LIMIT with it if one has NO_EVENT or may
+ * have bounced too often (cml_lane_is_at_limit). n1, n2: indices on the near and the far side; t: distance to
+ * the plane, cm, below 0 if rounding has put the packet beyond it. measured: 1 if paths are counted (P11),
+ * and s becomes the distance to the plane; constant, so that each case has a loop of its own. */
 __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struct cml_bundle *b,
                                                                            const int measured)
 {
@@ -342,7 +355,8 @@ __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struc
     return at_planes * CML_ANY_AT_PLANE + at_limits * CML_ANY_AT_LIMIT;
 }
 
-/* P13: lanes that planes have turned back; those that go through come to another medium's frame. */
+/* Counts the depths of lanes that planes have turned back (P13). Lanes that go through come into another
+ * medium's frame. */
 CML_LOOP void cml_bundle_count_reflected_depths(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
@@ -353,18 +367,20 @@ CML_LOOP void cml_bundle_count_reflected_depths(struct cml_bundle *b)
     }
 }
 
+/* Runs cml_bundle_move_to_planes. measured: 1 if paths are counted. */
 CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b, int measured)
 {
     return measured ? cml_bundle_move_to_planes(b, 1) : cml_bundle_move_to_planes(b, 0);
 }
 
-/* Lanes AT_PLANE become REFLECTED or TRANSMITTED, with their new direction (P5), which is computed for both
- * and selected: Fresnel reflectance against a random number. The medium changes later (cml_enter_layer). */
+/* Gives lanes AT_PLANE their new direction (P5), and makes them REFLECTED or TRANSMITTED. Both directions are
+ * computed, and one is selected: Fresnel's reflectance against a random number. The medium changes later
+ * (cml_enter_layer). */
 CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even =
-        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
+    /* Number of first reflections that draw from the lattice. */
+    const cml_u32 even = setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u;
     const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -390,8 +406,9 @@ CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struc
     }
 }
 
-/* P9, for lane i after cml_bundle_reach_planes and cml_bundle_reflect_or_refract: it has no event ahead, or
- * is in the material still and has had more boundary events in a row than any packet that gets anywhere. */
+/* True if lane i has reached a limit of P9, after cml_bundle_reach_planes and cml_bundle_reflect_or_refract:
+ * it has no event ahead, or it is still in the material and has had more boundary events in a row than
+ * CML_TRAPPED_LIMIT. */
 static inline int cml_lane_is_at_limit(const struct cml_bundle *b, int i, int layers)
 {
     const int task = b->task[i], from = b->medium[i], crossed = task == CML_LANE_TRANSMITTED;
@@ -401,7 +418,7 @@ static inline int cml_lane_is_at_limit(const struct cml_bundle *b, int i, int la
     return medium > 0 && medium <= layers && b->bounces[i] > CML_TRAPPED_LIMIT;
 }
 
-/* P6: those of a group's lanes that leave through a plane, as a mask: TRANSMITTED into an outer medium, or
+/* Returns the mask of a group's lanes that leave through a plane (P6): TRANSMITTED into an outer medium, or
  * REFLECTED in the one where they have started. */
 static inline cml_u32 cml_group_leaves(const struct cml_bundle *b, int first, int layers)
 {

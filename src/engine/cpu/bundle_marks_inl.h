@@ -1,14 +1,15 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Fluence (P14): what lanes score where they interact, and marks on their
- * paths; and interactions of which A(r,z) and A(t) of rows (P16) are made. SPDX-License-Identifier: MIT */
+/* Code, included by bundle_walk_inl.h only: fluence of lanes (P14), that is scores of interactions and marks
+ * on paths, and the interactions that make up A(r,z) and A(t) of rows (P16).
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_interact_inl.h"
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Where the lanes with INTERACT, which have not hopped yet, will, and what that scores: 0 in the lanes that
- * have none. marked: those of them that have marks instead. */
+/* Finds the cell of the coming interaction of lanes with INTERACT, which have not moved yet, and its score: 0
+ * in lanes without one. marked: 1 in lanes that interact, but score by marks. */
 CML_LOOP void cml_bundle_find_scores(const struct cml_setup *shared, const struct cml_bundle *b,
                                      cml_u32 *cell, cml_u32 *score, int *marked)
 {
@@ -26,19 +27,21 @@ CML_LOOP void cml_bundle_find_scores(const struct cml_setup *shared, const struc
     }
 }
 
-/* The lane flies t (cm). */
+/* Scores the marks of a lane's flight of t (cm). */
 static void cml_mark_lane(struct cml_flight *f, int i, const struct cml_stretch *stretch, real t)
 {
     f->b->mark[i] = cml_mark_stretch(f->world, &f->to, stretch, f->b->mark[i], t);
 }
 
+/* Scores the marks of a lane's flight to its interaction. */
 static void cml_mark_lane_flight(struct cml_flight *f, int i)
 {
     const struct cml_stretch stretch = cml_lane_stretch(f->b, i);
     cml_mark_lane(f, i, &stretch, f->b->s[i]);
 }
 
-/* No vector loop: two lanes may hit the same cell. By groups, which a compiler unrolls. */
+/* Adds scores of all lanes to the fluence. This is no vector loop, because two lanes may hit the same cell.
+ * It goes by groups, which a compiler unrolls. */
 static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *cell, const cml_u32 *score,
                                   int lanes)
 {
@@ -50,7 +53,7 @@ static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *
             for (int i = first; i < first + CML_GROUP; i++) phi[cell[i]] += score[i];
 }
 
-/* What else marks at interactions score, which threads share. */
+/* Adds the scores of interactions to voxels and bins of time, which threads share. */
 static void cml_add_more_scores(const struct cml_flight *f, const cml_u32 *score)
 {
     const struct cml_bundle *b = f->b;
@@ -63,7 +66,7 @@ static void cml_add_more_scores(const struct cml_flight *f, const cml_u32 *score
     }
 }
 
-/* The lanes that are about to interact. */
+/* Scores the fluence of lanes that are about to interact. */
 static void cml_mark_interactions(struct cml_flight *f)
 {
     _Alignas(64) cml_u32 cell[CML_LANES], score[CML_LANES];
@@ -77,7 +80,7 @@ static void cml_mark_interactions(struct cml_flight *f)
                       cml_mark_lane_flight);
 }
 
-/* cml_bundle_reach_planes with the marks up to them. */
+/* Runs cml_bundle_reach_planes, and scores the marks up to the planes. */
 static int cml_reach_planes_with_marks(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -95,13 +98,13 @@ static int cml_reach_planes_with_marks(struct cml_flight *f)
         struct cml_stretch s = cml_lane_stretch(b, i);
         s.p = (struct cml_vec){x[i], y[i], z[i]};
         s.path = path[i];
-        s.events--; /* this one has been counted */
+        s.events--; /* the boundary event has been counted already */
         cml_mark_lane(f, i, &s, b->s[i]);
     }
     return any;
 }
 
-/* The last flights of a group's packets, which leave through a plane. */
+/* Scores the last flights of a group's packets, which leave through a plane. */
 static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -114,7 +117,7 @@ static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
     }
 }
 
-/* P16: rows of lanes that are about to interact in another gate are booked, where they have A_t. */
+/* Books rows of lanes that are about to interact in another gate (P16), if rows have A_t. */
 static void cml_keep_time_of_rows(struct cml_flight *f)
 {
     _Alignas(64) real since[CML_LANES];
@@ -127,7 +130,7 @@ static void cml_keep_time_of_rows(struct cml_flight *f)
                       cml_flush_deposits);
 }
 
-/* P16: lanes whose interaction is a sample for rows. */
+/* Adds interactions that are samples to the rows of their lanes (P16). */
 static void cml_sample_rows(struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;

@@ -1,13 +1,15 @@
-/* Code, included by bundle_launch_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Where the photons of the launch queue start, and where to: vector loops over
- * what cml_place (kernels/source.h) does for one packet, for beams whose packets differ in nothing else.
+/* Code, included by bundle_launch_inl.h only: places and directions of the photons in the launch queue.
+ * Vector loops do what cml_place (kernels/source.h) does for one packet, for beams whose packets differ in
+ * nothing else.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* One beam from above all surfaces. Images and tables are searched, which vector loops do not; others start
- * at another weight, in another medium, or all alike. */
+/* True if the queue can place the photons: one beam from above all surfaces. Images and tables need a search,
+ * which vector loops do not do. Photons of other beams start with another weight, in another medium, or all
+ * alike. */
 static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_source *source)
 {
     const int alike = source->shape == CML_BEAM_PENCIL && source->light == CML_LIGHT_PARALLEL;
@@ -15,7 +17,7 @@ static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_s
            source->light != CML_LIGHT_TABLE;
 }
 
-/* The words that place a photon, as cml_draw_launch. */
+/* Draws the words that place the photons, as cml_draw_launch does. */
 CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_queue *queue)
 {
     const cml_u32 radius = CML_LATTICE_LAUNCH_RADIUS, polar = CML_LATTICE_LAUNCH_POLAR;
@@ -35,6 +37,7 @@ CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_
     }
 }
 
+/* Returns the random words of the launch of photon i of the queue. */
 static inline struct cml_block cml_queue_launch(const struct cml_launch_queue *queue, int i)
 {
     const struct cml_block draw = {
@@ -42,7 +45,8 @@ static inline struct cml_block cml_queue_launch(const struct cml_launch_queue *q
     return draw;
 }
 
-/* shape: constant, so that the loop has no other. Places go to x and y of the queue. */
+/* Finds the places of all photons on the shape of the beam, and writes them to x and y of the queue. shape:
+ * constant, so that the loop contains no other shape. */
 static inline void cml_queue_offsets(const struct cml_world *world, struct cml_launch_queue *queue,
                                      const int shape)
 {
@@ -57,6 +61,7 @@ static inline void cml_queue_offsets(const struct cml_world *world, struct cml_l
     }
 }
 
+/* Runs cml_queue_offsets with the loop for the beam's shape. */
 CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].shape) {
@@ -78,7 +83,7 @@ CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml
     }
 }
 
-/* light: constant. From the place on the shape to where packets start, on their lines. */
+/* Moves all photons from their places on the shape to their starts, on their lines. light: constant. */
 static inline void cml_queue_aim(const struct cml_world *world, struct cml_launch_queue *queue,
                                  const int light)
 {
@@ -101,6 +106,7 @@ static inline void cml_queue_aim(const struct cml_world *world, struct cml_launc
     }
 }
 
+/* Runs cml_queue_aim with the loop for the beam's light. */
 CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].light) {
@@ -115,7 +121,8 @@ CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_la
     }
 }
 
-/* matched: constant; no index step, so that nothing is drawn. */
+/* Takes the photons of the queue through the plane below them. matched: constant; 1: indices are equal, so
+ * that nothing is drawn. */
 static inline void cml_queue_cross(const struct cml_world *world, real z, struct cml_launch_queue *queue,
                                    const int matched)
 {
@@ -144,9 +151,9 @@ static inline void cml_queue_cross(const struct cml_world *world, real z, struct
     }
 }
 
-/* Photons of the queue that are transmitted at the plane below them, z = 0 of the first layer, start there:
- * P5, as cml_bundle_reach_planes and cml_bundle_reflect_or_refract have it. z: where all start, cm. The
- * medium above is clear. */
+/* Takes the photons of the queue through the plane z = 0 of the first layer (P5), as cml_bundle_reach_planes
+ * and cml_bundle_reflect_or_refract do: photons that are transmitted start there. z: where all photons start,
+ * cm. The medium above is clear. */
 CML_LOOP void cml_queue_enter(const struct cml_world *world, real z, struct cml_launch_queue *queue)
 {
     if (world->media[0].n == world->media[1].n)
@@ -155,7 +162,7 @@ CML_LOOP void cml_queue_enter(const struct cml_world *world, real z, struct cml_
         cml_queue_cross(world, z, queue, 0);
 }
 
-/* All photons of the queue, whose indices and points of the lattice are there. */
+/* Places all photons of the queue, whose indices and points of the lattice are filled. */
 static void cml_queue_place(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     cml_queue_draw_launch(world->setup.stream, queue);

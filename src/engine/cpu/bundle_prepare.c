@@ -3,9 +3,9 @@
 
 #include "surface/mesh/mesh_surface.h"
 
-/* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). One with a
- * backing counts as curved: lanes go by kernels/walk.h there. A medium without a boundary on one side, an
- * outer one or that of a body, has infinite depths there, and its own index beyond it. */
+/* A plane needs no start depth: only a path that ends beyond a plane meets it (cml_find_lane_candidates). A
+ * plane with a backing counts as curved, because lanes go by kernels/walk.h there. A medium without a
+ * boundary on one side, an outer one or a body's, has infinite depths and its own index there. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
@@ -35,9 +35,10 @@ struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
     return lane;
 }
 
-/* What becomes of packets like `like` that are transmitted at a boundary: the same for all, but for the
- * random number that decides on transmission. Tries some photon indices until one gets through. Returns 0
- * when none does, or where shading normals make the outcome depend on more than that. */
+/* Finds the state of packets like `like` after they are transmitted at a boundary. It is the same for all
+ * packets, except for the random number that decides on transmission, so some photon indices are tried until
+ * one gets through. Returns 0 if none does, or if shading normals make the outcome depend on more than
+ * that. */
 static int cml_transmit_like(const struct cml_world *world, const struct cml_packet *like,
                              const struct cml_hit *hit, struct cml_packet *through)
 {
@@ -52,7 +53,7 @@ static int cml_transmit_like(const struct cml_world *world, const struct cml_pac
     return 0;
 }
 
-/* P5: Fresnel reflectance of a packet at a hit; 0 between equal indices. */
+/* Returns Fresnel's reflectance of a packet at a hit (P5); 0 between equal indices. */
 static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
@@ -65,7 +66,8 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
-/* A medium above that scatters or absorbs would end the one path for all: then the hit is not known. */
+/* If the medium above scatters or absorbs, packets have no common path to the boundary, and the hit is not
+ * known. */
 void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
@@ -77,7 +79,7 @@ void cml_find_first_hit(struct cml_flight *f)
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
-/* Where paths, visits or what goes down are counted, lanes cross the plane themselves. */
+/* If paths, visits or expected values are counted, lanes cross the plane themselves. */
 void cml_find_entry(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -93,8 +95,8 @@ void cml_find_entry(struct cml_flight *f)
                 cml_transmit_like(world, &packet, &hit, &f->inside);
 }
 
-/* Finds the way on of packets that begin alike inside, at a mesh. Its hit is that of a path without an end.
- */
+/* Finds the known path of packets that begin alike inside, below a mesh. Its hit is that of a path without an
+ * end. */
 void cml_find_known_path(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -114,10 +116,10 @@ void cml_find_known_path(struct cml_flight *f)
     f->world = &f->aware;
 }
 
-/* Ballistic packets: they start alike, do not interact in their first medium, and end at the boundary behind
- * it. Only a plane ends packets for sure, since what leaves through it never returns (P6). Maps and facets
- * score each packet where it leaves, expected values where it goes down, and every packet has marks of its
- * own and rows weigh it, so they are not counted together. */
+/* Finds out if there are ballistic packets: packets that start alike, do not interact in their first medium,
+ * and end at the boundary behind it. Only a plane ends packets for certain, because light that leaves through
+ * a plane never returns (P6). Packets are not counted together if each must be scored by itself: for maps,
+ * facets, expected values, marks of fluence or rows. */
 void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;

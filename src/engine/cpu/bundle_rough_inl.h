@@ -1,33 +1,36 @@
-/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes that have come to a rough plane: P20 as in kernels/rough.h, a facet of
- * all walks per round. Walks that have left go back into their lanes, and the others close up.
+/* Code, included by bundle_walk_inl.h only: lanes that have come to a rough plane. They walk as in
+ * kernels/rough.h (P20), one facet of all walks per round. Walks that have left go back into their lanes, and
+ * the others close up.
+ * It is compiled once for each level of the processor (engine_cpu_level.c says why).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Walks side by side, entries 0..count-1. Every column is 4 bytes wide. Loops go on to whole vectors; columns
- * behind the walks may be anything. */
+/* Walks side by side, entries 0 to count - 1. Every column is 4 bytes wide. Loops go over whole vectors, so
+ * entries behind the walks may hold anything. */
 struct cml_rough_lanes {
     int count;
-    uint64_t walking;                   /* mask: entries that have not left */
-    _Alignas(64) int leaves[CML_LANES]; /* in this round, in direction ux, uy, uz */
+    uint64_t walking;                   /* mask: walks that have not left the surface */
+    _Alignas(64) int leaves[CML_LANES]; /* 1: the walk leaves in this round, in direction ux, uy, uz */
     real ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    cml_u32 reflection[CML_LANES]; /* word of the lattice, for the first facet */
-    int even[CML_LANES];           /* that facet takes it */
-    /* from here on the columns that close up */
+    cml_u32 reflection[CML_LANES]; /* word of the lattice for the first facet */
+    int even[CML_LANES];           /* 1: the first facet uses this word */
+    /* The columns from here on close up when walks end: */
     int lane[CML_LANES];
-    real side[CML_LANES];                                           /* +1: the packet comes from below */
-    real vx[CML_LANES], vy[CML_LANES], vz[CML_LANES], e[CML_LANES]; /* as in struct cml_rough_walk */
+    real side[CML_LANES]; /* +1: the packet comes from below */
+    /* Direction and depth, as in struct cml_rough_walk. */
+    real vx[CML_LANES], vy[CML_LANES], vz[CML_LANES], e[CML_LANES];
     int beyond[CML_LANES];
-    cml_u32 word1[CML_LANES], word2[CML_LANES], word3[CML_LANES]; /* for the facet that the walk is at */
+    /* Words for the facet that the walk is at. */
+    cml_u32 word1[CML_LANES], word2[CML_LANES], word3[CML_LANES];
     real alpha[CML_LANES], n1[CML_LANES], n2[CML_LANES];
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];
     cml_u32 first[CML_LANES]; /* number of the walk's first block of random words */
 };
 
-/* The frame of a packet that comes to a plane. */
+/* Returns the frame of a packet that comes to a plane. side: +1 from below, -1 from above. */
 static inline struct cml_frame cml_plane_frame(real side)
 {
     const struct cml_vec against = {-side * 0, -side * 0, side}; /* the plane's normal is 0, 0, -1 */
@@ -56,7 +59,7 @@ static void cml_begin_rough_walk(struct cml_flight *f, int i, real alpha)
     w->reflection[k] = b->crossings[i] == 0u ? b->reflection[i] : b->second_reflection[i];
 }
 
-/* All walks come to their first facet. kind: constant, so that each has a loop of its own. */
+/* Takes all walks to their first facet. kind: constant, so that each kind has a loop of its own. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const int kind)
 {
@@ -69,7 +72,8 @@ cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const 
         const struct cml_block draw =
             cml_threefry(stream, w->index_low[k], w->index_high[k], w->first[k], CML_PURPOSE_ROUGH);
         real e = 0;
-        (void)cml_rough_fly(rough, v, &e, draw.w[0]); /* it goes down, so it does not leave */
+        /* A packet that comes goes down, so it does not leave. */
+        (void)cml_rough_fly(rough, v, &e, draw.w[0]);
         w->vx[k] = v.x;
         w->vy[k] = v.y;
         w->vz[k] = v.z;
@@ -80,8 +84,8 @@ cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const 
     }
 }
 
-/* A round of cml_rough_event: every walk turns at its facet number `steps`, counted from 1, and leaves or
- * comes to another. */
+/* Does a round of cml_rough_event: every walk turns at its facet number `steps`, counted from 1, and leaves
+ * or comes to another facet. kind: constant. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_turn(struct cml_stream stream, struct cml_rough_lanes *w, cml_u32 steps, const int kind)
 {
@@ -136,7 +140,7 @@ CML_LOOP void cml_rough_lanes_turn_beckmann(struct cml_stream stream, struct cml
     cml_rough_lanes_turn(stream, w, steps, CML_ROUGH_BECKMANN);
 }
 
-/* The k-th walk has left, after it has met `steps` facets: back into its lane. */
+/* Puts the k-th walk, which has left after `steps` facets, back into its lane. */
 static void cml_end_rough_walk(struct cml_flight *f, int k, cml_u32 steps)
 {
     const struct cml_rough_lanes *w = f->rough;
@@ -150,7 +154,7 @@ static void cml_end_rough_walk(struct cml_flight *f, int k, cml_u32 steps)
     b->task[i] = w->beyond[k] ? CML_LANE_TRANSMITTED : CML_LANE_REFLECTED;
 }
 
-/* Walks close up, where that takes fewer vectors: every column is packed group by group. */
+/* Closes up the walks if fewer vectors then hold them: every column is packed group by group. */
 static void cml_close_up_rough_walks(struct cml_rough_lanes *w)
 {
     const int left = __builtin_popcountll(w->walking);
@@ -166,7 +170,7 @@ static void cml_close_up_rough_walks(struct cml_rough_lanes *w)
     w->walking = left ? ~(uint64_t)0 >> (CML_LANES - left) : 0;
 }
 
-/* Walks that leave in this round end. */
+/* Ends the walks that leave in this round. */
 static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
 {
     struct cml_rough_lanes *w = f->rough;
@@ -179,7 +183,7 @@ static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
     cml_close_up_rough_walks(w);
 }
 
-/* P20 of those of the lanes that have come to a rough plane of this kind. */
+/* Takes all lanes that have come to a rough plane of this kind through it (P20). */
 static void cml_cross_rough_planes_of(struct cml_flight *f, uint64_t lanes, enum cml_rough_kind kind)
 {
     struct cml_rough_lanes *w = f->rough;
@@ -208,7 +212,8 @@ static void cml_cross_rough_planes_of(struct cml_flight *f, uint64_t lanes, enum
         cml_end_lane(f, w->lane[__builtin_ctzll(w->walking)], CML_FATE_LOST, CML_LOST_ROUGH);
 }
 
-/* P20 of all lanes that have come to rough planes. Returns 1 where no lane stands AT_PLANE any more. */
+/* Takes all lanes that have come to rough planes through them (P20). Returns 1 if no lane is AT_PLANE any
+ * more. */
 static int cml_cross_rough_planes(struct cml_flight *f)
 {
     const int *task = f->b->task;

@@ -1,7 +1,8 @@
-/* Code, included by engine_cpu_level.c only and so compiled once for each level of the processor: a .c file
- * of its own could not be inlined into, and loops over lanes are vectors only where all that they call is
- * inlined. The pass over a bundle: what the lanes of one thread do, in order, until there are no more
- * packets. SPDX-License-Identifier: MIT */
+/* Code, included by engine_cpu_level.c only: the pass over a bundle, which is the events of one thread's
+ * lanes, in order, until there are no more packets.
+ * It is compiled once for each level of the processor. A .c file of its own could not be inlined into, and
+ * loops over lanes become vectors only if all that they call is inlined.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/cpu/bundle_bodies_inl.h"
@@ -12,15 +13,16 @@
 #include "engine/cpu/bundle_prepare.h"
 #include "engine/cpu/bundle_rough_inl.h"
 
-/* ---- what must hold between two passes, for CML_ASSERT: in release builds nothing calls it ---- */
+/* ---- invariants between two passes, for CML_ASSERT: release builds never call these ---- */
 
-/* Weight: never above a whole packet, and never above what it was when deposits were last booked. */
+/* True if the lane's weight is never above a whole packet, nor above its weight at the last booking of
+ * deposits. */
 static inline int cml_lane_weight_is_sound(const struct cml_bundle *b, int i)
 {
     return b->w[i] <= b->flushed_w[i] && b->flushed_w[i] <= CML_WEIGHT_ONE;
 }
 
-/* Medium: one of the scene's, whose columns the lane has. */
+/* True if the lane's medium is one of the scene's, and the lane has this medium's columns. */
 static inline int cml_lane_medium_is_sound(const struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -30,8 +32,8 @@ static inline int cml_lane_medium_is_sound(const struct cml_flight *f, int i)
            memcmp(&CML_OF_MEDIUM(b, mfp)[i], &f->media[m].mfp, sizeof(real)) == 0;
 }
 
-/* Where a lane with INTERACT is after its hop: in its layer, as in cml_interact. s: the path that it has
- * flown, of which the direction before the interaction is not known any more. */
+/* True if a lane with INTERACT is in its layer after its move, as in cml_interact. The check uses s, the
+ * whole path that was flown, because the direction before the interaction is no longer known. */
 static inline int cml_lane_place_is_sound(const struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -39,7 +41,8 @@ static inline int cml_lane_place_is_sound(const struct cml_flight *f, int i)
     return b->task[i] != CML_LANE_INTERACT || cml_is_in_layer(f->world, b->medium[i], p, b->s[i]);
 }
 
-/* Lanes that hold a packet, after the interactions of a pass and before lanes are refilled. */
+/* True if all lanes that hold a packet are sound, after the interactions of a pass and before lanes are
+ * refilled. */
 static inline int cml_lanes_are_sound(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -56,8 +59,9 @@ static inline int cml_lanes_are_sound(const struct cml_flight *f)
 
 /* ---- planes, roulette, exits, passes ---- */
 
-/* The lane's packet has gone through a plane into another layer. The frame of a medium is that of the
- * boundary above it: below the plane depth begins at 0, above it at the layer's thickness. */
+/* Takes the lane's packet, which has gone through a plane, into the other layer. The frame of a medium is
+ * that of the boundary above it: below the plane depth begins at 0, above the plane at the layer's
+ * thickness. */
 static void cml_enter_layer(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -67,13 +71,13 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     cml_flush_deposits(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
-    b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
+    b->z[i] = (real)upwards * span; /* no branch, because up and down come at random */
     if (b->stay) cml_count_lane_depth(b, i, b->z[i]);
     b->task[i] = CML_LANE_TO_FLY;
     cml_load_medium(f, i);
 }
 
-/* What is scored of such packets one by one: entries of the collection from `at` on. */
+/* Scores packets that leave through a plane one by one: entries of the collection from `at` on. */
 static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int at)
 {
     const struct cml_bundle *b = f->b;
@@ -87,10 +91,10 @@ static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int 
     }
 }
 
-/* P6: packets of a group that leave through a plane, mask `exits`, into the collection of terminated packets.
- * Columns are packed: the values of the lanes in the mask are moved side by side, behind what the collection
- * holds. What they have deposited since the last flush goes along and is booked for the layer that they
- * leave. The lanes keep their columns, which hold nothing of interest until they are refilled. */
+/* Moves packets of a group that leave through a plane (P6), mask `exits`, into the collection of terminated
+ * packets. Columns are packed: the values of the lanes in the mask move side by side, behind the entries of
+ * the collection. Deposits since the last booking go along, and are booked for the layer that the packets
+ * leave. The lanes keep their columns, which are not used until the lanes are refilled. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -138,7 +142,8 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_terminated_make_room(f->world, terminated, f->tally);
 }
 
-/* A lane for which cml_lane_is_at_limit holds. P9, with the limits of cml_count_bounce. */
+/* Handles a lane that has reached a limit of P9 (cml_lane_is_at_limit), with the limits of
+ * cml_count_bounce. */
 static void cml_handle_limit(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -153,8 +158,9 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* P8, or P19, by cml_roulette. The draw is that of the interaction the packet has just had; its block is
- * computed again for its fourth word, which the loops do not keep, since few packets get here. */
+/* Plays roulette by `rule` with the lane's packet (P8, P19). The draw is that of the interaction that the
+ * packet has just had. Its block is computed again for its fourth word, which the loops do not keep, because
+ * few packets get here. */
 static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule rule)
 {
     struct cml_bundle *b = f->b;
@@ -163,7 +169,7 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(rule, &packet);
     cml_tally_events(&packet, f->tally);
-    b->interactions[i]++; /* which the next pass counts */
+    b->interactions[i]++; /* counts the interaction that the next pass will count */
     cml_flush_deposits(f, i);
     b->interactions[i]--;
     if (f->factors) {
@@ -181,8 +187,8 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_lane_plays(f, i, f->world->setup.roulette);
 }
 
-/* P19, as cml_weigh, of a lane that has interacted, and is outside of its window: it has not drawn for its
- * next interaction, which is what its branches are counted by. */
+/* cml_weigh for a lane that has interacted and is outside of its window (P19). The lane has not drawn for its
+ * next interaction yet, and its branches are numbered by that interaction. */
 static void cml_weigh_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -208,7 +214,7 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     b->w[i] = b->flushed_w[i] = packet.w;
 }
 
-/* P19: the lanes that have interacted and are outside of their windows. */
+/* Weighs the lanes that have interacted and are outside of their windows (P19). */
 static void cml_weigh_lanes(struct cml_flight *f)
 {
     _Alignas(64) int outside[CML_LANES];
@@ -219,8 +225,8 @@ static void cml_weigh_lanes(struct cml_flight *f)
     cml_for_lanes(f, mask & f->live, cml_weigh_lane);
 }
 
-/* Where facets are asked for: what lanes have met at planes. A reflected lane has its new direction already,
- * so the plane that it has met lies behind it; a transmitted one still heads for what it has met. */
+/* Scores on facets what lanes have met at planes. A reflected lane already has its new direction, so the
+ * plane that it has met lies behind it. A transmitted lane still heads for the plane. */
 static void cml_score_planes(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -233,22 +239,22 @@ static void cml_score_planes(const struct cml_flight *f)
     }
 }
 
-/* P9 for all lanes; called only when a loop has seen one that may need it. */
+/* Handles the limits of P9 in all lanes. Called only if a loop has seen a lane that may need it. */
 static void cml_handle_limits(struct cml_flight *f)
 {
     for (int i = 0; i < f->b->lanes; i++)
         if (cml_lane_is_at_limit(f->b, i, f->world->setup.num_layers)) cml_handle_limit(f, i);
 }
 
-/* P15: the lane's packet goes down through the level. */
+/* Scores the lane's packet, which goes down through the tail's level (P15). */
 static void cml_lane_enters_tail(struct cml_flight *f, int i)
 {
     cml_expect_of_lane(f, i);
     cml_score_tail(&f->world->tail, &f->to, f->b->uz[i], f->b->w[i]);
 }
 
-/* P15: lanes with a task that go down from above the level, as a mask. to_z: [CML_LANES], depths where their
- * paths end. */
+/* Returns the mask of the lanes with this task that go down from above the tail's level (P15). to_z:
+ * [CML_LANES] depths at which their paths end. */
 static uint64_t cml_lanes_into_tail(const struct cml_flight *f, int task, const real *to_z)
 {
     const struct cml_bundle *b = f->b;
@@ -276,7 +282,8 @@ static void cml_score_tail_ahead(struct cml_flight *f)
     cml_for_lanes(f, cml_lanes_into_tail(f, CML_LANE_INTERACT, z), cml_lane_enters_tail);
 }
 
-/* P15: of lanes that were above the level, those that have come to the plane below. */
+/* Scores expected values (P15) of lanes that were above the level, mask `above`, and have come to the plane
+ * below it. */
 static void cml_score_tail_at_planes(struct cml_flight *f, uint64_t above)
 {
     for (; above; above &= above - 1) {
@@ -286,10 +293,9 @@ static void cml_score_tail_at_planes(struct cml_flight *f, uint64_t above)
     }
 }
 
-/* Planes that lanes with MAY_HIT meet: reach, reflect or refract, leave or enter a layer. Lanes of packets
- * that have left are refilled at once, and all that are in flight get a new path, so that they may interact
- * in this same pass.
- */
+/* Handles the planes that lanes with MAY_HIT meet: reaches them, reflects or refracts, leaves or enters a
+ * layer. Lanes of packets that have left are refilled at once, and all lanes in flight get a new path, so
+ * that they may interact in this same pass. */
 static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -315,7 +321,8 @@ static void cml_cross_planes(struct cml_flight *f)
     cml_bundle_fly_again(b);
 }
 
-/* Of these lanes those whose optical depth lies in the tail (P2): it is infinite until it is drawn. */
+/* Returns the subset of `lanes` whose optical depth lies in the tail (P2). tau is infinite in such a lane
+ * until the tail is drawn. */
 static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 {
     uint64_t tails = 0;
@@ -326,12 +333,12 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others, while the rest
- * of the bundle goes on. A waiting lane costs its share of every pass. The loops run once the lanes have
- * waited `limit` passes, summed over lanes: then waiting has cost as much as the loops do, by measurement.
- * For arrivals at random that is close to the least cost of both together. A bundle that has been compacted
- * holds the last packets, and does not wait. Returns 1 when lanes have flown on.
- */
+/* Processes planes if enough lanes wait. The planes' loops take as long for one lane as for all, so lanes at
+ * a plane wait for others, while the rest of the bundle goes on. A waiting lane costs its share of every
+ * pass. The loops run once the lanes have waited `limit` passes, summed over lanes: then, by measurement,
+ * waiting has cost as much as the loops do. For arrivals at random that is close to the least cost of both
+ * together. A bundle that has been compacted holds the last packets, and does not wait. Returns 1 if lanes
+ * have flown on. */
 static int cml_process_planes(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 45 : 1;
@@ -342,8 +349,8 @@ static int cml_process_planes(struct cml_flight *f)
     return 1;
 }
 
-/* Finds the lanes that can meet a curved boundary before they interact, and deals with them. Between the two
- * stands a cheap vector loop, which lets most lanes of a thick medium go. */
+/* Finds the lanes that can meet a curved boundary before they interact, and processes them. A cheap vector
+ * loop comes first, which sorts out most lanes of a thick medium. */
 static void cml_process_curved_boundaries(struct cml_flight *f)
 {
     CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
@@ -356,19 +363,21 @@ static void cml_process_curved_boundaries(struct cml_flight *f)
     CML_HOOK_END(CML_HOOK_CURVED);
 }
 
-/* Rounds between two looks at whether to give up: some 0.1 ms, with queries of all lanes 20 ms. */
+/* Rounds between two looks at whether to give up. They take some 0.1 ms, or 20 ms with searches in all
+ * lanes. */
 #define CML_ROUNDS_PER_LOOK 256
 
-/* Asked in every round: a packet may live for many passes, or go to and fro between planes within one. */
+/* True if the packets under way are given up. It is asked in every round, because a packet may live for many
+ * passes, or go to and fro between planes within one. */
 static int cml_is_given_up(struct cml_flight *f)
 {
     if (++f->rounds % CML_ROUNDS_PER_LOOK == 0) f->given_up |= f->source->gives_up(f->source->context);
     return f->given_up;
 }
 
-/* All that lanes meet in this pass before they interact. tails: lanes whose optical depth lies in the tail;
- * they are dealt with one by one. After planes, lanes may meet a curved boundary next, or a plane again:
- * round and round until the planes' loops have nothing to do or wait for more lanes. */
+/* Handles all that lanes meet in this pass before they interact. tails: lanes whose optical depth lies in the
+ * tail; they are handled one by one. After planes, lanes may meet a curved boundary next, or a plane again:
+ * so rounds go on until the planes' loops have nothing to do or wait for more lanes. */
 static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_process_lane);
@@ -379,11 +388,10 @@ static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
     } while (cml_process_planes(f) && !cml_is_given_up(f));
 }
 
-/* Deposits of the pass into the thread's own A_rz, that of the group of the batch under way, or with atomic
- * additions into one that all threads share, and then also into the thread's own A_z: a cell's column is its
- * depth. No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups,
- * which a compiler unrolls.
- */
+/* Adds the deposits of the pass to the thread's own A_rz, for the group of the batch under way. If all
+ * threads share one A_rz, additions are atomic, and deposits also go into the thread's own A_z, where a
+ * cell's column is its depth. This is no vector loop, because two lanes may hit the same cell. All lanes take
+ * part, because the others add 0. It goes by groups, which a compiler unrolls. */
 static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally,
                                  cml_u32 first_cell)
 {
@@ -399,8 +407,9 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         }
 }
 
-/* Adds absorptions of late packets to A_z of their batches, and leads those to A_rz of their own group, which
- * follow that of the batch under way at a distance. All late lanes take part, as others add 0. */
+/* Adds the absorption of late packets to A_z of their batches, and directs it to A_rz of their own group,
+ * which lies a fixed distance from that of the batch under way. All late lanes take part, because the others
+ * add 0. */
 static void cml_scatter_late(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -412,7 +421,7 @@ static void cml_scatter_late(struct cml_flight *f)
     }
 }
 
-/* Adds what all lanes deposit to the voxels of the volume, where one is asked for; threads share it. */
+/* Adds the deposits of all lanes to the voxels of the volume, which threads share. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -424,8 +433,8 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
-/* P11: the paths of lanes that are about to interact. What a lane has deposited is booked when its gate
- * changes, so that most interactions cost nothing more. */
+/* Counts the optical paths of lanes that are about to interact (P11). A lane's deposits are booked only when
+ * its gate changes, so most interactions cost nothing more. */
 static void cml_count_lane_paths(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -439,7 +448,8 @@ static void cml_count_lane_paths(struct cml_flight *f)
         }
 }
 
-/* Hop, drop and spin of all lanes that have come to their interaction. */
+/* Moves, absorbs and scatters all lanes that have come to their interaction. Returns 1 if a packet is below
+ * the roulette threshold. */
 static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *b, int tally)
 {
     const struct cml_setup *setup = &world->setup;
@@ -449,7 +459,7 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
     return tally ? cml_bundle_interact(setup, b) : cml_bundle_scatter(setup, b);
 }
 
-/* The interactions of a pass. */
+/* Does the interactions of a pass. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -470,8 +480,8 @@ static void cml_flight_interact(struct cml_flight *f)
         cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
 }
 
-/* Lanes in the tail, without those that hold no packet. Such a lane draws like the others, so its optical
- * depth may come to lie in the tail, too: it is parked again, with a finite one. */
+/* Returns the lanes in the tail that hold a packet. A lane without a packet draws like the others, so its
+ * optical depth may come to lie in the tail too; it is parked again, with a finite depth. */
 static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 {
     const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_equal(f->b->task, CML_LANE_MAY_HIT));
@@ -479,7 +489,7 @@ static uint64_t cml_park_dead_lanes(struct cml_flight *f)
     return tails & f->live;
 }
 
-/* One pass. Every lane that holds a packet comes to its next interaction, or waits at a boundary:
+/* Does one pass. Every lane that holds a packet comes to its next interaction, or waits at a boundary:
  *
  *   draw ---> fly ---> INTERACT ------------------------------------------------+---> interact ---> refill
  *              |                                                                |
@@ -490,14 +500,14 @@ static uint64_t cml_park_dead_lanes(struct cml_flight *f)
  *                                                      next pass <-------+  too few there: they wait
  *
  *   draw        random words of the next interaction
- *   fly         the path to it, and which lanes may hit a boundary before
- *   boundaries  of those lanes: planes in vector loops, curved ones gathered by medium, rare cases singly
- *   interact    hop, drop, spin and roulette of all lanes that got there
+ *   fly         the path to it, and the lanes that may hit a boundary before
+ *   boundaries  for those lanes: planes in vector loops, curved ones gathered by medium, rare cases singly
+ *   interact    flight, absorption, scattering and roulette of all lanes that got there
  *   refill      lanes whose packet has ended
  *
- * All lanes do the same at the same time, event by event: event-based or vectorised Monte Carlo [Brown &
- * Martin, Progress in Nuclear Energy 14 (1984) 269], on GPUs known as wavefront path tracing [Laine, Karras
- * & Aila, High Performance Graphics 2013]. Waiting at boundaries and refills keep the loops full. */
+ * All lanes do the same event at the same time: event-based or vectorised Monte Carlo [Brown & Martin,
+ * Progress in Nuclear Energy 14 (1984) 269], on GPUs known as wavefront path tracing [Laine, Karras & Aila,
+ * High Performance Graphics 2013]. Waiting at boundaries and refills keep the loops full. */
 static void cml_flight_pass(struct cml_flight *f)
 {
     CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);
@@ -510,8 +520,8 @@ static void cml_flight_pass(struct cml_flight *f)
     if (f->ended) cml_refill(f);
 }
 
-/* Before the first pass. f holds world, bundle (all 0), tally, media, source and branches, all else is 0:
- * finds out what all packets have in common, and launches the first ones. */
+/* Begins a flight: finds the facts that all packets share, and launches the first ones. On entry f holds
+ * world, bundle (all 0), tally, media, source and branches; all else is 0. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -543,7 +553,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->rows = cml_row_sums_of(f->world, f->tally);
     f->books_more = f->to.A_t || f->factors;
     for (int i = 0; i < CML_LANES; i++) {
-        f->b->medium[i] = -1; /* no columns yet */
+        f->b->medium[i] = -1; /* no medium has been loaded yet */
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
         CML_OF_MEDIUM(f->b, start_below)[i] = CML_INFINITY;
     }
@@ -551,15 +561,16 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_refill(f);
 }
 
-/* Passes until the last packet has ended, or is given up. */
+/* Flies passes until the last packet has ended, or packets are given up. */
 static void cml_flight_run(struct cml_flight *f)
 {
     while (f->live && !cml_is_given_up(f)) cml_flight_pass(f);
     if (!f->given_up) cml_end_batch(f);
 }
 
-/* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but
- * for the arrays that threads share. media: [num_layers + 2]; factors: as in cml_flight. */
+/* Flies all packets that the source hands out. All results go into `tally`, which no other thread writes,
+ * except for the arrays that threads share. media: [num_layers + 2 + num_bodies]; factors: as in
+ * cml_flight. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, real *factors,
                                    struct cml_branches *branches, struct cml_tally *tally)
@@ -578,7 +589,7 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                            .source = source,
                            .factors = factors,
                            .to = {.branches = branches}};
-    branches->count = 0; /* of a flight that was given up */
+    branches->count = 0; /* may hold branches of a flight that was given up */
     cml_regions_begin(world, &regions);
     cml_flight_begin(&f);
     cml_flight_run(&f);

@@ -8,7 +8,7 @@ extern const struct cml_engine cml_engine_cpu_base;
 extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;
 #endif
 
-/* In the order in which they are preferred; the baseline runs everywhere. */
+/* Levels come in the order of preference. The baseline runs on every machine. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
 {
     int count = 0;

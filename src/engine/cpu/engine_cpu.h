@@ -1,11 +1,12 @@
-/* The engine `cpu`: float, threads, bundles of packets in vector loops.
- * It is compiled for several levels of the processor, which differ in speed only, and the best one that this
- * machine can run is chosen when the program starts. SPDX-License-Identifier: MIT */
+/* The engine `cpu`: single precision, threads, bundles of packets in vector loops. It is compiled for several
+ * levels of the processor, which differ only in speed. The best level that this machine can run is chosen
+ * when the program starts.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "engine/engine.h"
 
-/* The engine for the best level of the processor that this machine has. */
+/* Returns the engine for the best level of the processor that this machine has. */
 const struct cml_engine *cml_engine_cpu(void);
 
 #define CML_CPU_LEVELS 3

@@ -1,8 +1,15 @@
-/* The CPU engine for one level of the processor: compiled once for each (CML_LEVEL, see CMakeLists.txt), so
- * that one binary is fast on all machines. Only instructions differ; results are the same to the last bit.
- * Everything hot is in this one translation unit. The headers bundle_*_inl.h are its code, cut into files by
- * subject: a loop over lanes becomes vector instructions only if all that it calls is inlined, and then in
- * those of this level only if it is compiled with this file's options. SPDX-License-Identifier: MIT */
+/* The CPU engine for one level of the processor. This file is compiled once for each level (CML_LEVEL, see
+ * CMakeLists.txt), so that one binary is fast on all machines. The levels differ only in instructions;
+ * results are the same to the last bit.
+ *
+ *      engine_cpu.c  chooses -->  engine_cpu_level.c, level v4    with   bundle_*_inl.h
+ *                                 engine_cpu_level.c, level v3    with   bundle_*_inl.h
+ *                                 engine_cpu_level.c, baseline    with   bundle_*_inl.h
+ *
+ * All hot code is in this one translation unit. The headers bundle_*_inl.h are its code, cut into files by
+ * subject. A loop over lanes becomes vector instructions only if all that it calls is inlined, and
+ * instructions of this level only if it is compiled with this file's options.
+ * SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_walk_inl.h"
 #include "engine/threads.h"
 #include "engine/scalar_walk_inl.h"
@@ -17,9 +24,10 @@
 struct cpu_engine {
     struct cml_owned_world owned;
     struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
-    struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
-                                    * share */
-    real *factors; /* [threads][CML_LANES][cml_row_factors], of packets under way (P16); NULL without rows */
+    /* [num_tallies], zero between calls of run. The first has the arrays that all threads share. */
+    struct cml_tally *tallies;
+    /* [threads][CML_LANES][cml_row_factors] of packets under way (P16); NULL without rows. */
+    real *factors;
     struct cml_branches *branches; /* [threads] */
     int threads, num_tallies;
     uint64_t chunk;
@@ -39,9 +47,10 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
-/* A tally for each thread, so that no addition needs a lock. Maps, volume and facets are the first tally's,
- * and all threads add to them, with atomic additions. So they do to an A_rz or a phi that is too large for a
- * copy each (cml_tally_grid_of_thread); then the first tally belongs to no thread, and is one more. */
+/* Makes a tally for each thread, so that no addition needs a lock. Maps, volume and facets belong to the
+ * first tally, and all threads add to them by atomic additions. So does an A_rz or a phi that is too large
+ * for a copy each (cml_tally_grid_of_thread); then the first tally belongs to no thread, and there is one
+ * more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
@@ -61,7 +70,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
-/* Media as lanes hold them; the same for all threads. */
+/* Makes the media as lanes hold them; they are the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
     const int count = cpu->owned.world.setup.num_layers + 2 + cpu->owned.world.setup.num_bodies;
@@ -71,13 +80,14 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
     return CML_OK;
 }
 
-/* How many numbers the rows of one thread need for their factors. */
+/* Returns the number of factors for the rows of one thread. */
 static size_t num_factors(const struct cpu_engine *cpu)
 {
     const size_t rows = (size_t)cpu->owned.world.rows.count;
     return rows ? (size_t)CML_LANES * cml_row_factors(rows) : 0;
 }
 
+/* Makes the factors of rows for all threads. */
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
 {
     const size_t count = (size_t)cpu->threads * num_factors(cpu);
@@ -86,6 +96,7 @@ static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
     return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
 }
 
+/* Makes a stack of branches for each thread. */
 static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
 {
     cpu->branches = calloc((size_t)cpu->threads, sizeof *cpu->branches);
@@ -96,7 +107,8 @@ static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
     return CML_OK;
 }
 
-/* What is asked for, 0 for as many as OpenMP would use, within OMP_THREAD_LIMIT. */
+/* Returns the number of threads: `asked`, or, if that is 0, as many as OpenMP would use; at most
+ * OMP_THREAD_LIMIT. */
 static int choose_threads(int asked)
 {
     const int wanted = asked > 0 ? asked : omp_get_max_threads(), most = omp_get_thread_limit();
@@ -123,7 +135,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     return status;
 }
 
-/* What one thread flies. */
+/* The supply of photons of one thread. */
 struct supply {
     const struct cml_work *work;
     uint64_t chunk;
@@ -132,8 +144,8 @@ struct supply {
     struct cml_patience patience;
 };
 
-/* For struct cml_range_source. Which thread flies which photons does not matter: a photon owns its random
- * numbers, and sums are of integers. Once there are no more, nobody is asked again. */
+/* Finds the next photons, for struct cml_range_source. Any thread may fly any photons, because a photon owns
+ * its random numbers, and sums are of integers. Once there are no more, the work is not asked again. */
 static int next_photons(void *context, uint64_t *first, uint64_t *count)
 {
     struct supply *supply = context;
@@ -160,7 +172,7 @@ static int gives_up(void *context)
     return supply->given_up;
 }
 
-/* Batch after batch into the thread's tally. Returns false when packets were given up. */
+/* Flies batch after batch into the thread's tally. Returns false if packets were given up. */
 static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, int number,
                        struct cml_tally *tally)
 {
@@ -171,13 +183,14 @@ static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work
     return !supply.given_up;
 }
 
-/* What the threads of one call of cpu_run do. */
+/* The task of the threads of one call of cpu_run. */
 struct cpu_flight {
     struct cpu_engine *cpu;
     const struct cml_work *work;
     atomic_bool given_up;
 };
 
+/* Flies the packets of one thread, and hands in its tally unless all threads share it. */
 static void fly_and_add(void *context, int number)
 {
     struct cpu_flight *flight = context;
@@ -194,8 +207,8 @@ static void tell_fewer(void *context, int count)
     if (work->fewer) work->fewer(work->context, count);
 }
 
-/* All threads fly until there is nothing left to take. That is the only time that they wait for each other.
- * What they share is handed in after that. */
+/* Flies with all threads until there is nothing left to take. Only then do they wait for each other, and the
+ * arrays that they share are handed in. */
 static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     struct cpu_engine *cpu = self;
@@ -213,18 +226,18 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
     return trace_packets(&cpu->owned.world, index, 1, on_event, context, record, err);
 }
 
-/* What the threads of one call of cpu_fates do. */
+/* The task of the threads of one call of cpu_fates. */
 struct cpu_fates {
     const struct cpu_engine *cpu;
     uint64_t first, count;
     struct cml_fate_record *records; /* [count] */
-    _Atomic uint64_t taken;          /* parts of `chunk` packets */
-    atomic_flag failed;              /* set by the first thread that fails, whose the error is */
+    _Atomic uint64_t taken;          /* number of parts, of `chunk` packets each, that have been taken */
+    atomic_flag failed;              /* set by the first thread that fails, to which the error belongs */
     cml_status status;
     struct cml_error *error;
 };
 
-/* The next packets for a thread; false: there are no more. */
+/* Takes the next packets for a thread. Returns false if there are no more. */
 static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
 {
     const uint64_t chunk = fates->cpu->chunk, parts = (fates->count + chunk - 1) / chunk;
@@ -235,6 +248,7 @@ static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
     return true;
 }
 
+/* Finds the ends of packets, part after part, in one thread. */
 static void trace_parts(void *context, int number)
 {
     (void)number;
@@ -250,8 +264,8 @@ static void trace_parts(void *context, int number)
     }
 }
 
-/* How packets end, by the scalar walk: bundles keep no record of single packets, and equal that walk bit for
- * bit. */
+/* Finds the ends of packets by the scalar walk: bundles keep no record of single packets, and equal that walk
+ * bit for bit. */
 static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                             struct cml_error *err)
 {
@@ -261,19 +275,20 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
     return fates.status;
 }
 
-/* Threads of an engine; without one, as many as it would take. */
+/* Returns the threads of an engine; without an engine, as many as it would take. */
 static int cpu_threads(const void *self)
 {
     return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);
 }
 
+/* Returns the bytes that the engine takes without tallies. */
 static double cpu_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const double media = (double)surfaces->count + 1 + surfaces->bodies.count;
     return cml_world_bytes(scene, surfaces) + media * sizeof(struct cml_lane_medium);
 }
 
-/* declared in engine_cpu.c only, which picks one */
+/* The engine of this level. It is declared only in engine_cpu.c, which picks one. */
 extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
 const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .name = "cpu",

@@ -1,7 +1,13 @@
-/* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
- * The host gives a device photon indices, calls the kernel again and again until it has flown them all,
- * and adds its cells to the tally. A call flies a bounded number of steps, and packets stay on the device
- * from one to the next. SPDX-License-Identifier: MIT */
+/* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range of photons.
+ *
+ *      host:    give photons --> start --> finish --> start --> finish ...  --> collect cells into the tally
+ *                                  |         ^          |         ^
+ *      device:                     +-- steps-+          +-- steps-+      packets stay on the device
+ *
+ * The host gives a device photon indices, calls the kernel again and again until it has flown them all, and
+ * adds its cells to the tally. A call flies a bounded number of steps, and packets stay on the device from
+ * one call to the next.
+ * SPDX-License-Identifier: MIT */
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
@@ -13,12 +19,13 @@
 #include <string.h>
 
 struct opencl_engine {
-    struct cml_owned_world owned; /* what the devices have copies of */
+    struct cml_owned_world owned; /* the world of which the devices have copies */
     int count;
     struct cml_opencl_flight *flights; /* [count] */
-    uint64_t chunk;                    /* packets a device is given at a time; 0: by what is left */
-    uint64_t *cells;                   /* of one device */
-    struct cml_tally tally;            /* zero between calls of run */
+    /* Packets that a device is given at a time; 0: by the number that is left. */
+    uint64_t chunk;
+    uint64_t *cells;        /* scratch: the cells of one device */
+    struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
 /* Closes an engine, also one that was opened in part. */
@@ -34,7 +41,8 @@ static void opencl_close(void *self)
     free(engine);
 }
 
-/* Devices have no mesh query: meshes are searched on the host, in double and with exact predicates. */
+/* Refuses meshes. Devices have no mesh query: meshes are searched on the host, in double precision and with
+ * exact predicates. */
 static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 struct cml_error *err)
 {
@@ -55,9 +63,8 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
-/* Nor do their kernels score maps, volumes, facets, directions and fluence (kernels/device_deposits.h), or
- * keep time.
- */
+/* Refuses scenes with results that devices do not score: time, directions, detectors, fluence, saved packets,
+ * maps, volumes and facets (kernels/device_deposits.h). */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char no_maps[] = "records no maps, volumes or facets";
@@ -81,14 +88,14 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-/* What every device gets a copy of. only_planes: then its compiler leaves out all that curved boundaries
- * need, and packets have more registers. */
+/* Returns the parts of a scene that every device gets. If only_planes is true, the device's compiler leaves
+ * out all that curved boundaries need, and packets have more registers. */
 static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
                                         const struct cml_engine_options *options,
                                         const struct cml_tally_grid *grid)
 {
-    struct cml_tally_grid one_group = *grid; /* a piece is of one batch */
+    struct cml_tally_grid one_group = *grid; /* a piece belongs to one batch, so one group is enough */
     one_group.cell_errors = false;
     struct cml_opencl_scene scene = {
         .world = &engine->owned,
@@ -107,7 +114,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
     return scene;
 }
 
-/* All devices at once, so that one that refuses is found before any packet flies. */
+/* Opens all devices at once, so that a device that refuses is found before any packet flies. */
 static cml_status open_flights(const struct cml_opencl_device *devices, int count,
                                const struct cml_opencl_scene *scene, struct opencl_engine *engine,
                                struct cml_error *err)
@@ -121,6 +128,7 @@ static cml_status open_flights(const struct cml_opencl_device *devices, int coun
     return CML_OK;
 }
 
+/* Refuses scenes that devices cannot fly, and opens all devices. */
 static cml_status open_engine(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, struct opencl_engine *engine,
                               struct cml_error *err)
@@ -145,7 +153,8 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     return status;
 }
 
-/* chunk: what a device is given at a time, for tests; it never changes a result. */
+/* Opens an engine. options->chunk: packets that a device is given at a time, for tests; it never changes a
+ * result. */
 static cml_status opencl_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -161,14 +170,14 @@ static cml_status opencl_open(const struct cml_scene *scene, const struct cml_su
     return status;
 }
 
-/* Photons of a piece that no device has been given yet. */
+/* The photons of a piece that no device has been given yet. */
 struct pool {
     uint64_t first, count;
 };
 
-/* Gives a device photons of the pool. A single device takes all. Several take half of their fair share each
- * time, so that fast ones come back sooner and all end together; but never fewer than fill the device once.
- */
+/* Gives a device photons of the pool. A single device takes all. Several devices take half of their fair
+ * share each time, so that fast ones come back sooner and all end together; but never fewer than fill the
+ * device once. */
 static void give(const struct opencl_engine *engine, struct cml_opencl_flight *flight, struct pool *pool)
 {
     const uint64_t share = engine->count > 1 ? pool->count / (2 * (uint64_t)engine->count) : pool->count;
@@ -180,9 +189,9 @@ static void give(const struct opencl_engine *engine, struct cml_opencl_flight *f
     pool->count -= part;
 }
 
-/* One call of the kernel on every device that has work. All are started before any is waited for, so that
- * they run at the same time. active: out, how many were started; 0: the pool is empty and no packet is under
- * way. tally: gets the indices of lost packets; NULL: nobody wants them. */
+/* Calls the kernel once on every device that has work. All calls are started before any is waited for, so
+ * that they run at the same time. *active: number of calls; 0: the pool is empty and no packet is under way.
+ * tally: gets the indices of lost packets; NULL: not wanted. */
 static cml_status call_all(struct opencl_engine *engine, struct pool *pool, int *active,
                            struct cml_tally *tally, struct cml_error *err)
 {
@@ -206,7 +215,7 @@ static cml_status call_all(struct opencl_engine *engine, struct pool *pool, int 
     return CML_OK;
 }
 
-/* A_rz of the block of a device that flies so many packets in a work-item. */
+/* Adds A_rz of a device's block to the tally. lanes: packets of a work-item on that device. */
 static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, struct cml_tally *tally)
 {
     uint64_t *const A_rz = tally->A_rz + group * tally->layout.size[CML_ARRAY_A_rz];
@@ -219,7 +228,7 @@ static void add_absorption(const uint64_t *cells, uint32_t lanes, size_t group, 
     }
 }
 
-/* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. */
+/* Adds a device's block of cells to the tally (layout: kernels/device_layout.h). */
 static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct cml_tally *tally)
 {
     const size_t group = (size_t)(batch % cml_cell_groups(&tally->grid)),
@@ -233,13 +242,13 @@ static void add_cells(const uint64_t *cells, uint32_t lanes, int batch, struct c
     if (tally->grid.absorption) add_absorption(transmitted + exits, lanes, group, tally);
 }
 
-/* What devices fly for longer, once the run is to stop, is given up. The calls are those of a busy
- * machine, the seconds those of a fast one. */
+/* Limits of a piece after the run is to stop: when both are exceeded, its packets are given up. The calls are
+ * those of a busy machine, the seconds those of a fast one. */
 #define MOST_LATE_CALLS 6
 #define MOST_LATE_SECONDS 0.3
 
-/* Calls the kernel until all packets of the piece have ended, then collects each device's cells: its tally is
- * complete when this returns, so a checkpoint needs to know nothing of devices. */
+/* Calls the kernel until all packets of the piece have ended, then collects each device's cells. The tally is
+ * complete when this returns, so a checkpoint need not know of devices. */
 static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work *work,
                             const struct cml_piece *piece, struct cml_error *err)
 {
@@ -261,7 +270,7 @@ static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work 
     return CML_OK;
 }
 
-/* Flies all pieces of the work: devices share each of them. */
+/* Flies all pieces of the work. The devices share each piece. */
 static cml_status opencl_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     struct opencl_engine *engine = self;
@@ -274,7 +283,7 @@ static cml_status opencl_run(void *self, const struct cml_work *work, struct cml
     return CML_OK;
 }
 
-/* From the device's coordinates and weight units into those of a record. */
+/* Converts a device's record into one with shares of a packet and coordinates of the scene. */
 static void copy_record(const struct cml_world *world, uint64_t index, const struct cml_device_fate *from,
                         struct cml_fate_record *to)
 {
@@ -293,7 +302,7 @@ static void copy_record(const struct cml_world *world, uint64_t index, const str
     };
 }
 
-/* The first device's buffer of fates as records. */
+/* Reads the first device's buffer of fates as records. */
 static cml_status read_records(struct opencl_engine *engine, uint64_t first, uint64_t count,
                                struct cml_fate_record *records, struct cml_error *err)
 {
@@ -323,7 +332,7 @@ static cml_status opencl_fates(void *self, uint64_t first, uint64_t count, struc
     return read_records(engine, first, count, records, err);
 }
 
-/* What an event was, from the packet before and after it. */
+/* Returns the name of an event, from the packet before and after it. */
 static const char *event_name(const struct cml_packet *before, const struct cml_packet *after)
 {
     if (after->interactions > before->interactions) return "interact";
@@ -331,7 +340,7 @@ static const char *event_name(const struct cml_packet *before, const struct cml_
     return after->medium == before->medium ? "reflect" : "transmit";
 }
 
-/* Hands an event to whoever listens, if anyone does. before: the packet before the event. */
+/* Hands an event to the listener, if there is one. before: the packet before the event. */
 static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *before,
                  const struct cml_packet *packet, cml_trace_function *on_event, void *context)
 {
@@ -339,8 +348,8 @@ static void tell(const struct cml_owned_world *owned, const char *what, const st
     if (on_event) forward_event(&tracing, what, packet);
 }
 
-/* Follows one packet: calls of one step, after each of which the packet is read back and compared with
- * what it was. The launch itself happens on the device within the first step, so the host repeats it for its
+/* Follows one packet by calls of one step. After each call the packet is read back and compared with its
+ * state before. The launch happens on the device within the first step, so the host repeats it for its
  * event. */
 static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight *flight, uint64_t index,
                          cml_trace_function *on_event, void *context, struct cml_error *err)
@@ -362,7 +371,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
     return CML_OK;
 }
 
-/* Traces a packet; without a listener that is a record like any other. */
+/* Traces a packet. Without a listener, the packet is flown like any other that has a record. */
 static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                struct cml_fate_record *record, struct cml_error *err)
 {
@@ -378,7 +387,7 @@ static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *o
     return read_records(engine, index, 1, record, err);
 }
 
-/* Compute units of all devices. */
+/* Returns the number of compute units of all devices. */
 static int opencl_threads(const void *self)
 {
     const struct opencl_engine *engine = self;
@@ -387,7 +396,7 @@ static int opencl_threads(const void *self)
     return (int)units;
 }
 
-/* A device that is the processor keeps its buffers in the same memory. */
+/* Twice the world, because a device that is the processor keeps its buffers in the same memory. */
 static double opencl_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     return 2 * cml_world_bytes(scene, surfaces);

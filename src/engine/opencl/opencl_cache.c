@@ -1,6 +1,7 @@
-/* Compiling the kernels takes time, so binaries are kept from run to run. A file of the cache: a line of
- * lengths and checksum, the key, the binary. The key is stored in full, because different keys may have the
- * same hash. SPDX-License-Identifier: MIT */
+/* The cache of program binaries, kept from run to run because compiling the kernels takes time. A file holds
+ * a line with lengths and checksum, the key, and the binary. The key is stored in full, because different
+ * keys may have the same hash.
+ * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/atomic_file.h"
@@ -15,8 +16,8 @@
 
 #define MAGIC "clustermcml-opencl-1"
 
-/* FNV-1a [Fowler, Noll, Vo]: names files and finds damaged ones. It need not withstand an attacker, who could
- * not write here. */
+/* Returns FNV-1a [Fowler, Noll, Vo] of the data. It names files and finds damaged ones. It need not withstand
+ * an attacker, who could not write here. */
 static uint64_t hash(const void *data, size_t size)
 {
     const unsigned char *bytes = data;
@@ -30,7 +31,7 @@ static bool ensure_directory(const char *path)
     return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
-/* Makes the folder. False where there is no place for a cache. */
+/* Finds the folder of the cache, and makes it. Returns false if there is no place for a cache. */
 static bool find_folder(char folder[960])
 {
     const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
@@ -45,13 +46,15 @@ static bool find_folder(char folder[960])
     return ensure_directory(folder);
 }
 
+/* Names the file of a key by the key's hash. */
 static void name_file(const char *key, char name[32])
 {
     snprintf(name, 32, "%016llx.bin", (unsigned long long)hash(key, strlen(key)));
 }
 
-/* What is in the cache will be run, so only the user may write there. Asked of what has been opened: a name
- * may mean something else the next moment. */
+/* True if an opened file or folder belongs to the user, and nobody else may write there, because the content
+ * of the cache is run. The open descriptor is checked, since a name may mean something else the next
+ * moment. */
 static bool is_own(int file, mode_t kind)
 {
     struct stat about;
@@ -59,8 +62,9 @@ static bool is_own(int file, mode_t kind)
            (about.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/* A descriptor, -1 where there is nothing, or nothing that may be used: then with a note, one for all devices
- * and runs of a process. Never follows a link, nor waits for a pipe. */
+/* Returns a descriptor of a file or folder of the cache. Returns -1 if there is none, or if it may not be
+ * used: then with a note, one for all devices and runs of a process. Never follows a link, nor waits for a
+ * pipe. */
 static int open_own(int folder, const char *name, mode_t kind, cml_opencl_note *on_note)
 {
     static bool told;
@@ -78,7 +82,8 @@ static int open_own(int folder, const char *name, mode_t kind, cml_opencl_note *
     return -1;
 }
 
-/* The binary of a file, if the file is whole and of this very key; else NULL, and it is built anew. */
+/* Returns the binary of a file if the file is whole and has this very key; else NULL, and it is built
+ * anew. */
 static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
 {
     unsigned long long key_size = 0, binary_size = 0, checksum = 0;
@@ -98,7 +103,7 @@ static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
     return data;
 }
 
-/* Whatever else fails here only costs a compilation, so nothing is reported. */
+/* Any other failure here only costs a compilation, so it is not reported. */
 unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, size_t *size)
 {
     char path[960], name[32];
@@ -118,8 +123,8 @@ unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, 
     return binary;
 }
 
-/* Written under another name first, so that another process never reads half a file. The rights do not depend
- * on the umask. */
+/* The binary is written under another name first, so that another process never reads half a file. The rights
+ * of the file do not depend on the umask. */
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size)
 {
     char path[960 + 32], name[32];

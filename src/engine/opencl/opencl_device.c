@@ -1,5 +1,5 @@
-/* The devices of this machine: found, listed, chosen by the user or by default. SPDX-License-Identifier: MIT
- */
+/* The OpenCL devices of this machine: finds, lists and chooses them.
+ * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/text.h"
@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One for each driver: more than a machine is likely to have. */
+/* Most platforms; there is one for each driver, so this is more than a machine is likely to have. */
 #define MOST_PLATFORMS 16
 
-/* The codes that users meet: what a driver reports when a device is missing, too small or too old. */
+/* Returns the name of an error code. The table has the codes that users meet: those of a device that is
+ * missing, too small or too old. */
 static const char *code_name(cl_int code)
 {
 #define NAME(code)                                                                                           \
@@ -35,7 +36,7 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
-/* The one place that words a failed call of OpenCL: device, what was done, name and number of the code. */
+/* This is the only place that words a failed call of OpenCL: device, call, name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -43,15 +44,16 @@ cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *w
                     device->info.name, what, code_name(code), code);
 }
 
-/* Zero, or an empty text, where the device does not answer: every value is checked by whoever needs it. */
+/* Asks a device for a value. If the device does not answer, the value is zero or an empty text, and its user
+ * checks it. */
 static void ask(cl_device_id id, cl_device_info what, size_t size, void *value)
 {
     memset(value, 0, size);
     if (clGetDeviceInfo(id, what, size, value, NULL) != CL_SUCCESS) memset(value, 0, size);
 }
 
-/* Whether the device lists an extension. The text is as long as the driver likes, so its size is asked for
- * first. */
+/* True if the device lists an extension. The size of the list is asked first, because drivers may make it as
+ * long as they like. */
 static bool has_extension(cl_device_id id, const char *name)
 {
     char *all = NULL;
@@ -66,8 +68,7 @@ static bool has_extension(cl_device_id id, const char *name)
     return found;
 }
 
-/* All that the program wants to know of a device, asked once. A driver need not answer every question (see
- * ask). */
+/* Fills the description of a device, once. A driver need not answer every question (see ask). */
 static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl_info *info)
 {
     cl_device_type type;
@@ -99,8 +100,8 @@ static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl
     info->exact_division = (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 
-/* Appends the devices of one platform. A platform without devices, or whose driver fails, counts as empty:
- * another may do. */
+/* Appends the devices of one platform. A platform without devices, or whose driver fails, counts as empty,
+ * because another may serve. */
 static cml_status append_platform(cl_platform_id platform, struct cml_opencl_device **list, int *count,
                                   struct cml_error *err)
 {
@@ -123,9 +124,9 @@ static cml_status append_platform(cl_platform_id platform, struct cml_opencl_dev
     return CML_OK;
 }
 
-/* All devices with their handles; *list is the caller's to free. They are numbered across platforms, in the
- * order in which drivers name them: those are the numbers of --device. Without a driver the loader reports an
- * error, and that is an empty list. */
+/* Finds all devices with their handles; the caller frees *list. Devices are numbered across platforms, in the
+ * order in which drivers name them: these are the numbers of --device. Without a driver the loader reports an
+ * error, which counts as an empty list. */
 static cml_status find_devices(struct cml_opencl_device **list, int *count, struct cml_error *err)
 {
     cl_platform_id platforms[MOST_PLATFORMS];
@@ -143,7 +144,7 @@ static cml_status find_devices(struct cml_opencl_device **list, int *count, stru
     return CML_OK;
 }
 
-/* As find_devices, without the handles, for those who know no OpenCL header. */
+/* Lists the devices of find_devices without their handles, for callers that include no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;
@@ -160,7 +161,7 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* Ranks of one machine share its GPUs in turn; a CPU that also is a device is left to ranks of machines
+/* Ranks of one machine share its GPUs in turn. A CPU that is also a device is left to ranks of machines
  * without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
@@ -172,7 +173,7 @@ int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_
     return 0;
 }
 
-/* The next number of "i,j,..."; false at anything else. */
+/* Reads the next number of "i,j,...". Returns false for any other text. */
 static bool next_number(const char **cursor, int *number)
 {
     char word[16];
@@ -185,7 +186,7 @@ static bool next_number(const char **cursor, int *number)
     return cml_parse_int(word, number);
 }
 
-/* numbers[most] <- the devices named by the text. */
+/* Fills numbers[most] with the devices that the text names. */
 static cml_status parse_selection(const char *wanted, int devices, int *numbers, int most, int *count,
                                   struct cml_error *err)
 {
@@ -204,7 +205,7 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
-/* cml_opencl_default for devices with handles; the first one if memory is short. */
+/* cml_opencl_default for devices with handles; the first device if memory is short. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
@@ -214,7 +215,8 @@ static int choose_default(const struct cml_opencl_device *all, int count, int lo
     return number;
 }
 
-/* At most 64 devices: the engine notes in an array which of them it has started. */
+/* Selects at most 64 devices, because the engine notes in an array of that size which devices it has
+ * started. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {

@@ -1,4 +1,4 @@
-/* One device with all that it holds for a scene: buffers, arguments, calls of the kernel, what comes back.
+/* One device with all that it holds for a scene: buffers, arguments, calls of the kernel, results.
  * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
@@ -10,24 +10,24 @@
 #include <string.h>
 
 #define CALL_SECONDS 0.05        /* watchdogs of displays wait seconds; the host looks in between */
-#define GPU_GROUP 128            /* work-items */
-#define GPU_ITEMS_PER_UNIT 2048  /* what a compute unit can keep in flight at most */
-#define CPU_ITEMS_PER_UNIT 32    /* PoCL hands groups to its threads by the 32 */
+#define GPU_GROUP 128            /* work-items of a group on a GPU */
+#define GPU_ITEMS_PER_UNIT 2048  /* most work-items that a compute unit can keep in flight */
+#define CPU_ITEMS_PER_UNIT 32    /* PoCL hands groups to its threads by 32 */
 #define LANES_ALONE 16           /* packets of a single work-item: as many as a vector has floats */
-#define LOCAL_BYTES_SHARED 16384 /* local memory of a group: several groups share a unit's */
-#define LOCAL_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
+#define LOCAL_BYTES_SHARED 16384 /* bytes of a group's local memory: several groups share that of a unit */
+#define LOCAL_BYTES_ALONE 98304  /* bytes for a single work-item: they stay in a core's cache */
 #define MOST_STEPS (1u << 20)
 
-/* The smaller one; callers know that it has at most 32 bits. */
+/* Returns the smaller number; the caller knows that it has at most 32 bits. */
 static uint32_t smaller(uint64_t a, uint64_t b)
 {
     return (uint32_t)(a < b ? a : b);
 }
 
-/* Chooses work-items, groups and lanes. On a GPU a work-item flies one packet, and many more items than it
- * has processors hide the latency of memory. On a CPU a group of one item has its local memory to itself and
- * adds without atomics; it flies several packets as lanes, which the compiler can turn and draw in vectors
- * (kernels/device_lanes.h). */
+/* Chooses the numbers of work-items, groups and lanes. On a GPU a work-item flies one packet, and many more
+ * items than processors hide the latency of memory. On a CPU a group of one item has its local memory to
+ * itself and adds without atomics. It flies several packets as lanes, which the compiler can draw and scatter
+ * in vectors (kernels/device_lanes.h). */
 static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight)
 {
     const struct cml_opencl_info *info = &flight->device.info;
@@ -42,7 +42,7 @@ static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl
 }
 
 /* Lays an array behind those before it in the block of cells, and at most `room` of its first cells into
- * local memory. first, local_used: in the two memories, moved on. */
+ * local memory. first, local_used: the next free cell in both memories; they are moved on. */
 static struct cml_local_part lay_out(uint64_t *first, uint64_t cells, uint64_t room, uint32_t *local_used)
 {
     const struct cml_local_part part = {*first, *local_used, smaller(cells, room)};
@@ -51,17 +51,18 @@ static struct cml_local_part lay_out(uint64_t *first, uint64_t cells, uint64_t r
     return part;
 }
 
-/* Lays out the block of cells, and which of them a group keeps in local memory (privatised tallies): sums,
- * which every packet adds to, then the exits near the axis, then of A_rz what lies beyond its last radial
- * bin, and from the axis outwards as much as there is room for. At most half of the local memory is used, so
- * that two groups fit. */
+/* Lays out the block of cells, and chooses the cells that a group keeps in local memory (privatised tallies):
+ * sums, to which every packet adds, then exits near the axis, then the overflow bin of A_rz, and from the
+ * axis outwards as much of A_rz as there is room for. At most half of the local memory is used, so that two
+ * groups fit. */
 static struct cml_local_parts lay_out_parts(const struct cml_opencl_scene *scene,
                                             struct cml_opencl_flight *flight)
 {
     const struct cml_setup *setup = &scene->world->world.setup;
     const uint64_t most = (flight->group == 1 ? LOCAL_BYTES_ALONE : LOCAL_BYTES_SHARED);
     const uint64_t local = flight->device.info.local_memory / 2;
-    const uint64_t room = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
+    /* Any device has room for at least 2048 cells. */
+    const uint64_t room = (most < local ? most : local) / sizeof(uint64_t);
     const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
     const uint64_t layers = (uint64_t)setup->num_layers + 2 + (uint64_t)setup->num_bodies;
     uint64_t first = 0;
@@ -76,8 +77,8 @@ static struct cml_local_parts lay_out_parts(const struct cml_opencl_scene *scene
     return parts;
 }
 
-/* Fails with a message of its own where the device cannot hold tallies and packets: drivers may notice only
- * when the kernel runs. */
+/* Fails with a message of its own if the device cannot hold tallies and packets, because drivers may notice
+ * only when the kernel runs. */
 static cml_status check_memory(const struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const struct cml_opencl_info *info = &flight->device.info;
@@ -92,9 +93,9 @@ static cml_status check_memory(const struct cml_opencl_flight *flight, struct cm
         (double)info->largest / mib);
 }
 
-/* Compiles the kernels for this device and scene. What is constant for a whole run is defined for the
- * compiler. Without 64-bit atomics sums are made of two words. Division and root are rounded correctly where
- * the device can, so that packets take the same way as on the CPU. */
+/* Compiles the kernels for this device and scene. Constants of a whole run are defined for the compiler.
+ * Without 64-bit atomics, sums are made of two words. Division and root are rounded correctly if the device
+ * can, so that packets take the same way as on the CPU. */
 static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                         struct cml_error *err)
 {
@@ -116,8 +117,8 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     return status;
 }
 
-/* Makes a buffer, in place of one that is there, and fills it with `content` if that is not NULL. No buffer
- * may be empty in OpenCL, so one without bytes gets eight. */
+/* Makes a buffer, in place of one that exists, and fills it with `content` if that is not NULL. OpenCL allows
+ * no empty buffer, so one without bytes gets eight. */
 static cml_status create_buffer(struct cml_opencl_flight *flight, int which, size_t bytes,
                                 const void *content, struct cml_error *err)
 {
@@ -141,7 +142,7 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
     return CML_OK;
 }
 
-/* Waits for all that was queued before. */
+/* The read waits for all that was queued before. */
 cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to, size_t bytes,
                                   struct cml_error *err)
 {
@@ -151,9 +152,9 @@ cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, 
     return CML_OK;
 }
 
-/* Asks the device how it lays out the structs that both sides read, and fails unless sizes and offsets are
- * ours (kernels/device_layout.h). A compiler that aligns in another way would read the scene wrongly, and
- * nothing else would show it. The buffer of fates is free at this time, and serves for the answer. */
+/* Asks the device how it lays out the structs that both sides read, and fails unless sizes and offsets equal
+ * the host's (kernels/device_layout.h). A compiler that aligns in another way would read the scene wrongly,
+ * and nothing else would show it. The buffer of fates is free at this time, and serves for the answer. */
 static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     static const cml_u32 ours[CML_LAYOUT_ENTRIES] = CML_LAYOUT;
@@ -179,7 +180,7 @@ static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_erro
     return CML_OK;
 }
 
-/* Marks all packets on the device as ended: lanes then take new ones in the first call. */
+/* Marks all packets on the device as ended, so that lanes take new ones in the first call. */
 static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
@@ -193,7 +194,7 @@ static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error
     return status;
 }
 
-/* All tallies of the device to 0. */
+/* Sets all tallies of the device to 0. */
 static cml_status zero_cells(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const cl_ulong zero = 0;
@@ -204,8 +205,8 @@ static cml_status zero_cells(struct cml_opencl_flight *flight, struct cml_error 
     return CML_OK;
 }
 
-/* Copies the scene to the device. The scene's arrays are only read there; counters and packets go on from
- * call to call. */
+/* Copies the scene to the device. Kernels only read the scene's arrays; counters and packets go on from call
+ * to call. */
 static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                  struct cml_error *err)
 {
@@ -242,7 +243,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
     return end_packets(flight, err);
 }
 
-/* Arguments 0, 1 and 2 are structs, then come the buffers in the order of their names, then local memory. */
+/* Sets the kernel's arguments: 0, 1 and 2 are structs, then come the buffers in the order of their names,
+ * then local memory. */
 static cml_status set_arguments(const struct cml_opencl_scene *scene, const struct cml_local_parts *parts,
                                 struct cml_opencl_flight *flight, struct cml_error *err)
 {
@@ -260,7 +262,7 @@ static cml_status set_arguments(const struct cml_opencl_scene *scene, const stru
     return CML_OK;
 }
 
-/* In the order in which each step needs those before it. */
+/* Opens the device in steps, each of which needs those before it. */
 static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                               struct cml_error *err)
 {
@@ -300,8 +302,8 @@ void cml_opencl_flight_close(struct cml_opencl_flight *flight)
     *flight = (struct cml_opencl_flight){0};
 }
 
-/* Fewer photons than the device could take use fewer items. Records need a buffer, which is made when the
- * first are wanted and kept; the kernel must then be told of it. */
+/* A device with fewer photons than it could take uses fewer items. The buffer for records is made when the
+ * first are wanted, and kept; then the kernel must be told of it. */
 cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
                                    struct cml_error *err)
 {
@@ -318,7 +320,7 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
     return CML_OK;
 }
 
-/* Written to the device with the other counters when the next call starts. */
+/* The counters are written to the device when the next call starts. */
 void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride, uint64_t count)
 {
     flight->counters.first = first;
@@ -337,9 +339,9 @@ bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
     return cml_opencl_flight_dry(flight) && flight->counters.alive == 0;
 }
 
-/* Only whole groups can be started; items beyond call.items rest. Counters go with every call: the
- * device counts what is alive and lost during it. Flushed, so that the device begins while the host starts
- * others. */
+/* Only whole groups can be started; items beyond call.items rest. Counters go with every call, because the
+ * device counts the packets alive and lost during the call. The queue is flushed, so that the device begins
+ * while the host starts others. */
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t local = flight->group, global = (flight->call.items + local - 1) / local * local;
@@ -360,8 +362,8 @@ cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_
 }
 
 /* Adapts the number of steps of the next call to CALL_SECONDS: long enough that the host's part does not
- * count, short enough for watchdogs. Near its end a call has few packets left and is fast; what it would
- * have taken with all items busy to its end is at most `full`. */
+ * count, short enough for watchdogs. Near its end a call has few packets left and is fast. With all items
+ * busy it would have taken at most `full`. */
 static void adapt(struct cml_opencl_flight *flight, double seconds)
 {
     const uint32_t alive = flight->counters.alive, items = flight->call.items * flight->lanes;
@@ -372,7 +374,7 @@ static void adapt(struct cml_opencl_flight *flight, double seconds)
     if (full > CALL_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
 }
 
-/* The blocking read waits for the kernel, too, since the queue keeps its order. */
+/* The blocking read also waits for the kernel, because the queue keeps its order. */
 cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     CML_TRY(

@@ -1,4 +1,4 @@
-/* What stands in for the opencl engine in a program built without OpenCL.
+/* The replacement of the opencl engine in a program that is built without OpenCL.
  * SPDX-License-Identifier: MIT */
 #include "engine/opencl/engine_opencl.h"
 
@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* open fails, so that nothing else of the engine is ever called but threads and close. */
+/* Fails, so that of the engine's other functions only threads and close are ever called. */
 static cml_status none_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -40,7 +40,7 @@ const struct cml_engine cml_engine_opencl = {
     .close = none_close,
 };
 
-/* An empty list and no error: `devices` then says that there is none. */
+/* Returns an empty list and no error, so that `devices` says that there is no device. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     *count = 0;

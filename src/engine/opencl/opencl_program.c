@@ -1,11 +1,12 @@
-/* The kernels compiled for a device, or taken from the cache. SPDX-License-Identifier: MIT */
+/* Compiles the kernels for a device, or takes them from the cache.
+ * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The whole build log on standard error, its first line that speaks of an error into the message. */
+/* Writes the whole build log to standard error, and its first line that names an error into the message. */
 static cml_status fail_build(const struct cml_opencl_device *device, cl_program program, cl_int code,
                              struct cml_error *err)
 {
@@ -30,7 +31,7 @@ static cml_status fail_build(const struct cml_opencl_device *device, cl_program 
     return status;
 }
 
-/* Everything that a binary depends on; the caller frees it. */
+/* Returns the key of a binary: everything that it depends on. The caller frees it. */
 static char *key_of(const struct cml_opencl_device *device, const char *options)
 {
     const struct cml_opencl_info *info = &device->info;
@@ -42,7 +43,8 @@ static char *key_of(const struct cml_opencl_device *device, const char *options)
     return key;
 }
 
-/* A driver may refuse the binary, for instance after an update that left its version the same: then false. */
+/* Builds the program from a cached binary. Returns false if there is none, or the driver refuses it, for
+ * instance after an update that left its version unchanged. */
 static bool build_from_cache(const struct cml_opencl_device *device, cl_context context, const char *key,
                              const char *options, cml_opencl_note *on_note, cl_program *program)
 {
@@ -60,7 +62,7 @@ static bool build_from_cache(const struct cml_opencl_device *device, cl_context 
     return false;
 }
 
-/* Stores the binary in the cache; a driver that gives none is no failure. */
+/* Stores the program's binary in the cache. A driver that gives no binary is no failure. */
 static void keep(const char *key, cl_program program)
 {
     size_t size = 0;
@@ -88,7 +90,7 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
-/* The program for a device, from the cache or built; without memory for a key it is built and not kept. */
+/* If there is no memory for a key, the program is built and not kept. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {

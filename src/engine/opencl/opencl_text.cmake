@@ -1,5 +1,5 @@
 # Puts the kernel and the headers it includes into one C array: cmake -D KERNELS=DIR -D OUTPUT=FILE -P opencl_text.cmake
-# A header goes where it is included first, and without the pragma that would say so.
+# A header is put where it is included first, without its #pragma once, and left out where it is included again.
 # SPDX-License-Identifier: MIT
 cmake_policy(VERSION 3.22)
 file(READ ${KERNELS}/transport.cl text)

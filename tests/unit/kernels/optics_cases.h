@@ -354,7 +354,7 @@ static struct cml_vec spin(struct cml_vec u, real ct, real st, real cp, real sp)
 {
     real unused, per_divisor;
     cml_reciprocals(1, cml_frame_divisor(u), &unused, &per_divisor);
-    return cml_spin(u, per_divisor, ct, st, cp, sp);
+    return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
 static const double starts[][3] = {

@@ -8,6 +8,9 @@
 
 #include "result/outcome.h"
 
+/* Begins every .mco, those of original MCML, too. */
+#define CML_MCO_FIRST_LINE "A1 \t# Version number of the file format.\n"
+
 /* Writes to `path` atomically (atomic_file.h). CML_E_IO on failure. The time is rounded to whole seconds, as
  * in the original. What is ours only where `program` is set; nothing in it depends on time, threads, ranks or
  * the machine. */

@@ -114,7 +114,8 @@ def encoded(Rd):
 def draw(made, path):
     """A patch of each material's colour in diffuse light, and light per distance in its channels."""
     figure = Figure(figsize=(11, 8.6), layout="constrained")
-    for axes, (material, profile) in zip(figure.subplots(4, 3).flat, made):
+    panels = figure.subplots(4, 3).flat
+    for axes, (material, profile) in zip(panels, made):
         r = profile.r.values
         for c, colour in enumerate(("#D55E00", "#009E73", "#0072B2")):
             light = 2 * np.pi * r[c] * profile.S.values[c] / float(profile.Rd[c])
@@ -129,6 +130,7 @@ def draw(made, path):
         axes.set_xlabel("distance [mm]", fontsize=8)
         patch = axes.inset_axes([0.62, 0.45, 0.33, 0.47], facecolor=encoded(profile.Rd.values))
         patch.set(xticks=[], yticks=[])
+    panels[0].legend(panels[0].lines, ("red", "green", "blue"), loc="lower right", bbox_to_anchor=(1, 0.06), fontsize=7, frameon=False)
     figure.supylabel("light that leaves per distance [1/mm], of all that leaves", fontsize=9)
     figure.savefig(path, metadata={"Date": None, "Creator": None})
 

@@ -4,7 +4,7 @@ curves (figures/*.csv) dashed beside them, furrows.mci as a shaded mesh, the map
 of samples/two_runs.mci and pulse.mci, the fluence of head.mci, what sees gloss.mci, camera.mci and fibres.mci, and the beams of
 fibre.mci, lamp.mci and glow.mci:
     figures.py [--quick] [--photons N] [--program PATH] [--out DIR]
-by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
+by default 3e6 packets (--quick: 1e5), 30 times as many of flat scenes, which are fast, and 10/3 times of maps, of build/clustermcml into bench/out.
 SPDX-License-Identifier: MIT
 """
 import os
@@ -22,7 +22,7 @@ SCENES = ("fig5", "fig6", "fig7", *("shapes/" + shape for shape in ("flat50", "l
 MAPS = ("furrows", "camera")  # facets and pixels are small
 BEAMS = ("fibre", "lamp", "glow")
 MAP = ["--of", "Rd", "--percentile", "99.9", "--linear"]
-FLAT = ("Solid: this program, {n} packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of "
+FLAT = ("Solid: this program, {flat} packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of "
         "the program of 2019, read from its graphics, where its flat scenes are sound: they agree within print and noise.")
 KERNEL = ("Solid: this program, {n} packets, with a band of one standard error; dotted: the heightfield, on top and bottom. Dashed: the "
           "report's curves of 2019. The flat one is sound. The others differ because that program's surfaces were not those drawn: the "
@@ -51,7 +51,7 @@ OTHERS = {
     "pulse": ("Diffuse reflectance of a pulse by time, {n} packets each, over a layer five times as dark from 0.8 cm down, and over none.",
               ["pulse.mco", "pulse_even.mco", "--of", "Rd_t", "--label", "darker below 0.8 cm", "--label", "even"]),
     "head": ("Fluence in a head at 800 nm, {n} packets, bins of 0.5 mm. Between 1 and 1.2 cm of depth lies the clear fluid around the brain, "
-             "which guides light.", ["head.mco", "--of", "phi_rz", "--label", "Scalp, skull, clear fluid, grey and white matter"]),
+             "which guides light.", ["head.mco", "--of", "phi_rz", "--crange", "1e-5:10", "--label", "Scalp, skull, clear fluid, grey and white matter"]),
     "gloss": ("Gloss of a white tile with a wavy glaze, weight per sr, under light that comes down towards +x at 45 degrees, {n} packets.",
               ["gloss.mco", "--of", "Rsp_dir", "--log", "--label", "Gloss"]),
     "white": ("What comes back from inside the same tile.",
@@ -80,7 +80,7 @@ def fly(program, out, photons):
     def run(scene, number, *options):
         call(program, os.path.join(cases.ROOT, "samples", scene + ".mci"), *options, "--photons", str(number), "--ignore-absorption", "--quiet", "-o", out)
     for scene in SCENES:
-        run(scene, photons)
+        run(scene, 30 * photons if scene.startswith("fig") else photons)
     for scene in MAPS:
         run(scene, 10 * photons // 3)
     distances = os.path.join(out, "distances.csv")
@@ -100,7 +100,7 @@ def main():
     drawn = {name: (caption, [scene + ".mco" for scene in scenes] + [curve for scene in scenes for curve in curves_of(scene)])
              for name, (caption, scenes) in REPORT.items()}
     for name, (caption, words) in {**drawn, **OTHERS}.items():
-        below = ["--caption", caption.format(n=photons, many=10 * photons // 3, few=photons // 9)] if caption else []
+        below = ["--caption", caption.format(n=photons, flat=30 * photons, many=10 * photons // 3, few=photons // 9)] if caption else []
         call(arguments.program, "plot", *words, *below, "--quiet", "-o", name + ".svg", cwd=out)
         print(os.path.join(out, name + ".svg"), flush=True)
     for scene in BEAMS:

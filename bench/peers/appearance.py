@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Does Mitsuba 3 render our .bsdf files as it renders the slab itself? appearance.py [--photons N] [--rays N] [--rounds N] [--program PATH] [--out DIR]
 
-Flies a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.1), writes slab.bsdf and slab.rgb.bsdf, and asks Mitsuba's
+Flies a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.03), writes slab.bsdf and slab.rgb.bsdf, and asks Mitsuba's
 plugin `measured` three things: whether its values are those that a reader of 30 lines finds in the file; what albedo its samples have;
 how bright the slab is at nine exits in three distant lights of 12 degrees radius, beside Mitsuba's own volpath through `roughdielectric`
 faces. `pip install mitsuba`. Leaves appearance.md in DIR. bench/peers/README.md says more.
@@ -20,7 +20,7 @@ import tables
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "python"))
 
-N, MUA, MUS, G, D, ALPHA = 1.5, 1, 40, 0.5, 0.1, 0.1
+N, MUA, MUS, G, D, ALPHA = 1.5, 1, 40, 0.5, 0.1, 0.03
 UNIT, HALF_WIDTH, FAR, RADIUS = 100, 20.0, 1e4, math.radians(12)  # units of a cm, cm, cm, rad
 LIGHTS = (15, 45, 65)  # degrees from the vertical, on the side of -x; red, green and blue
 EXITS = [(theta, phi) for theta in (10, 40, 65) for phi in (20, 90, 160)]  # phi 0 is the mirror side
@@ -97,14 +97,19 @@ def sampled_albedo(folder, theta, rays):
 
 # ---- the slab in light ----
 
-def lights(mi):
-    """Discs far away that face the middle of the slab: red, green, blue."""
+def lights(mi, phi):
+    """Discs far away that face the middle of the slab: red, green, blue. Where both have room, each has a twin of half its radiance on the other side of the plane of the
+    exit at this azimuth: as bright by symmetry, and met twice as often."""
     found = {}
     for i, theta in enumerate(LIGHTS):
-        place = [FAR * UNIT * x for x in direction(theta, 180)]
-        size = FAR * UNIT * math.tan(RADIUS)
-        turn = mi.ScalarTransform4f().look_at(origin=place, target=[0, 0, 0], up=[0, 1, 0]) @ mi.ScalarTransform4f().scale(size)
-        found[f"light{i}"] = {"type": "disk", "to_world": turn, "emitter": {"type": "area", "radiance": {"type": "rgb", "value": [float(i == c) for c in range(3)]}}}
+        apart = 2 * math.asin(math.sin(math.radians(theta)) * abs(math.sin(math.radians(phi))))
+        azimuths = (180, 2 * phi - 180) if apart > 2 * RADIUS else (180,)
+        for k, azimuth in enumerate(azimuths):
+            place = [FAR * UNIT * x for x in direction(theta, azimuth)]
+            size = FAR * UNIT * math.tan(RADIUS)
+            turn = mi.ScalarTransform4f().look_at(origin=place, target=[0, 0, 0], up=[0, 1, 0]) @ mi.ScalarTransform4f().scale(size)
+            value = [float(i == c) / len(azimuths) for c in range(3)]
+            found[f"light{i}{k}"] = {"type": "disk", "to_world": turn, "emitter": {"type": "area", "radiance": {"type": "rgb", "value": value}}}
     return found
 
 
@@ -128,7 +133,7 @@ def radiance(folder, exit_, measured, rays, seed):
     path = {"type": "path", "max_depth": 2} if measured else {"type": "volpath", "max_depth": -1, "rr_depth": 5000}
     sensor = {"type": "radiancemeter", "origin": [10 * UNIT * x for x in way], "direction": [-x for x in way], "sampler": {"type": "independent", "sample_count": rays},
               "film": {"type": "hdrfilm", "width": 1, "height": 1, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}}}
-    scene = mi.load_dict({"type": "scene", "integrator": path, "slab": slab(mi, folder, measured), "sensor": sensor, **lights(mi)})
+    scene = mi.load_dict({"type": "scene", "integrator": path, "slab": slab(mi, folder, measured), "sensor": sensor, **lights(mi, exit_[1])})
     return np.array(mi.render(scene, spp=rays, seed=seed)).reshape(3)
 
 
@@ -138,7 +143,7 @@ def rows_of(folder, rays, rounds):
     rows, found = [], {}
     for exit_ in EXITS:
         own = np.array([radiance(folder, exit_, False, rays // rounds, seed) for seed in range(rounds)])
-        table = np.array([radiance(folder, exit_, True, 4000, seed) for seed in range(4)])
+        table = np.array([radiance(folder, exit_, True, 40000, seed) for seed in range(4)])
         for i, theta in enumerate(LIGHTS):
             mean, error = own[:, i].mean(), own[:, i].std(ddof=1) / math.sqrt(rounds)
             ours, noise = table[:, i].mean(), table[:, i].std(ddof=1) / 2
@@ -160,7 +165,7 @@ def mean_by_light(found):
 
 
 def main():
-    parser = command.parser(__doc__, photons=1000000, rays=(400000, 1000), rounds=(8, 4))
+    parser = command.parser(__doc__, photons=1000000, rays=(2400000, 1000), rounds=(8, 4))
     arguments = parser.parse_args()
     picture.need(parser, "mitsuba", "xarray", "h5py")
     with tempfile.TemporaryDirectory() as folder:

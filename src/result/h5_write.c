@@ -2,6 +2,7 @@
 #include "result/h5.h"
 
 #include "base/text.h"
+#include "output/files/hdf5_head.h"
 #include "result/scaling.h"
 
 #include <math.h>
@@ -93,7 +94,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     struct cml_attribute *a = attributes;
     *a++ = (struct cml_attribute){"title", o->output, 0};
     *a++ = (struct cml_attribute){"source",
-                                  "clustermcml: Monte Carlo light transport in layered turbid media", 0};
+                                  CML_HDF5_SOURCE "Monte Carlo light transport in layered turbid media", 0};
     *a++ = (struct cml_attribute){"version", o->program, 0};
     *a++ = (struct cml_attribute){"engine", o->provenance.engine, 0};
     *a++ = (struct cml_attribute){"input", more->input, 0};

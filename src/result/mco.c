@@ -35,8 +35,8 @@ const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
 static void write_head(FILE *out, const struct cml_outcome *o)
 {
     const double seconds = rint(o->user_time);
-    fputs("A1 \t# Version number of the file format.\n"
-          "\n"
+    fputs(CML_MCO_FIRST_LINE, out);
+    fputs("\n"
           "####\n"
           "# Data categories include: \n"
           "# InParm, RAT, \n"

@@ -12,6 +12,9 @@
 
 #include "result/outcome.h"
 
+/* The first line of every .mco, of original MCML too. */
+#define CML_MCO_FIRST_LINE "A1 \t# Version number of the file format.\n"
+
 /* Writes an .mco file atomically (atomic_file.h). CML_E_IO on failure. The time is rounded to whole seconds,
  * as in the original. Sections beyond MCML's are written only if `program` is set; they do not depend on
  * time, threads, ranks or the machine. */

@@ -186,6 +186,27 @@ for words in "--part 1/3" "--part 1/3 --resume"; do
 done
 expect_error 2 "$work/thick.mco: is no file of this program (expected a result, or no file)" thick.mci --photons 1000 --resume
 test "$(cat thick.mco thick.mco.part1of3 | tr -d '\n')" = minemine || complain "a text file was replaced"
+sed 's/thick.mco A/thick.h5 B/' thick.mci >binary.mci
+foreign() { # NAME SCENE: --resume leaves a file that another program has written
+    cp "$1" mine
+    expect_error 2 "$work/$1: is no file of this program (expected a result, or no file)" "$2" --photons 100 --resume
+    cmp -s "$1" mine || complain "$1 of another program was replaced"
+    rm "$1"
+}
+echo "A1 paper is 594 mm by 841 mm." >thick.mco
+foreign thick.mco thick.mci
+printf '<?xml version="1.0"?>\n<svg/>\n' >skinmap.map.vti
+foreign skinmap.map.vti "$root/samples/skinmap.mci"
+if /usr/bin/python3 -c 'import h5py' 2>/dev/null; then # Debian packages h5py for its own
+    /usr/bin/python3 -c 'import h5py; h5py.File("thick.h5", "w")["mine"] = [1.0]'
+    foreign thick.h5 binary.mci
+    /usr/bin/python3 -c 'import h5py; h5py.File("thick.h5", "w").attrs["source"] = "another program"'
+    foreign thick.h5 binary.mci
+    expect_code 0 binary.mci --photons 100 --quiet
+    head -c 3000 thick.h5 >cut
+    mv cut thick.h5
+    expect_code 0 binary.mci --photons 100 --quiet --resume
+fi
 sed 's/thick.mco A/named.h5 A/' thick.mci >named.mci # text in spite of its name
 for words in "" --resume; do expect_code 0 named.mci --photons 100 --quiet $words; done
 finish

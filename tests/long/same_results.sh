@@ -56,7 +56,8 @@ few=$((photons / 10 + 1))
 
 . tests/lib/cluster.sh
 trap 'exit 2' HUP INT PIPE TERM # so that the work folder goes then, too
-python=/usr/bin/python3 # Debian packages h5py for its own
+export PATH="/usr/bin:$PATH" # Debian packages h5py and matplotlib for its own Python, which compare, plot and view start
+python=/usr/bin/python3
 "$python" -c 'import h5py' 2>/dev/null || { echo "h5py is missing"; exit 77; }
 
 # Both programs are started as ./clustermcml from a folder of their own, so that paths and command lines are the same.

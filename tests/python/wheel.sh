@@ -1,6 +1,6 @@
 #!/bin/sh
 # The wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3 and nothing else: an ordinary
-# user installs it, flies five lines of Python to a picture, and all samples to the bytes that $CLUSTERMCML writes here.
+# user installs it, flies five lines of Python to a picture, and all samples to the results that $CLUSTERMCML writes here.
 #
 #     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     roots stay there; the next run makes none
 #     WHEEL=FILE sh tests/python/wheel.sh               that wheel, and none is built
@@ -68,14 +68,20 @@ result.Rd_r.plot()[0].figure.savefig("picture.png")
 END
 (cd samples && OUT=$work/here PROGRAM=$program sh -euc "$fly") || { echo "$program flies no samples"; exit 1; }
 
-# .mco files of a root that are not here, or have other bytes but for the time and the commit.
+# The content of a result but for the time, the commit and the call.
+content() { # FILE
+    case $1 in
+    *.h5) /usr/bin/python3 -B tests/lib/h5_text.py "$1" | sed -e '/^\/ @version = /d' -e '/^\/ @identity = /d' -e '/^call/d' ;;
+    *) sed -e '/^# User time/d' -e 's/^\(# clustermcml [0-9.]*\) (.*/\1/' "$1" ;;
+    esac
+}
+
+# Results of a root that are not here, or have another content.
 others() { # ROOT
-    (cd "$work/here" && find . -name '*.mco') | while read -r file; do
-        for side in "$work/here" "$1/home/user/flown"; do sed -e '/^# User time/d' -e 's/^\(# clustermcml [0-9.]*\) (.*/\1/' "$side/$file" 2>&1; done >"$work/both"
-        half=$(($(wc -l <"$work/both") / 2))
-        head -n $half "$work/both" >"$work/a"
-        tail -n +$((half + 1)) "$work/both" | cmp -s - "$work/a" || echo "$file"
-    done
+    (cd "$work/here" && find . -name '*.mco' -o -name '*.h5') >"$work/names"
+    while read -r file; do
+        content "$work/here/$file" >"$work/a" && test -s "$work/a" && content "$1/home/user/flown/$file" 2>&1 | cmp -s - "$work/a" || echo "$file"
+    done <"$work/names"
 }
 
 made=0 failed=0
@@ -92,8 +98,8 @@ for suite in bookworm trixie noble; do
     begin=$(date +%s)
     if as_user "$root" "$try; $fly" >"$work/log" 2>&1; then
         differ=$(others "$root")
-        test -z "$differ" && echo "$suite: installed, drawn and flown in $(($(date +%s) - begin)) s, the same bytes" && continue
-        echo "$suite: other bytes: $differ"
+        test -z "$differ" && echo "$suite: installed, drawn and flown in $(($(date +%s) - begin)) s, $(wc -l <"$work/names") results as here" && continue
+        echo "$suite: other results: $differ"
     else
         echo "$suite: failed" && cat "$work/log"
     fi

@@ -8,7 +8,10 @@
 #include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"
+#include "output/files/hdf5_head.h"
+#include "output/files/vtk.h"
 #include "output/report.h"
+#include "result/mco.h"
 #include "run/checkpoint.h"
 
 #include <limits.h>
@@ -226,12 +229,12 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- do they destroy anything? ---- */
 
-/* True if the path leads to a file that begins like none of ours. An empty, cut or damaged file may be ours.
- */
+/* True if the path leads to a file of another program. An empty, cut or damaged file may be ours. */
 static bool is_strange(const struct cml_output_file *file)
 {
-    static const char *const ours[] = {CML_CHECKPOINT_MAGIC, "A1", "\211HDF", "<?xml"};
-    char found[40];
+    static const char *const ours[] = {CML_CHECKPOINT_MAGIC, CML_MCO_FIRST_LINE, "\211HDF\r\n\032\n",
+                                       CML_VTK_FIRST_LINE CML_VTK_RUN};
+    char found[64];
     FILE *in = cml_file_ends_in(file->name, ".csv") ? NULL : fopen(file->name, "rb");
     if (!in) return false;
     const size_t size = fread(found, 1, sizeof found, in);
@@ -240,7 +243,7 @@ static bool is_strange(const struct cml_output_file *file)
     const size_t first = file->kind != CML_OUTPUT_CHECKPOINT, end = first ? sizeof ours / sizeof *ours : 1;
     for (size_t i = first; i < end; i++)
         strange &= memcmp(found, ours[i], strlen(ours[i]) < size ? strlen(ours[i]) : size) != 0;
-    return strange;
+    return strange || (size > 0 && first > 0 && cml_hdf5_is_foreign(file->name));
 }
 
 /* Refuses to replace a file of other content, which --part and --resume take for an older state. */

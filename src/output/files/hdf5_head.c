@@ -41,16 +41,21 @@ static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *val
     return good;
 }
 
+/* Reads an attribute of one text that is shorter than `size`. */
+static bool read_text(hid_t file, const char *name, size_t size, char *value)
+{
+    const hid_t text = H5Tcopy(H5T_C_S1);
+    const bool good = H5Tset_size(text, size) >= 0 && H5Tset_cset(text, H5T_CSET_UTF8) >= 0 &&
+                      read_attribute(file, name, text, value);
+    H5Tclose(text);
+    value[size - 1] = '\0';
+    return good;
+}
+
 static bool read_identity(hid_t file, struct cml_hdf5_head *head)
 {
-    if (H5Aexists(file, "identity") <= 0) return true;
-    const hid_t text = H5Tcopy(H5T_C_S1);
-    const bool good = H5Tset_size(text, sizeof head->identity) >= 0 &&
-                      H5Tset_cset(text, H5T_CSET_UTF8) >= 0 &&
-                      read_attribute(file, "identity", text, head->identity);
-    H5Tclose(text);
-    head->identity[sizeof head->identity - 1] = '\0';
-    return good;
+    return H5Aexists(file, "identity") <= 0 ||
+           read_text(file, "identity", sizeof head->identity, head->identity);
 }
 
 /* ---- chunks ---- */
@@ -114,12 +119,29 @@ bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, 
     return good;
 }
 
+bool cml_hdf5_is_foreign(const char *path)
+{
+    char source[128] = "";
+    const hid_t file = open_unlocked(path);
+    if (file < 0) return false;
+    const htri_t there = H5Aexists(file, "source");
+    if (there > 0) (void)read_text(file, "source", sizeof source, source);
+    H5Fclose(file);
+    return there >= 0 && strncmp(source, CML_HDF5_SOURCE, strlen(CML_HDF5_SOURCE)) != 0;
+}
+
 #else
 
 bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head)
 {
     (void)path, (void)arrays, (void)count;
     memset(head, 0, sizeof *head);
+    return false;
+}
+
+bool cml_hdf5_is_foreign(const char *path)
+{
+    (void)path;
     return false;
 }
 

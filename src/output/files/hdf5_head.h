@@ -4,6 +4,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Begins the attribute `source` of every file that the program writes. */
+#define CML_HDF5_SOURCE "clustermcml: "
+
 struct cml_hdf5_head {
     double photons;
     char identity[17]; /* 16 digits; "": the file has none */
@@ -17,3 +20,7 @@ struct cml_hdf5_head {
  * and of their errors. Not noticed are changes in other arrays, in numbers that are not deflated (saved
  * packets), in texts of the call and in bytes that nothing uses. A program without HDF5 refuses all. */
 bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head);
+
+/* True if the path leads to a sound HDF5 file of another program: HDF5 opens the file, and no attribute
+ * `source` at its root begins with CML_HDF5_SOURCE. A program without HDF5 knows none. */
+bool cml_hdf5_is_foreign(const char *path);

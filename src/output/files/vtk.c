@@ -9,8 +9,7 @@
 #include <string.h>
 
 #define LAST_LINE "</VTKFile>\n"
-#define FIRST_LINE "<?xml version=\"1.0\"?>\n"
-#define COMMENT "<!-- run %s -->\n"
+#define COMMENT CML_VTK_RUN "%s -->\n"
 
 /* One array of the appended data: its description goes into the header, with the place of its bytes. */
 struct layout {
@@ -68,7 +67,7 @@ static void begin_file(FILE *out, const char *type, const char *comment)
 {
     const uint16_t one = 1;
     const bool little = *(const unsigned char *)&one == 1;
-    fputs(FIRST_LINE, out);
+    fputs(CML_VTK_FIRST_LINE, out);
     if (comment[0]) fprintf(out, COMMENT, comment);
     fprintf(out,
             "<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" "
@@ -159,7 +158,7 @@ bool cml_vtk_has_comment(const char *path, const char *comment)
     char expected[128], found[sizeof expected];
     FILE *in = fopen(path, "rb");
     if (!in) return false;
-    snprintf(expected, sizeof expected, FIRST_LINE COMMENT, comment);
+    snprintf(expected, sizeof expected, CML_VTK_FIRST_LINE COMMENT, comment);
     const size_t length = strlen(expected), count = fread(found, 1, length, in);
     fclose(in);
     return count == length && memcmp(found, expected, length) == 0;

@@ -31,6 +31,10 @@ CML_NODISCARD cml_status cml_vti_write(const char *path, const char *comment, co
 CML_NODISCARD cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
                                        const struct cml_field *fields, int num_fields, struct cml_error *err);
 
+/* The first line of these files, and the begin of the line of the comment. */
+#define CML_VTK_FIRST_LINE "<?xml version=\"1.0\"?>\n"
+#define CML_VTK_RUN "<!-- run "
+
 /* Whether a file begins as these with that comment. */
 bool cml_vtk_has_comment(const char *path, const char *comment);
 

@@ -6,6 +6,7 @@
 #include "input/keys/key.h"
 #include "base/text.h"
 #include "base/version.h"
+#include "output/files/hdf5_head.h"
 #include "result/quantity.h"
 
 #include <inttypes.h>
@@ -379,7 +380,7 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
     const struct cml_sweep_results *r = grid->results;
     const struct cml_attribute attributes[] = {
         {"title", r->title, 0},
-        {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
+        {"source", CML_HDF5_SOURCE "Monte Carlo light transport in layered turbid media", 0},
         {"version", cml_version(), 0},
         {"input", r->input, 0},
         {"settings", r->settings, 0},

@@ -37,6 +37,28 @@ def finer(cells: Any) -> Any:
     return cells
 
 
+def with_means(values: Any, angles: Any) -> Any:
+    """Values at the nodes [angle, v, u] whose linear interpolation has the means over cells that the smooth function with these values has.
+    Interpolation of the values themselves is too large where the function bends upwards, as all do towards the horizon."""
+    found, once = np.array(values), values[:, :-1]  # the first and the last v are the same direction
+    found[:, :-1] -= (np.roll(once, 1, axis=1) + np.roll(once, -1, axis=1) - 2 * once) / 12
+    found[:, -1] = found[:, 0]
+    found[:, :, 1:-1] -= np.diff(values, 2, axis=2) / 12
+    if len(angles) > 2:
+        low, high = np.diff(angles)[:-1, None, None], np.diff(angles)[1:, None, None]
+        found[1:-1] -= low * high / 6 * (np.diff(values, axis=0)[1:] / high - np.diff(values, axis=0)[:-1] / low) / (low + high)
+    return found
+
+
+def beside(wanted: Any) -> Any:
+    """The nodes [v, u] that are wanted, and the corners of all cells with one of these."""
+    rows = wanted | np.roll(wanted, 1, axis=0) | np.roll(wanted, -1, axis=0)
+    found = rows.copy()
+    found[:, 1:] |= rows[:, :-1]
+    found[:, :-1] |= rows[:, 1:]
+    return found
+
+
 def nodes(size: int) -> tuple[Any, Any]:
     """u and v of all cells [v, u]."""
     axis = np.arange(size) / (size - 1)

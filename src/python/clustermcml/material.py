@@ -17,7 +17,7 @@ from . import errors
 from .brdf_fit import evaluate
 from .bsdf_file import write_bsdf
 from .command_line import picture_path, write
-from .gloss import CELLS, exits, finer, nodes
+from .gloss import CELLS, beside, exits, finer, nodes, with_means
 from .options import Path
 from .pictures import COLOURS, drawing, save
 
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
 GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
-STEP = 5.0  # between angles of incidence of a .bsdf, at most: renderers interpolate f cos theta_o, which bends
+HORIZON = np.pi / 2 - 1e-4  # where f is still known: at the very horizon rounding takes all light
+STEP = 2.5  # degrees between angles of incidence of a .bsdf, at most: renderers interpolate at the same half vector, and the horizon moves from one to the next
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
 PLOTTED = 5  # angles of incidence
 
@@ -97,20 +98,26 @@ class Material:
     def _table(self, angles: Any) -> Any:
         """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: degrees."""
         u, v = nodes(SIZE)
-        found = []
-        for angle in angles:
-            cosine, phi, along = exits(u, v, np.radians(angle))
-            theta = np.arccos(np.clip(cosine, 0, 1))
-            rows = []
-            for channel in range(max(len(self.channels()), 1)):
-                f = np.zeros_like(u)
-                if self.data.attrs["half"] != "all":
-                    f = evaluate(self._each("fit")[channel], float(self._each("index")[channel]), np.full_like(theta, np.radians(angle)), theta, phi)
-                if "f_half" in self.data:
-                    f = f + self._half(channel, float(angle))
-                rows.append(np.where((cosine > 0) & (along > 0), np.maximum(f, 0) * cosine, 0.0))
-            found.append(rows)
-        return np.array(found)
+        each = [exits(u, v, np.radians(angle)) for angle in angles]
+        above = np.array([(cosine > 0) & (along > 0) for cosine, _, along in each])
+        used = np.array([beside(one) for one in above])
+        rows = []
+        for channel in range(max(len(self.channels()), 1)):
+            row = np.zeros_like(above, float)
+            if self.data.attrs["half"] != "all":
+                f = np.array([self._continued(channel, angle, *one[:2]) for angle, one in zip(angles, each)])
+                row = np.where(used, np.maximum(with_means(f, angles), 0), 0.0)
+            if "f_half" in self.data:
+                row += np.where(above, [self._half(channel, float(angle)) * one[0] for angle, one in zip(angles, each)], 0.0)
+            rows.append(row)
+        return np.stack(rows, axis=1)
+
+    def _continued(self, channel: int, angle: float, cosine: Any, phi: Any) -> Any:
+        """f cos theta_o of the fit; below the horizon f goes on as a straight line in the cosine."""
+        fit, index, light = self._each("fit")[channel], float(self._each("index")[channel]), np.full_like(phi, np.radians(angle))
+        f = evaluate(fit, index, light, np.arccos(np.minimum(np.abs(cosine), 1)), phi)
+        level = evaluate(fit, index, light, np.full_like(phi, HORIZON), phi)
+        return np.where(cosine > 0, f, 2 * level - f) * cosine
 
     def to_bsdf(self, path: Path) -> None:
         """Writes a table for the plugin `measured` of Mitsuba 3 and pbrt-v4.
@@ -248,8 +255,8 @@ class Material:
 def _steps(angles: Any) -> Any:
     """The angles, and others between them, at most STEP apart.
 
-    >>> _steps([0, 10, 13]).tolist()
-    [0.0, 5.0, 10.0, 13.0]
+    >>> _steps([0, 5, 7]).tolist()
+    [0.0, 2.5, 5.0, 7.0]
     """
     parts = [np.linspace(low, high, int(np.ceil((high - low) / STEP)), endpoint=False) for low, high in zip(angles[:-1], angles[1:])]
     return np.concatenate([*parts, [float(angles[-1])]])

@@ -322,7 +322,8 @@ def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
 
 
 def _add_bar(figure: Any, drawn: Any, panels: Any, label: str, **options: Any) -> None:
-    bar = figure.colorbar(drawn, ax=list(panels), label=label, **options)
+    equal = panels[-1].name == "rectilinear" and panels[-1].get_aspect() == 1  # such a panel may be lower than the picture
+    bar = figure.colorbar(drawn, label=label, **({"cax": panels[-1].inset_axes([1.04, 0, 0.05, 1])} if equal else {"ax": list(panels)}), **options)
     set_powers(bar.ax.yaxis)
 
 

@@ -9,7 +9,7 @@
 
 /* ---- files ---- */
 
-/* A lock, an older state or an unfinished file, which NAME.part* of a shell finds beside parts. */
+/* True for a lock, an older checkpoint or an unfinished file: a shell's NAME.part* also matches these. */
 static bool is_beside_part(const char *path)
 {
     return cml_file_ends_in(path, ".lock") || cml_file_ends_in(path, ".old") ||
@@ -54,7 +54,7 @@ cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status
 
 /* ---- which parts there are ---- */
 
-/* The turns of a file's part. */
+/* Returns the turns of the part in a file. */
 static struct cml_range turns_of(const struct cml_part_file *file)
 {
     return cml_part_turns(file->about.part, file->about.begin, file->about.end);
@@ -75,8 +75,8 @@ static cml_status fail_other(const struct cml_run_setup *setup, const struct cml
                     file->about.begin, setup->base);
 }
 
-/* "2, 4 and 5": the parts of so many that are in no file, some of them where they are many. Returns how many.
- */
+/* Writes the numbers of missing parts into `list`, as "2, 4 and 5", cut off after 20 numbers. Returns how
+ * many of the `count` parts are missing. */
 static int list_missing(const struct cml_run_setup *setup, const struct cml_part_files *files, uint64_t count,
                         char list[200])
 {
@@ -99,7 +99,8 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     return missing;
 }
 
-/* The part of the run that begins with this turn, which is in no file; cut as the others are. */
+/* Fails with the number of the missing part, which is the one that begins with this turn. The parts in files
+ * tell how many parts the run has. */
 static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                uint64_t turn, struct cml_error *err)
 {
@@ -123,7 +124,7 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
                     strpbrk(list, " ") ? "s" : "", list, part.count, strpbrk(list, " ") ? "are" : "is");
 }
 
-/* The file whose turns begin here; NULL: there is none. */
+/* Returns the file of this run whose turns begin with `turn`; NULL: no file. */
 static struct cml_part_file *find_at(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                      uint64_t turn)
 {
@@ -135,7 +136,7 @@ static struct cml_part_file *find_at(const struct cml_run_setup *setup, const st
     return NULL;
 }
 
-/* Refuses a file of this run whose photons others have, too: all of them are joined. */
+/* Refuses a file of this run that has photons of another file, too. Marks all files of the run as joined. */
 static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part_files *files,
                               struct cml_error *err)
 {
@@ -175,7 +176,7 @@ static void add_result(struct cml_result *to, struct cml_result *from)
     if (to->saved) add_saved(to->saved, from->saved);
 }
 
-/* Whether all turns of the part are flown: none of them is open. */
+/* Refuses a part of which turns are still open. */
 static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
                                  struct cml_error *err)
 {
@@ -190,7 +191,8 @@ static cml_status check_finished(const struct cml_part_file *file, struct cml_ra
     return status;
 }
 
-/* one: an empty result of the run's grid, for the part alone. */
+/* Reads the file of a part and adds its tallies to *out. one: an empty result of the run's grid, as room for
+ * the part. */
 static cml_status add_part(const struct cml_run_setup *setup, const struct cml_part_file *file,
                            struct cml_result *one, struct cml_run_result *out, struct cml_error *err)
 {
@@ -228,7 +230,7 @@ static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_f
     return check_twice(setup, files, err);
 }
 
-/* The time is that of all parts together. */
+/* The seconds of the result are those of all parts together. */
 cml_status cml_run_join(const struct cml_run_setup *setup, struct cml_part_files *files, bool alone,
                         struct cml_run_result *out, struct cml_error *err)
 {

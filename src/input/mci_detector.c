@@ -1,4 +1,4 @@
-/* Detector lines. SPDX-License-Identifier: MIT */
+/* Reader of `detector` lines. SPDX-License-Identifier: MIT */
 #include "input/mci_detector.h"
 
 #include "base/array.h"
@@ -10,7 +10,7 @@
 #define MOST_DETECTORS 32767
 #define MOST_NAME 24
 
-/* ---- what a detector has keys of ---- */
+/* ---- keys of a detector ---- */
 
 static const struct {
     const char *name;
@@ -24,7 +24,7 @@ enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
-    int s = 0; /* a ring without a hole has a radius */
+    int s = 0; /* a ring without a hole is a disk, which has one radius */
     while (shapes[s].shape != detector->shape || (s == 0 && detector->size[0] > 0)) s++;
     *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
     *part++ = (struct cml_key_part){shapes[s].keys, detector};
@@ -42,7 +42,7 @@ static cml_status check_radii(const struct cml_mci_line *line, const double *rad
     return cml_mci_fail_option(line, "r1 r2", value, "r1 < r2");
 }
 
-/* Reads the shape of a detector, whose name is `word`, and its numbers. */
+/* Reads the shape of a detector and its numbers. word: the name of the shape. */
 static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                              struct cml_detector_def *detector)
 {
@@ -61,7 +61,8 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Endings of what there is of every detector: with one of them a name could be read in two ways. */
+/* True if a name of a detector ends like the name of a result (X_map, X_t ...): results of detector "a" and
+ * detector "a_t" could not be told apart. */
 static bool ends_as_results_do(const char *name)
 {
     static const char *const endings[] = {"_t",        "_later",   "_map",    "_path", "_interactions",
@@ -111,7 +112,8 @@ static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *
     return CML_OK;
 }
 
-/* Beginning with `word`. in: the .mci, where `reader` reads a table; else NULL. */
+/* Reads one detector, whose line begins with `word`. in: the .mci file, if `reader` reads a table of
+ * detectors; else NULL. */
 static cml_status read_one(struct cml_mci_reader *reader, char *word, const struct cml_mci_reader *in,
                            struct cml_scene *scene)
 {
@@ -138,7 +140,7 @@ static cml_status read_one(struct cml_mci_reader *reader, char *word, const stru
     return CML_OK;
 }
 
-/* What the rows of a table are read into. */
+/* Context of the reader of a table of detectors. */
 struct table {
     const struct cml_mci_reader *in;
     struct cml_scene *scene;
@@ -174,9 +176,10 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
                           value, expected);
 }
 
-/* ---- what belongs together ---- */
+/* ---- checks of several lines ---- */
 
-/* A detector without a name has its number, from 1. */
+/* Fills in the plane and the name of a detector that has none: the surface that it looks at, and its number
+ * from 1. */
 static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_detector_def *detector = &scene->detectors[k];
@@ -193,7 +196,8 @@ static int compare_names(const void *a, const void *b)
 {
     const struct cml_detector_def *const *one = a, *const *other = b;
     const int order = strcmp((*one)->name, (*other)->name);
-    return order ? order : (*one > *other) - (*one < *other); /* neighbours in one array */
+    /* pointers into one array: equal names stay in the order of lines */
+    return order ? order : (*one > *other) - (*one < *other);
 }
 
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)

@@ -10,7 +10,7 @@ bool cml_sweep_is_absorption(const char *name)
     return dot && strcmp(dot, ".mua") == 0;
 }
 
-/* What scatters in the medium of a column, in a row. */
+/* Returns mus of the medium of a column in a row, 1/cm. */
 static double scattering(const struct cml_sweep_table *table, int row, const struct cml_sweep_medium *medium)
 {
     const int column = medium->scattering;
@@ -39,7 +39,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
                            int **group, int *num_groups, struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
-    int *first = calloc(rows, sizeof *first), count = 0; /* row of each group */
+    int *first = calloc(rows, sizeof *first), count = 0; /* first row of each group */
     *group = calloc(rows, sizeof **group);
     if (!*group || !first) {
         free(first);

@@ -62,6 +62,7 @@ static cml_status check_scene(const char *scene, const char *flown, struct cml_e
                     theirs);
 }
 
+/* Repeats the call of the parts, with their sums in place of flights. */
 static cml_status join(const struct cml_options *options, const char *scene, struct cml_part_files *files,
                        struct cml_error *err)
 {

@@ -132,6 +132,7 @@ static cml_status check_derivatives(const struct cml_options *options, struct cm
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
 }
 
+/* Refuses --derivatives of a scene with a time line. */
 static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
                                        struct cml_error *err)
 {

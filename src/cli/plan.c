@@ -11,6 +11,7 @@
 #define LARGEST_ERROR 0.5 /* relative error from four packets; that from one is 1 */
 #define FIRST_ROUND 1024  /* 16 photons in a batch: fewer say little about its mean */
 
+/* Returns the relative error of the expected Tt; INFINITY if there is none. */
 static double expected_error(const struct cml_result *result)
 {
     double value = 0, error = 0;
@@ -26,6 +27,7 @@ static double error_of(const struct cml_result *result, enum cml_total total)
     return certain ? 0 : cml_result_relative_error(result, total);
 }
 
+/* Flies one round of a pilot and adds its errors and its speed. */
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;

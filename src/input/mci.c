@@ -43,6 +43,7 @@ enum stage {
     STAGE_LAYERS
 };
 
+/* True for the keyword of a line that concerns the whole run. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind >= CML_MCI_BEAM && kind < CML_MCI_KEYWORDS;
@@ -99,6 +100,7 @@ static const struct {
                             .base = offsetof(struct cml_scene, directions),
                             .line = offsetof(struct cml_scene, directions.line)}};
 
+/* Reads a keyword line that concerns the whole run. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -300,6 +302,7 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
  * they absorb. Media with mus = 0 are meant so. */
 #define SWAPPED 20
 
+/* Notes media whose mua and mus may have been swapped. */
 static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
@@ -312,6 +315,7 @@ static void note_swapped(const struct cml_mci_reader *reader, const struct cml_s
     }
 }
 
+/* Notes layers that may have been given in mm. */
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {

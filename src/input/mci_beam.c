@@ -17,6 +17,7 @@
 
 /* ---- files: tables of intensities, images ---- */
 
+/* Makes room for one more row of a table. */
 static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light *light)
 {
     if (light->rows == MOST_ROWS) return cml_mci_fail(rows, "row", "10001", "at most 10000 rows");
@@ -153,6 +154,7 @@ static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_be
     return read_image(line->reader, word, beam);
 }
 
+/* Reads the value of the option `light`. */
 static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
 {
     static const char *const words[] = {"parallel", "lambertian", "isotropic"};
@@ -304,6 +306,7 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
+/* Checks a beam by itself, and against the number of beams. */
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];

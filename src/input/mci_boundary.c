@@ -176,6 +176,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
 
+/* Reads the option `tile`. */
 static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tiling)
 {
     const int which = line->alone ? TILE_PERIODIC : cml_mci_choose(line->value, tile_names, 2);
@@ -274,6 +275,7 @@ struct m_line {
     enum tiling tiling;
 };
 
+/* Reads the option `spectrum`. *hurst: 0 for gaussian, else the Hurst exponent. */
 static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
 {
     static const char *const names[] = {"gaussian", "exponential"};
@@ -290,6 +292,7 @@ static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
     return cml_mci_fail_value(line, "gaussian, exponential, or fractal:H with H of 0.01..1");
 }
 
+/* Reads an option of an `m` line of type CML_KEY_OWN. */
 static cml_status set_m_option(struct cml_mci_line *line)
 {
     struct m_line *m = line->context;
@@ -307,6 +310,7 @@ static cml_status set_m_option(struct cml_mci_line *line)
     return CML_OK;
 }
 
+/* Draws a random relief and makes a repeated boundary of it. */
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_obj_options *obj, struct cml_boundary *boundary)
 {

@@ -76,6 +76,7 @@ static bool ends_as_results_do(const char *name)
     return false;
 }
 
+/* Reads the option `name`. */
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
@@ -200,6 +201,7 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (*one > *other) - (*one < *other);
 }
 
+/* Refuses two detectors of one name. */
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (scene->num_detectors < 2) return CML_OK;

@@ -146,6 +146,7 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
     return add_phase(reader, scene, copy, medium);
 }
 
+/* Refuses an absorption so small beside the scattering that rounding would lose it. */
 static cml_status check_absorption(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                                    const char *kind, int number, const struct cml_medium_def *medium)
 {
@@ -166,6 +167,7 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
                : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
 }
 
+/* Refuses a phase function whose mean cosine is not the medium's g. */
 static cml_status check_mean(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                              const char *kind, int number, const struct cml_medium_def *medium, double mean)
 {

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* Sets the number of a key from the text of a setting. */
 static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                       const struct cml_key *key, void *base)
 {
@@ -72,6 +73,7 @@ enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_O
 static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
                                                     "boundary", "backing", "beam",  "detector"};
 
+/* Returns how many owners of a kind the scene has. */
 static int count_of(const struct cml_scene *scene, enum owner owner)
 {
     const int counts[NUM_OWNERS] = {1,
@@ -141,6 +143,7 @@ static bool find_owner(const struct cml_scene *scene, const struct name *name, e
     return false;
 }
 
+/* Returns the key of a group that --set knows by this name; NULL: none. */
 static const struct cml_key *find_key(enum cml_key_group group, const char *name)
 {
     const struct cml_key *key = cml_keys_of(group);
@@ -189,6 +192,7 @@ static int write_members(FILE *out, const char *before, enum cml_key_group group
     return count;
 }
 
+/* True if two owners have the same groups of keys. */
 static bool same_parts(const struct cml_key_part *one, const struct cml_key_part *other)
 {
     for (; one->group == other->group; one++, other++)

@@ -161,7 +161,8 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
 CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_exact *exact, struct cml_error *err);
 
-/* Prints in one line the totals by adding-doubling of the scene with planes in place of all shapes. */
+/* Prints in one line the totals by adding-doubling of the scene with planes in place of all shapes
+ * (its flat twin). */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
 /* The size of a sweep; zeroed: no sweep. */

@@ -123,6 +123,7 @@ static size_t part_of_cylinder(const struct cml_scene_body *body, const struct c
     return cml_vec3_dot(from, cylinder.axis) < 0.5 * cylinder.length ? 1 : 2;
 }
 
+/* Returns the facet, from 0 within body k, that a triangle of its drawing stands for. */
 static size_t facet_of(const struct cml_report *report, int k, const struct cml_mesh *mesh, size_t triangle)
 {
     if (report->surfaces->bodies.item[k].mesh) return triangle;
@@ -143,6 +144,7 @@ static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces
     return cml_fail_memory(err, (double)((to->num_faces + faces) * sizeof *drawn->face), "faces of bodies");
 }
 
+/* Adds the triangles of body k to the drawing. */
 static cml_status add_body(const struct cml_report *report, int k, const struct cml_mesh *mesh,
                            struct cml_body_faces *drawn, struct cml_error *err)
 {

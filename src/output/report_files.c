@@ -32,6 +32,7 @@ static bool outgrows_mco(const struct cml_scene *scene, const struct cml_report_
            scene->num_bodies > 0 || scene->backing.kind != CML_BACKING_NONE;
 }
 
+/* True if the run leaves an .h5 file. */
 static bool wants_fields(const struct cml_scene *scene, const struct cml_report_asks *asks)
 {
     return cml_hdf5_available() && (scene->format == 'B' || outgrows_mco(scene, asks));
@@ -65,6 +66,7 @@ struct visit {
     void *context;
 };
 
+/* Calls the visitor for one file. suffix: behind the stem of the result; NULL: the result itself. */
 static cml_status visit(const struct visit *v, enum cml_report_content content, int of, const char *suffix,
                         struct cml_error *err)
 {
@@ -138,6 +140,7 @@ static void name_boundary(int b, char prefix[PREFIX])
     snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
+/* Fills the list with all fields of the .h5. */
 static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];

@@ -164,6 +164,7 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     return CML_OK;
 }
 
+/* Computes the derivatives by mua or mus of medium k from its score. */
 static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
                              struct cml_error *err)
 {

@@ -61,6 +61,7 @@ static inline __attribute__((always_inline)) void gather(const char *at, size_t 
     }
 }
 
+/* A cml_field_values: the values of one property of saved packets. */
 static void column_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct column *c = context;

@@ -16,7 +16,7 @@ struct peer {
     double sent;           /* time of the last heartbeat to the peer, on the service clock */
     uint64_t syncs_told;   /* value of syncs_requested in the last heartbeat to the peer */
     uint64_t message;      /* content of the heartbeat under way; MPI reads it until the send is complete */
-    MPI_Request heartbeat; /* its send; MPI_REQUEST_NULL: none is under way */
+    MPI_Request heartbeat; /* send of the heartbeat; MPI_REQUEST_NULL: none is under way */
 };
 
 static struct {
@@ -255,6 +255,7 @@ void cml_cluster_recall(void)
     raise_requested(2 * (atomic_load(&service.syncs_done) + 1));
 }
 
+/* True if any rank has requested a synchronisation that was not held yet. */
 static bool all_requested(void)
 {
     return atomic_load(&service.syncs_requested) / 2 > atomic_load(&service.syncs_done);

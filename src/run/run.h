@@ -32,7 +32,7 @@ struct cml_run_setup {
      * of 64, until cml_target_met is true at the end of a round. The target is tested only there, so that the
      * end depends on the seed alone. A round has equally many photons in every batch. */
     double target_error;
-    /* The quantity whose error is meant (target_error.h), or 0. */
+    /* The quantity that target_error is about (target_error.h); 0: Rd, A and Tt. */
     int error_of;
     /* File of the checkpoint. NULL: none is written, and signals are not watched. */
     const char *checkpoint;

@@ -98,7 +98,7 @@ void cml_work_batch_ended(struct cml_work_ranges *work, double seconds)
     if (work->overhead <= 0 || overhead < work->overhead) work->overhead = overhead;
 }
 
-/* Returns a quarter of a range at most, but not less than 25 times the overhead of a piece. */
+/* Returns the packets of a piece: a quarter of a range at most, but not less than 25 times the overhead. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
     const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));

@@ -52,6 +52,7 @@ static void note_input(void *context, const char *text)
     if (cml_cluster_rank() == 0) cml_show_note(context, text);
 }
 
+/* True if the options make planes of all boundaries. */
 static bool is_flat(const struct cml_options *options)
 {
     return options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
@@ -155,6 +156,7 @@ cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_
     return status;
 }
 
+/* Sends the bytes of the files that rank 0 read to all ranks. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
     char *block = NULL;
@@ -169,6 +171,7 @@ static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
     return status;
 }
 
+/* Reads the scenes on rank 0, and on the other ranks from the same bytes. */
 static cml_status load_shared(const struct cml_options *options, struct cml_scene_list *list,
                               struct cml_inputs *inputs, struct cml_error *err)
 {

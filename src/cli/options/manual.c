@@ -66,6 +66,7 @@ static const char *print_section(FILE *stream, const char *line)
     return line;
 }
 
+/* Prints all sections of a page whose heading has the word in backquotes. Returns how many there are. */
 static int print_headed(FILE *stream, const char *text, const char *word)
 {
     int count = 0;
@@ -173,6 +174,8 @@ static bool is_listed(const char *row, const char *word)
     return false;
 }
 
+/* Prints the rows of the glossary with the word, and the sections they lead to. Returns how many rows there
+ * are. */
 static int print_glossary(FILE *stream, const char *word)
 {
     const struct cml_manual_page *page = cml_manual_find("glossary");

@@ -47,6 +47,7 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
     return CML_OK;
 }
 
+/* Reads a whole number within the option's range. */
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {

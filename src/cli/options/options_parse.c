@@ -36,6 +36,7 @@ static void take_value(struct words *words, const char *behind)
     words->value = behind ? behind : words->at < words->argc ? words->argv[words->at++] : NULL;
 }
 
+/* Reads the next option of a group of letters like -xh. */
 static enum word_kind take_letter(struct words *words)
 {
     const char letter = *words->letters++;
@@ -49,6 +50,7 @@ static enum word_kind take_letter(struct words *words)
     return WORD_OPTION;
 }
 
+/* Reads a long option, --name or --name=value. */
 static enum word_kind take_name(struct words *words, const char *name)
 {
     const size_t length = strcspn(name, "=");
@@ -193,6 +195,8 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+/* Appends a word and a line feed to a text of `size` bytes; false if it does not fit, or has a line feed
+ * itself. */
 static bool append(char *text, size_t size, const char *word)
 {
     const size_t used = strlen(text);
@@ -262,7 +266,8 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     int operands = 0;
     for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {
         if (kind == WORD_OPERAND || is_topic(&words, options)) {
-            argv[1 + operands++] = words.operand; /* its place lies before `at`, so no word is lost */
+            argv[1 + operands++] =
+                words.operand; /* the operand moves to a place before `at`, so no word is lost */
             continue;
         }
         CML_TRY(check_option(&words, options, err));

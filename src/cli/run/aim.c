@@ -17,6 +17,7 @@ struct wanted {
     int layers, detector, detectors;
 };
 
+/* Returns the number, from 1, of the detector with this name; 0: none. */
 static int find_detector(const struct cml_scene *scene, const char *name, int length)
 {
     for (int k = 0; k < scene->num_detectors; k++)
@@ -111,6 +112,7 @@ static const char *after(const char *name)
     return name + (*name == ',');
 }
 
+/* Refuses a name whose share of the light is too small for the tail's numbers. */
 static cml_status check_worth(const char *name, const struct cml_scene *scene, int level,
                               const struct cml_flat_tail *tail, struct cml_error *err)
 {
@@ -143,6 +145,7 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
+/* Makes an aim for the depths at which the surfaces really lie. */
 static cml_status create_of(const char *aim, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                             struct cml_error *err)

@@ -32,6 +32,7 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
+/* Returns the photons of the result in a file; 0: there is none, or it is not a result. */
 static uint64_t photons_of(const char *path)
 {
     struct cml_head head;
@@ -86,6 +87,7 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
+/* A cml_report_file_function: looks at one file of the run. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
@@ -104,6 +106,7 @@ struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup)
                                     setup->options.derivatives || setup->options.tail};
 }
 
+/* Looks at all files of a run. */
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              bool extends, struct cml_before *before, struct cml_error *err)
 {
@@ -158,6 +161,7 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
                             : "finished run with its tallies (expected --more or --resume, or none)");
 }
 
+/* Refuses to replace a result with more photons, if there is no checkpoint. */
 static cml_status keep_better(const struct cml_options *options, const struct cml_run_setup *setup,
                               struct cml_error *err)
 {

@@ -140,6 +140,7 @@ static cml_status say_finished(const struct cml_run_call *call, const struct cml
     return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, print_path, NULL, err);
 }
 
+/* True if the run could have an aim, but has none. */
 static bool may_aim(const struct cml_run_setup *setup)
 {
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
@@ -154,7 +155,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->intent == CML_RUN_NOTHING_LEFT) {
         if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
-        /* of a process that was killed before it removed the file */
+        /* left by a process that was killed before it removed the file */
         cml_checkpoint_remove_older(setup->checkpoint);
         const bool says = !options->quiet && !options->json && call->row == 0;
         return says ? say_finished(call, setup, err) : CML_OK;
@@ -203,6 +204,7 @@ static void add_poor(double packets, int row, struct poor_rows *poor)
     poor->packets = packets;
 }
 
+/* Adds a row to the poor ones of each total. */
 static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
                       struct poor_rows poor[NUM_POOR])
 {
@@ -303,6 +305,7 @@ static cml_status join(const struct cml_run_call *call, const struct cml_run_set
     return cml_run_join(setup, call->options->joined, call->only, run, err);
 }
 
+/* Reads and checks the parts of the run, and writes nothing. */
 static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                 struct cml_error *err)
 {
@@ -442,6 +445,7 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 
 /* ---- the whole run ---- */
 
+/* Sets the provenance and the identity of the run, and with --more those of the run that it extends. */
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -484,6 +488,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     return CML_OK;
 }
 
+/* Returns the setup of a run, as far as the call knows it. */
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;

@@ -42,6 +42,7 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
 
 /* ---- files of a run ---- */
 
+/* Adds a file to the outputs of a run. */
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
@@ -61,6 +62,7 @@ struct adding {
     enum cml_output_kind kind; /* kind of the next file */
 };
 
+/* A cml_report_file_function: the first file of a run is the main result. */
 static cml_status add_file(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     struct adding *adding = context;
@@ -165,6 +167,7 @@ static bool has_lock(const struct cml_outputs *outputs, const char *path)
     return false;
 }
 
+/* Takes a lock, unless this call has it already. */
 static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
 {
     if (has_lock(outputs, path)) return CML_OK;
@@ -186,6 +189,7 @@ static cml_status lock_part(const struct cml_options *options, const char *path,
     return add_lock(outputs, name, err);
 }
 
+/* Locks the stem of a result: STEM.lock. */
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
     CML_FREED char *beside = NULL, *name = NULL;
@@ -195,6 +199,7 @@ static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struc
     return add_lock(outputs, name, err);
 }
 
+/* Locks the files of one run. */
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -267,6 +272,7 @@ static int compare_files(const void *a, const void *b)
     return names != 0 ? names : (one->run > other->run) - (one->run < other->run);
 }
 
+/* Refuses two runs that write the same file. */
 static cml_status check_distinct(const struct cml_outputs *outputs, const struct cml_scene_list *list,
                                  struct cml_error *err)
 {
@@ -294,6 +300,7 @@ static cml_status fail_input(const struct cml_options *options, const struct cml
                     scene->file, scene->line, scene->output, input);
 }
 
+/* Refuses an output that would overwrite an input. */
 static cml_status check_inputs(const struct cml_options *options, const struct cml_outputs *outputs,
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
@@ -349,6 +356,7 @@ static bool may_stay(const struct cml_options *options, const struct cml_scene_l
     return options->sweep && is_table(scene) ? all_stay(options, list) : stays(options, scene);
 }
 
+/* Refuses with --no-clobber to replace files that exist. */
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -413,6 +421,7 @@ static void remove_leftovers(const struct cml_outputs *outputs)
     }
 }
 
+/* Checks and adds the files of one run. */
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {

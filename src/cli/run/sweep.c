@@ -67,6 +67,7 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
     return CML_OK;
 }
 
+/* Reads the scene of a row and checks it: memory, starts of beams, aim, existing result. */
 static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
     struct cml_scene scene;
@@ -274,6 +275,7 @@ static int scattering_column(const struct cml_sweep_table *table, int medium, co
     return -1;
 }
 
+/* Finds the rows that may share a flight. */
 static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -317,6 +319,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
+/* Reads the table and checks all rows. */
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
@@ -443,6 +446,8 @@ static void remove_checkpoints(const struct cml_sweep_run *sweep)
     }
 }
 
+/* Ends a sweep on rank 0: writes the tables and removes checkpoints. Returns the status `flown`, or a
+ * failure. */
 static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, struct cml_error *err)
 {
     if (flown == CML_E_STOPPED)

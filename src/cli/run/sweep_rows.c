@@ -74,6 +74,7 @@ struct row_queue {
     int count;
 };
 
+/* Returns the next row; -1: there are no more, or the rows are to end. */
 static int hand_out(struct row_queue *queue)
 {
     if (atomic_load(&queue->closed) || cml_cluster_recalled()) return -1;
@@ -81,6 +82,7 @@ static int hand_out(struct row_queue *queue)
     return row < queue->count ? row : -1;
 }
 
+/* A cml_cluster_handler: gives the next row to another rank. */
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
                      struct cml_work_reply *reply)
 {
@@ -129,6 +131,7 @@ struct row_report {
     struct cml_record record;
 };
 
+/* Fills a report for every row, flown here or not. */
 static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *mine)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -146,6 +149,7 @@ static size_t json_total(const struct row_report *report, int count)
     return total;
 }
 
+/* Joins the JSON objects of this rank's rows. */
 static void join_json(const struct cml_sweep_rows *rows, char *text)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -172,6 +176,7 @@ static void print_all(const struct cml_sweep_rows *rows, const struct row_report
     fflush(stdout);
 }
 
+/* Gathers the JSON objects of all ranks on rank 0, and prints them. */
 static cml_status gather_json(const struct cml_sweep_rows *rows, const struct row_report *all,
                               struct cml_error *err)
 {
@@ -230,6 +235,7 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
     return status;
 }
 
+/* Flies rows that ranks share: each takes the next when it has finished one. */
 static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                              void *context, struct cml_error *err)
 {

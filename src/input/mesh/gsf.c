@@ -24,6 +24,7 @@ static cml_status fail(const struct field *f, const char *name, const char *valu
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
 }
 
+/* Returns the word for the values of the file, for messages. */
 static const char *values_of(const struct field *f)
 {
     return f->pixels ? "pixels" : "heights";

@@ -22,6 +22,7 @@ struct polygon {
     double center[3]; /* mean of the corners */
 };
 
+/* Returns the vertex of corner i; corners are counted round the polygon. */
 static const double *point(const struct polygon *p, size_t i)
 {
     return p->vertex[p->corner[i % p->size]];

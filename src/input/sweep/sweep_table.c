@@ -76,6 +76,7 @@ static cml_status fail_at(const struct cml_text *text, const char *field, const 
     return cml_fail_field(err, text->path, text->line, field, value, expected);
 }
 
+/* Refuses a quoted cell without its closing mark, or with text behind it. */
 static cml_status check_quotes(const struct cml_sweep_table *table, const struct cell *cell, int column,
                                struct cml_error *err)
 {

@@ -30,11 +30,13 @@ struct writer {
     size_t refused;       /* bytes that could not be allocated; 0: none */
 };
 
+/* Remembers that a call of the library has failed. */
 static void check(struct writer *w, int64_t returned)
 {
     if (returned < 0) w->failed = true;
 }
 
+/* Returns a handle, and remembers if making it has failed. */
 static hid_t made(struct writer *w, hid_t handle)
 {
     check(w, handle);
@@ -117,6 +119,7 @@ static const void *get_values(struct writer *w, const struct cml_field *field, s
     return w->narrow;
 }
 
+/* Returns the type of the field's values in memory. */
 static hid_t type_here(const struct cml_field *field)
 {
     return field->single ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
@@ -217,6 +220,7 @@ static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
     return dataset;
 }
 
+/* True if a field is its own axis. */
 static bool is_axis(const struct cml_field *field)
 {
     return field->num_axes == 1 && strcmp(field->name, field->axis[0]->name) == 0;
@@ -257,6 +261,7 @@ static void write_call_text(struct writer *w, hid_t group, const char *name, con
     check(w, H5Tclose(type));
 }
 
+/* Writes the group `call`. */
 static void write_call(struct writer *w, const struct cml_hdf5_call *call)
 {
     const hid_t properties = made(w, H5Pcreate(H5P_GROUP_CREATE));
@@ -304,6 +309,7 @@ static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *
     return larger;
 }
 
+/* Replaces free in HDF5's driver: the memory of the file stays. */
 static herr_t keep_image(void *image, H5FD_file_image_op_t why, void *writer)
 {
     (void)image, (void)why, (void)writer;
@@ -362,6 +368,7 @@ static void close_file(struct writer *w)
     if (w->size == 0) w->failed = true;
 }
 
+/* Writes the finished file to the disk. */
 static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
 {
     struct cml_file file;

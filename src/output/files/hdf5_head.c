@@ -41,6 +41,7 @@ static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *val
     return good;
 }
 
+/* Reads the identity, if the file has one. False: the attribute is damaged. */
 static bool read_identity(hid_t file, struct cml_hdf5_head *head)
 {
     if (H5Aexists(file, "identity") <= 0) return true;
@@ -58,6 +59,7 @@ static bool read_identity(hid_t file, struct cml_hdf5_head *head)
 /* Bytes of a chunk of cml_hdf5_write, inflated and deflated, at most. */
 enum { MOST_BYTES = 1 << 20, MOST_STORED = MOST_BYTES + (1 << 12) };
 
+/* True if chunk i of a data set can be inflated. stored, bytes: room for the chunk. */
 static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char *stored, unsigned char *bytes)
 {
     hsize_t start[H5S_MAX_RANK], size = 0;

@@ -91,6 +91,7 @@ static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
     return (int)most;
 }
 
+/* Writes the name of number i of a kind, such as "layer2.A". */
 static void name_number(const struct cml_sweep_results *r, enum cml_recorded kind, int i, char name[64])
 {
     static const char *const media[] = {
@@ -333,6 +334,7 @@ static void fill_all_numbers(struct fields *list)
 /* Whole numbers of every row. */
 enum whole { PHOTONS, SEED, LOST, ROW };
 
+/* Returns one of the whole numbers of a row. */
 static double whole_of(const struct cml_sweep_results *r, int row, enum whole which)
 {
     const double numbers[] = {(double)r->record[row].photons, (double)r->seed[row],
@@ -340,6 +342,7 @@ static double whole_of(const struct cml_sweep_results *r, int row, enum whole wh
     return numbers[which];
 }
 
+/* Adds a field with one of the whole numbers of every row. */
 static void fill_whole(struct fields *list, enum whole which, const char *name, const char *long_name)
 {
     const struct grid *grid = list->grid;
@@ -358,6 +361,7 @@ static bool is_numeric(const struct cml_sweep_results *r, int column)
     return true;
 }
 
+/* Adds all fields of the .h5. */
 static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;

@@ -112,6 +112,7 @@ static struct cml_check_total total_of(const struct moments *moments, double n)
     return total;
 }
 
+/* Compares `count` packets of one beam from index `first` on. */
 static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t count, struct cml_error *err)
 {
     for (uint64_t done = 0; done < count; done += PACKETS_AT_ONCE)
@@ -120,6 +121,7 @@ static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t cou
     return CML_OK;
 }
 
+/* Compares the packets of all beams, each with its share of the photons. */
 static cml_status compare_beams(struct fates *fates, struct cml_error *err)
 {
     const struct cml_scene *scene = fates->setup->scene;

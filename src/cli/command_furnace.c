@@ -81,6 +81,7 @@ static void reach_of(const struct cml_boundary *boundary, double *aside, double 
     *up = larger_of(-mesh->lower[2], mesh->upper[2]);
 }
 
+/* True if a ratio is a whole number, but for rounding. */
 static bool is_whole(double ratio)
 {
     return fabs(ratio - round(ratio)) < 1e-9 * ratio;
@@ -144,6 +145,7 @@ static struct cml_beam diffuse_beam(const struct furnace *f)
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
+/* Refuses a backing, and layers in which light would stay for ever. */
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->backing.kind != CML_BACKING_NONE)
@@ -159,7 +161,9 @@ static cml_status check_media(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-static cml_status heat(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
+/* Makes the scene to fly: media with a trace of absorption, and a diffuse beam from above and one from below.
+ */
+static cml_status light_scene(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
     const struct cml_medium_def *above = &scene->media[0], *below = &scene->media[scene->num_layers + 1];
@@ -188,6 +192,7 @@ static cml_status heat(const struct cml_scene *scene, struct furnace *f, struct 
 
 /* ---- the light expected ---- */
 
+/* Finds the volume of each layer, without its bodies, and of each body, without the bodies inside. */
 static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *surfaces,
                                const struct cml_surface_options *options, struct cml_error *err)
 {
@@ -238,6 +243,7 @@ static void judge_medium(struct furnace *f, const struct cml_result *result, int
           cml_result_bin_error(result, result->A_l, media, m), law);
 }
 
+/* Judges all places, and the worst of them for the number of tests. */
 static void judge_all(struct furnace *f, const struct cml_result *result)
 {
     judge(f, 0, cml_result_total(result, CML_TOTAL_TRANSMITTED),
@@ -333,7 +339,7 @@ static cml_status name_places(struct furnace *f, struct cml_error *err)
 static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    CML_TRY(heat(scene, f, err));
+    CML_TRY(light_scene(scene, f, err));
     CML_TRY(name_places(f, err));
     CML_TRY(cml_choose_surfaces(options, &f->scene, surfaces, err));
     CML_TRY(find_volumes(f, surfaces, &options->surface, err));

@@ -40,11 +40,11 @@ struct plan {
     /* aim of --aim, or of --aim Tt as a proposal; without scores if the scene has none */
     struct cml_aim aim;
     /* Windows of --aim DETECTOR as proposals, without their targets; cells 0: none. */
-    struct cml_window_table seen[MOST_DETECTORS];
+    struct cml_window_table of_detector[MOST_DETECTORS];
     struct cml_pilot errors[SAMPLINGS]; /* [0] random, [1] lattice sampling */
     double photons_per_s[ENGINES];      /* 0: the engine cannot fly the scene */
     struct cml_error refusal[ENGINES];  /* reason why an engine cannot fly the scene */
-    /* reason why the first detector that cannot be aimed at cannot */
+    /* reason why the first of the detectors without windows has none */
     struct cml_error unaimed;
     double seconds; /* time that the pilots took */
 };
@@ -70,6 +70,7 @@ static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *s
     return status;
 }
 
+/* Flies the pilots for errors, with both samplings, and those for speeds, with each engine. */
 static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setup, struct cml_error *err)
 {
     struct cml_run_setup mine = *setup;
@@ -139,6 +140,7 @@ static const char *goal_name(const struct plan *plan, int goal)
     return cml_quantities[goal < CML_NUM_GOALS ? (int)cml_goals[goal] : CML_QUANTITY_Tt_expected].name;
 }
 
+/* Prints a row of the table: photons and time for each goal, for one engine and sampling. */
 static void print_row(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
@@ -162,6 +164,7 @@ static void print_goal(const char *name)
     printf("  %*s %-*s", width, name, width < 20 ? 20 - width : 0, "");
 }
 
+/* Returns the photons of the longest round with lattice sampling. */
 static double longest_pilot(const struct plan *plan)
 {
     const struct cml_pilot *pilot = &plan->errors[1];
@@ -186,11 +189,11 @@ static void print_windows(const struct plan *plan)
         print_gain(&plan->aim.windows, "Tt_r", "Tt");
     }
     for (int k = 0; k < MOST_DETECTORS; k++) {
-        if (plan->seen[k].cells == 0) continue;
+        if (plan->of_detector[k].cells == 0) continue;
         const char *name = plan->scene->detectors[k].name;
         printf("  Through planes %s sees some %.1g of the light: ", name,
-               plan->seen[k].worth * plan->seen[k].share * plan->seen[k].accepted);
-        print_gain(&plan->seen[k], name, "it");
+               plan->of_detector[k].worth * plan->of_detector[k].share * plan->of_detector[k].accepted);
+        print_gain(&plan->of_detector[k], name, "it");
     }
     if (plan->unaimed.text[0]) printf("  without aim: %s\n", plan->unaimed.text);
 }
@@ -253,8 +256,8 @@ static json_t *gains_json(const struct plan *plan)
     if (plan->aim.windows.cells > 0 && !plan->aimed)
         json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
     for (int k = 0; k < MOST_DETECTORS; k++)
-        if (plan->seen[k].cells > 0)
-            json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->seen[k].gain));
+        if (plan->of_detector[k].cells > 0)
+            json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->of_detector[k].gain));
     return gains;
 }
 
@@ -308,8 +311,8 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
             if (!plan->unaimed.text[0]) plan->unaimed = why;
             continue;
         }
-        if (to.windows.detector) plan->seen[k] = to.windows;
-        plan->seen[k].target = NULL;
+        if (to.windows.detector) plan->of_detector[k] = to.windows;
+        plan->of_detector[k].target = NULL;
         cml_aim_clear(&to);
     }
 }

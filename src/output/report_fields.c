@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Source of the values of a field. Value i is the sum of `count` cells, from cell k * apart on, divided by
+/* Source of the values of a field. Value i is the sum of `count` cells, from cell k * stride on, divided by
  * the measure of i. k is i, or the facet that value i stands for. */
 struct cml_field_source {
     const struct cml_report *report;
     double number;
     const cml_u128 *cells;
-    size_t apart, count;
+    size_t stride, count;
     /* the way in which the array is kept; its squares count if a packet adds to a value once */
     struct cml_once once;
     double scale; /* factor from a share of the launched weight to the value written */
@@ -34,9 +34,10 @@ static void number_value(const void *context, size_t begin, size_t count, double
     *out = ((const struct cml_field_source *)context)->number;
 }
 
+/* Returns the first cell of value i of a field. */
 static const cml_u128 *cells_of(const struct cml_field_source *source, size_t i)
 {
-    return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->apart;
+    return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->stride;
 }
 
 static double measure_of(const struct cml_field_source *source, size_t i)
@@ -44,6 +45,7 @@ static double measure_of(const struct cml_field_source *source, size_t i)
     return source->measure ? source->measure(source, i) : 1;
 }
 
+/* A cml_field_values: the values of a field of sums, as densities. */
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -53,6 +55,7 @@ static void sums(const void *context, size_t begin, size_t count, double *out)
             cml_result_once_sum(cells_of(source, i), source->count, source->once) * k / measure_of(source, i);
 }
 
+/* A cml_field_values: the standard errors of a field of sums. */
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -99,11 +102,13 @@ static double body_facet_area(const struct cml_field_source *source, size_t i)
     return cml_body_facet_area(body, &source->report->scene->bodies[k], i - body->first);
 }
 
+/* A cml_field_values: the measures themselves, such as areas of facets. */
 static void measures(const void *context, size_t begin, size_t count, double *out)
 {
     for (size_t i = begin; i < begin + count; i++) *out++ = measure_of(context, i);
 }
 
+/* A cml_field_values: the number of the body of each facet, from 1. */
 static void body_numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -220,7 +225,7 @@ static struct cml_field_source *add_field(struct cml_field_list *c, enum cml_qua
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
     *source =
-        (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .apart = 1, .count = 1};
+        (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .stride = 1, .count = 1};
     cml_quantity_name(field, quantity);
     for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
         field->axis[field->num_axes++] = &c->axis[axis[i]];
@@ -287,10 +292,10 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     struct cml_field_source *source = add_sums(c, quantity, r->array[array], r->layout.once[array]);
     source->scale = (quantity == CML_QUANTITY_phi_xyz ? r->grid.marks : 1) /
                     (map->dx * map->dy * (volume ? c->report->scene->dz : 1));
-    if (groups) source->apart = CML_NUM_GROUPS;
+    if (groups) source->stride = CML_NUM_GROUPS;
     if (groups) source->once.step = 1;
     if (angles) source->measure = solid_angle;
-    if (!angles && !volume) source->apart = source->count = (size_t)r->grid.map_na;
+    if (!angles && !volume) source->stride = source->count = (size_t)r->grid.map_na;
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
@@ -354,10 +359,11 @@ static struct cml_field_source *add_score(struct cml_field_list *c, enum cml_qua
 {
     struct cml_field_source *source =
         add_sums(c, quantity, first + cml_quantities[quantity].sums, cml_facet_once(&c->report->sums->grid));
-    source->apart = CML_FACET_SCORES;
+    source->stride = CML_FACET_SCORES;
     return source;
 }
 
+/* True if a quantity is a score of facets along this axis. */
 static bool is_score(int quantity, enum cml_axis_kind axis)
 {
     return cml_quantities[quantity].estimator == CML_FROM_FACET && cml_quantities[quantity].axis[0] == axis;

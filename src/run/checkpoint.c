@@ -26,7 +26,7 @@ struct head {
     uint64_t begin, end;
     double seconds;
     struct cml_part part;
-    struct cml_record record; /* its pointer is not written: the text stands behind the head */
+    struct cml_record record; /* the pointer to its JSON is not written: the text stands behind the head */
 };
 static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
@@ -60,6 +60,7 @@ struct sink {
     uLong sum;
 };
 
+/* Writes bytes, and adds them to the checksum. */
 static void put(struct sink *sink, const void *data, size_t size)
 {
     if (!data || size == 0) return; /* crc32_z would start a new checksum for a null pointer */
@@ -238,6 +239,7 @@ cml_status cml_fail_other_run(const char *path, const char *theirs, const char *
                     (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine, expected);
 }
 
+/* Refuses a checkpoint of another run. */
 static cml_status check_identity(const struct source *source, const char *mine, struct cml_error *err)
 {
     if (strcmp(source->identity, mine) == 0) return CML_OK;
@@ -265,8 +267,8 @@ static int compare_ranges(const void *a, const void *b)
 
 /* True if the open ranges are disjoint parts of the round and all other indices of the round are in the
  * summary. ranges: sorted by their first index. */
-static bool are_open(const struct cml_range *ranges, uint64_t count, const struct head *head,
-                     const struct cml_summary *summary)
+static bool are_ranges_sound(const struct cml_range *ranges, uint64_t count, const struct head *head,
+                             const struct cml_summary *summary)
 {
     uint64_t from = head->begin, open = 0;
     for (uint64_t i = 0; i < count; i++) {
@@ -280,7 +282,8 @@ static bool are_open(const struct cml_range *ranges, uint64_t count, const struc
     return summary->count[CML_COUNT_PHOTONS] == head->end - before - open;
 }
 
-static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
+/* True if the indices of lost packets rise, and are below `end`. */
+static bool is_lost_list_sound(const struct cml_lost_list *lost, uint64_t end)
 {
     if (lost->count < 0 || lost->count > CML_LOST_LISTED) return false;
     for (int i = 0; i < lost->count; i++)
@@ -296,7 +299,7 @@ static cml_status check_ranges(const struct source *source, const struct cml_ran
     if (!sorted) return cml_fail_memory(err, (double)(open->count * sizeof *sorted), "a checkpoint's ranges");
     if (open->count > 0) memcpy(sorted, open->item, open->count * sizeof *sorted);
     qsort(sorted, open->count, sizeof *sorted, compare_ranges);
-    const bool good = are_open(sorted, open->count, &source->head, summary);
+    const bool good = are_ranges_sound(sorted, open->count, &source->head, summary);
     free(sorted);
     return good ? CML_OK : fail_damaged(source, "its ranges of photons", err);
 }
@@ -359,7 +362,8 @@ static cml_status read_tallies(struct source *source, struct cml_run_state *stat
         return fail_damaged(source, "its grid", err);
     CML_TRY(read_saved(source, result->saved, err));
     if (source->left > 0) return fail_damaged(source, "its grid", err);
-    if (!are_lost(&result->summary.lost, head->end)) return fail_damaged(source, "its lost packets", err);
+    if (!is_lost_list_sound(&result->summary.lost, head->end))
+        return fail_damaged(source, "its lost packets", err);
     return check_ranges(source, &state->open, &result->summary, err);
 }
 
@@ -490,6 +494,7 @@ struct cml_checkpoint_about cml_checkpoint_look(const char *path)
     return about;
 }
 
+/* Reads the head and the call of the file of a part. */
 static cml_status read_part(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;

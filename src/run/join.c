@@ -60,11 +60,13 @@ static struct cml_range turns_of(const struct cml_part_file *file)
     return cml_part_turns(file->about.part, file->about.begin, file->about.end);
 }
 
-static bool is_of(const struct cml_part_file *file, const struct cml_run_setup *setup)
+/* True if the file holds a part of this run. */
+static bool is_part_of(const struct cml_part_file *file, const struct cml_run_setup *setup)
 {
     return strcmp(file->identity, setup->identity) == 0 && file->about.begin == setup->base;
 }
 
+/* Refuses a file that is not a part of this run. */
 static cml_status fail_other(const struct cml_run_setup *setup, const struct cml_part_file *file,
                              struct cml_error *err)
 {
@@ -85,7 +87,7 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     for (uint64_t number = 1; number <= count; number++) {
         int i = 0;
         while (i < files->count &&
-               !(is_of(&files->file[i], setup) && files->file[i].about.part.number == number))
+               !(is_part_of(&files->file[i], setup) && files->file[i].about.part.number == number))
             i++;
         if (i < files->count || ++missing > 20) continue;
         last = end;
@@ -106,7 +108,7 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
 {
     const char *name = setup->scene->output;
     int first = 0;
-    while (first < files->count && !is_of(&files->file[first], setup)) first++;
+    while (first < files->count && !is_part_of(&files->file[first], setup)) first++;
     struct cml_part part = {1, 0};
     if (first < files->count) part.count = files->file[first].about.part.count;
     while (
@@ -131,7 +133,7 @@ static struct cml_part_file *find_at(const struct cml_run_setup *setup, const st
     for (int i = 0; i < files->count; i++) {
         struct cml_part_file *file = &files->file[i];
         const struct cml_range turns = turns_of(file);
-        if (is_of(file, setup) && turns.first == turn && turns.count > 0) return file;
+        if (is_part_of(file, setup) && turns.first == turn && turns.count > 0) return file;
     }
     return NULL;
 }
@@ -143,11 +145,11 @@ static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part
     for (int i = 0; i < files->count; i++) {
         struct cml_part_file *file = &files->file[i];
         const struct cml_range turns = turns_of(file);
-        if (!is_of(file, setup) || file->joined) continue;
+        if (!is_part_of(file, setup) || file->joined) continue;
         file->joined = true;
         for (int k = 0; turns.count > 0 && k < files->count; k++) {
             const struct cml_range other = turns_of(&files->file[k]);
-            if (k == i || !is_of(&files->file[k], setup) || other.first >= turns.first + turns.count ||
+            if (k == i || !is_part_of(&files->file[k], setup) || other.first >= turns.first + turns.count ||
                 turns.first >= other.first + other.count)
                 continue;
             return cml_fail(err, CML_E_INPUT, "%s: has photons that %s has, too (expected each part once)",
@@ -159,6 +161,7 @@ static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part
 
 /* ---- sums ---- */
 
+/* Adds the saved packets of a part. */
 static void add_saved(struct cml_saved *to, struct cml_saved *from)
 {
     const struct cml_saved_sums sums = cml_saved_sort(from);
@@ -166,6 +169,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
     cml_saved_find(to, sums.found - sums.kept);
 }
 
+/* Adds the tallies of a part. */
 static void add_result(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;
@@ -210,6 +214,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     return status;
 }
 
+/* Adds up all parts in the order of their turns, and the run that they extend. */
 static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_files *files,
                             struct cml_run_result *out, struct cml_error *err)
 {
@@ -236,7 +241,7 @@ cml_status cml_run_join(const struct cml_run_setup *setup, struct cml_part_files
 {
     *out = (struct cml_run_result){.intent = setup->base > 0 ? CML_RUN_EXTEND : CML_RUN_FRESH};
     for (int i = 0; alone && i < files->count; i++)
-        if (!is_of(&files->file[i], setup)) CML_TRY(fail_other(setup, &files->file[i], err));
+        if (!is_part_of(&files->file[i], setup)) CML_TRY(fail_other(setup, &files->file[i], err));
     const cml_status status = add_parts(setup, files, out, err);
     out->result.photons = setup->photons;
     out->timing.seconds = out->state.seconds;

@@ -28,13 +28,13 @@ enum next_step { CONTINUE, FINISHED, STOPPED };
 
 /* The range in hand: photons that this rank took from rank 0 and flies. Threads take pieces of it. */
 struct hand {
-    /* held around the range, and `work` and `mine` of the flight, while the engine runs */
+    /* held around the range, and `work` and `report` of the flight, while the engine runs */
     pthread_mutex_t lock;
     struct cml_range range;  /* the range as it was taken; empty when rank 0 knows that it is flown */
     struct cml_range left;   /* the rest of the range, which threads have not taken yet */
     double replied;          /* time when the range was taken */
     uint64_t room;           /* packets that the engine's tallies can still take */
-    cml_status status;       /* of the last reply of rank 0 */
+    cml_status status;       /* status of rank 0's last reply */
     struct cml_error *error; /* message that belongs to `status` */
 };
 
@@ -47,11 +47,11 @@ struct flight {
     void *engine;
     struct cml_work_ranges work;
     struct cml_run_state state; /* `open` is used on rank 0 only */
-    struct cml_ranges others;   /* on rank 0: the turns of the run's other parts */
-    struct cml_deal deal;       /* which photon belongs to which beam */
-    struct cml_rank_report mine;
+    struct cml_ranges others;   /* turns of the run's other parts, on rank 0 */
+    struct cml_deal deal;       /* the beam of each photon */
+    struct cml_rank_report report;
     double begin; /* time when this process began to fly */
-    double due;   /* on rank 0: time of the next checkpoint */
+    double due;   /* time of the next checkpoint, on rank 0 */
 };
 
 /* ---- flying ---- */
@@ -110,8 +110,8 @@ static cml_status take_range(struct flight *flight, struct cml_error *err)
     CML_TRY(cml_work_take(&flight->work, flown_of(hand), &taken, err));
     hand->range = hand->left = taken;
     hand->replied = cml_now();
-    flight->mine.asking += hand->replied - begin;
-    if (taken.count > 0) flight->mine.ranges++;
+    flight->report.asking += hand->replied - begin;
+    if (taken.count > 0) flight->report.ranges++;
     return CML_OK;
 }
 
@@ -174,7 +174,7 @@ static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int take
     hand->left.first += count;
     hand->left.count -= count;
     hand->room -= count;
-    flight->mine.photons += count;
+    flight->report.photons += count;
     return piece;
 }
 
@@ -238,6 +238,7 @@ static void note_fewer_threads(void *context, int threads)
     flight->out->timing.threads = threads;
 }
 
+/* Fails with CML_E_STOPPED: the flight took longer than most_seconds. */
 static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error *err)
 {
     return cml_fail(err, CML_E_STOPPED,
@@ -262,7 +263,7 @@ static cml_status fly(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
     const struct cml_work work = {flight, next_piece, end_batch, add_tally, note_fewer_threads, stops};
-    const double begin = cml_now(), asking = flight->mine.asking;
+    const double begin = cml_now(), asking = flight->report.asking;
     hand->status = CML_OK;
     hand->error = err;
     do {
@@ -271,7 +272,7 @@ static cml_status fly(struct flight *flight, struct cml_error *err)
         if (status == CML_E_STOPPED) return fail_given_up(flight, err);
         CML_TRY(status);
     } while (hand->status == CML_OK && hand->room == 0);
-    flight->mine.flying += cml_now() - begin - (flight->mine.asking - asking);
+    flight->report.flying += cml_now() - begin - (flight->report.asking - asking);
     return hand->status;
 }
 
@@ -358,7 +359,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     const double begin = cml_now();
     CML_TRY(cml_cluster_synchronise(err));
     const double all_here = cml_now();
-    flight->mine.waiting += all_here - begin;
+    flight->report.waiting += all_here - begin;
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = must_stop(flight);
     CML_TRY(cml_work_return(&flight->work, hand->left, flown_of(hand), &stop, err));
@@ -368,7 +369,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     const bool decides = cml_cluster_rank() == 0;
     CML_TRY(cml_cluster_agree(decides ? decide(flight, stop, all_here, next, err) : CML_OK, err));
     CML_TRY(share_decision(flight, next, err));
-    flight->mine.summing += cml_now() - all_here;
+    flight->report.summing += cml_now() - all_here;
     return CML_OK;
 }
 
@@ -532,12 +533,12 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
         timing->rank ? CML_OK
                      : cml_fail_memory(err, timing->ranks * (double)sizeof *timing->rank, "the ranks");
     CML_TRY(cml_cluster_agree(status, err));
-    flight->mine.elapsed = cml_now() - flight->begin;
-    flight->mine.processor = processor_seconds() - flight->mine.processor;
-    timing->seconds = flight->state.seconds + flight->mine.elapsed;
+    flight->report.elapsed = cml_now() - flight->begin;
+    flight->report.processor = processor_seconds() - flight->report.processor;
+    timing->seconds = flight->state.seconds + flight->report.elapsed;
     out->state = (struct cml_run_state){
         .begin = flight->state.begin, .end = flight->state.end, .seconds = timing->seconds};
-    return cml_cluster_gather(&flight->mine, sizeof flight->mine, timing->rank, err);
+    return cml_cluster_gather(&flight->report, sizeof flight->report, timing->rank, err);
 }
 
 /* Flies, if all ranks are ready. No rank may leave between the agreement on `ready` and the last
@@ -554,7 +555,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     }
     flight->work.flown = all_photons(flight) - flight->state.open.total;
     flight->begin = cml_now();
-    flight->mine.processor = processor_seconds();
+    flight->report.processor = processor_seconds();
     flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint && flight->setup->interval > 0
                       ? flight->begin + flight->setup->interval
                       : INFINITY;

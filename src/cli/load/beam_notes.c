@@ -125,7 +125,7 @@ static void note_rectangles(const struct cml_scene *scene)
 }
 
 /* True if light about the axis has rays with an angle between t and pi - t to the vertical. */
-static bool is_flat(const struct cml_beam *beam, double n, double t)
+static bool has_flat_rays(const struct cml_beam *beam, double n, double t)
 {
     const double widest = cml_light_widest(&beam->light, n);
     return beam->angle + widest > t && beam->angle - widest < CML_PI - t;
@@ -142,7 +142,8 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
         if (cml_is_rough(&scene->boundaries[b].rough)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);
-    if (cml_medium_mut(own) > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;
+    if (cml_medium_mut(own) > 0 || most >= own->n || !has_flat_rays(beam, own->n, asin(most / own->n)))
+        return;
     note_line(
         scene, beam->line,
         "beam %d starts in layer %d, which is clear and has a larger n than both its neighbours: what planes "

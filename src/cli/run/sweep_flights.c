@@ -67,6 +67,7 @@ static void clear_group(struct group *group)
     free(group->identity);
 }
 
+/* Finds the rows of a group, and makes room for their scenes and records. */
 static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struct group *group,
                             struct cml_error *err)
 {
@@ -83,30 +84,31 @@ static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struc
 }
 
 /* Returns the cell with the least number among the rows of a group, in one column. */
-static struct cml_setting palest_cell(const struct cml_sweep_run *sweep, const struct group *group,
-                                      int column)
+static struct cml_setting least_cell(const struct cml_sweep_run *sweep, const struct group *group, int column)
 {
-    struct cml_setting palest = cml_sweep_cell(&sweep->table, group->row[0], column);
+    struct cml_setting least = cml_sweep_cell(&sweep->table, group->row[0], column);
     for (int i = 1; i < group->count; i++) {
         const struct cml_setting cell = cml_sweep_cell(&sweep->table, group->row[i], column);
-        if (strtod(cell.value, NULL) < strtod(palest.value, NULL)) palest = cell;
+        if (strtod(cell.value, NULL) < strtod(least.value, NULL)) least = cell;
     }
-    return palest;
+    return least;
 }
 
+/* Reads the scene that is flown for a group: each medium has its least absorption. */
 static cml_status read_flown(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
 {
     struct cml_settings settings;
     CML_TRY(cml_sweep_row_settings(sweep, group->row[0], &settings, err));
     for (int c = 0; c < sweep->table.num_columns; c++) {
         if (sweep->table.label[c] || !cml_sweep_is_absorption(sweep->table.name[c])) continue;
-        const struct cml_setting palest = palest_cell(sweep, group, c);
+        const struct cml_setting least = least_cell(sweep, group, c);
         for (int s = 0; s < settings.count; s++)
-            if (strcmp(settings.item[s].name, palest.name) == 0) settings.item[s].value = palest.value;
+            if (strcmp(settings.item[s].name, least.name) == 0) settings.item[s].value = least.value;
     }
     return cml_sweep_read(sweep, group->row[0], &settings, &group->flown, err);
 }
 
+/* Reads the scenes of all rows of a group, and how much more they absorb than the scene flown. */
 static cml_status read_group(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
 {
     CML_TRY(read_flown(sweep, group, err));
@@ -239,6 +241,7 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
     return status;
 }
 
+/* Flies a group of rows and publishes them. */
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;

@@ -17,8 +17,9 @@ static double scattering(const struct cml_sweep_table *table, int row, const str
     return column < 0 ? medium->mus : strtod(cml_sweep_cell(table, row, column).value, NULL);
 }
 
-static bool fit_in(const struct cml_sweep_table *table, int column, const struct cml_sweep_medium *medium,
-                   int a, int b)
+/* True if the cells of one column allow rows a and b to share a flight. */
+static bool may_share_in(const struct cml_sweep_table *table, int column,
+                         const struct cml_sweep_medium *medium, int a, int b)
 {
     const char *cell_a = cml_sweep_cell(table, a, column).value,
                *cell_b = cml_sweep_cell(table, b, column).value;
@@ -28,10 +29,11 @@ static bool fit_in(const struct cml_sweep_table *table, int column, const struct
     return !medium->is_first_layer && scattering(table, a, medium) > 0;
 }
 
-static bool fit(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
+/* True if rows a and b may share a flight. */
+static bool may_share(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)
-        if (!fit_in(table, c, &media[c], a, b)) return false;
+        if (!may_share_in(table, c, &media[c], a, b)) return false;
     return true;
 }
 
@@ -49,7 +51,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
     }
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
-        while (number < count && !fit(table, media, first[number], row)) number++;
+        while (number < count && !may_share(table, media, first[number], row)) number++;
         if (number == count) first[count++] = row;
         (*group)[row] = number;
     }

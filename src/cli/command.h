@@ -27,7 +27,7 @@ struct cml_pilot_round {
 /* Pilots: short runs that show how errors fall and how fast the engine is. Zeroed: none was flown. */
 struct cml_pilot {
     int num_rounds;
-    struct cml_pilot_round round[CML_PILOT_MOST_ROUNDS]; /* each longer than the one before */
+    struct cml_pilot_round round[CML_PILOT_MOST_ROUNDS]; /* [num_rounds], each longer than the one before */
     double photons_per_s;                                /* speed of the last round, all ranks together */
     int threads;                                         /* threads of a rank */
     /* goals too small for --target-error to wait for */

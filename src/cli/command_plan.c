@@ -41,8 +41,8 @@ struct plan {
     struct cml_aim aim;
     /* Windows of --aim DETECTOR as proposals, without their targets; cells 0: none. */
     struct cml_window_table of_detector[MOST_DETECTORS];
-    struct cml_pilot errors[SAMPLINGS]; /* [0] random, [1] lattice sampling */
-    double photons_per_s[ENGINES];      /* 0: the engine cannot fly the scene */
+    struct cml_pilot errors[SAMPLINGS]; /* pilots for errors: [0] random, [1] lattice sampling */
+    double photons_per_s[ENGINES];      /* speed of each engine; 0: it cannot fly the scene */
     struct cml_error refusal[ENGINES];  /* reason why an engine cannot fly the scene */
     /* reason why the first of the detectors without windows has none */
     struct cml_error unaimed;

@@ -25,7 +25,7 @@ struct session {
     const struct cml_options *options;
     struct cml_scene_list list;
     char *inputs;               /* lines of the identity for the input files */
-    struct cml_outputs outputs; /* used on rank 0 only */
+    struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
 
 /* Checks all runs before the first photon flies: memory, starts of beams, aims, and outputs that can be

@@ -12,7 +12,7 @@ struct cml_mci_line {
     const struct cml_key_part *parts; /* groups of keys that the line may have */
     /* Reads the value of a key of type CML_KEY_OWN; NULL: the line has no such keys. */
     cml_status (*own)(struct cml_mci_line *line);
-    void *context;             /* for `own` */
+    void *context;             /* context for `own` */
     const struct cml_key *key; /* key of the option read last */
     char *value;               /* text behind its '=', or the key itself where it stands alone */
     bool alone;

@@ -21,7 +21,7 @@ struct cml_body_face {
 };
 struct cml_body_faces {
     struct cml_faces faces;
-    struct cml_body_face *face; /* [faces.num_faces] */
+    struct cml_body_face *face; /* [faces.num_faces] facet of each face */
 };
 
 /* Draws all bodies. CML_E_INPUT when memory runs out; *drawn is empty then. */

@@ -20,7 +20,7 @@
 struct head {
     char magic[24];
     uint64_t order, version, finished;
-    uint64_t identity_size, json_size, num_ranges, num_cells; /* 0: the file holds no tallies */
+    uint64_t identity_size, json_size, num_ranges, num_cells; /* num_cells 0: the file holds no tallies */
     /* saved packets in the file, and how many packets were found that asked to be saved */
     uint64_t num_saved, found;
     uint64_t begin, end;

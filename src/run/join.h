@@ -6,7 +6,7 @@
 
 /* The file of one part. */
 struct cml_part_file {
-    const char *path; /* borrowed */
+    const char *path; /* path of the file; borrowed */
     struct cml_checkpoint_about about;
     char *identity, *call; /* identity and command line of the run; owned */
     bool joined;
@@ -14,7 +14,7 @@ struct cml_part_file {
 
 struct cml_part_files {
     int count;
-    struct cml_part_file *file; /* [count] owned */
+    struct cml_part_file *file; /* [count] the files; owned */
     bool looking;               /* parts are only read and checked; runs write nothing */
 };
 

@@ -550,7 +550,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     CML_TRY(cml_cluster_agree(ready, err));
     CML_TRY(share_decision(flight, &next, err));
     if (next == FINISHED) {
-        flight->out->intent = CML_RUN_NOTHING_LEFT; /* only rank 0 knew */
+        flight->out->intent = CML_RUN_NOTHING_LEFT; /* other ranks did not know */
         return CML_OK;
     }
     flight->work.flown = all_photons(flight) - flight->state.open.total;

@@ -11,8 +11,8 @@
 #include "run/intent.h"
 
 struct cml_progress {
-    uint64_t done, total; /* photons */
-    double seconds;       /* flying, over all starts of the run */
+    uint64_t done, total; /* photons flown, and photons to fly in all */
+    double seconds;       /* seconds of flight, over all starts of the run */
 };
 typedef void cml_progress_function(void *context, const struct cml_progress *progress);
 /* one line for people; any rank may call */

@@ -31,7 +31,7 @@ enum cml_command { CML_COMMANDS(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_COMMANDS
 
 struct cml_command_def {
     const char *name;
-    const char *operands; /* as the help shows them; "" for none */
+    const char *operands; /* operands as the help shows them; "" for none */
     int least, most;      /* numbers of operands allowed */
     const char *summary;  /* summary of half a line */
     const char *text;     /* description, one paragraph */

@@ -9,10 +9,10 @@
 struct cml_options;
 
 struct cml_option {
-    const char *name; /* without the two dashes */
+    const char *name; /* name without the two dashes */
     /* Letter behind one dash; 0: none. Options of different commands may share a letter. */
     char letter;
-    const char *argument; /* as the help shows it; NULL: the option takes no value */
+    const char *argument; /* name of the value in the help; NULL: the option takes none */
     unsigned commands;    /* bits 1u << enum cml_command of the commands that it belongs to */
     const char *engine;   /* the only engine that the option has a meaning for; NULL: all */
     const char *help;

@@ -7,17 +7,17 @@
 #include "surface/surface.h"
 
 struct cml_options {
-    enum cml_command which; /* run if the command line names no command */
+    enum cml_command which; /* CML_COMMAND_RUN if the command line names none */
     const struct cml_engine *engine;
     struct cml_engine_options engine_options;
     struct cml_surface_options surface;
-    uint64_t photons; /* 0: the number in the .mci file */
+    uint64_t photons; /* photons of --photons; 0: the number in the .mci file */
     uint64_t run;     /* run of the file, from 1, for `trace` */
     bool ignore_heightfields;
     const char *aim;            /* NAME[,NAME ...] of --aim (P15, P19); NULL: none */
-    double target_error;        /* 0: not given */
+    double target_error;        /* relative error of --target-error; 0: not given */
     const char *error_of;       /* quantity of target_error; NULL: Rd, A and Tt */
-    double checkpoint_interval; /* s; 0: no checkpoints */
+    double checkpoint_interval; /* seconds between checkpoints; 0: none are written */
     bool seed_given;            /* --seed was given */
     bool resume;
     bool replace;    /* --resume may replace results with more photons */
@@ -31,15 +31,15 @@ struct cml_options {
     struct cml_part_files *joined;
     double timeout; /* s of silence after which a rank counts as lost */
     bool quiet, json, verbose;
-    double alpha;                 /* level of `furnace` */
+    double alpha;                 /* least p-value at which `furnace` accepts a scene */
     const char *sweep;            /* table with one run per row; NULL: not given */
     bool reweight;                /* rows that differ only in absorption share one flight */
     const char *directory;        /* folder of the results; NULL: not given */
     const char *output;           /* name of the result; NULL: not given */
     struct cml_settings settings; /* values that replace those of the scene's file */
     const char *dump;             /* file for the photons that differ in `crosscheck`; NULL: none */
-    int num_operands;             /* without the name of the command */
-    char **operands;              /* borrowed from argv */
+    int num_operands;             /* number of operands, without the name of the command */
+    char **operands;              /* the operands, borrowed from argv */
     bool help, version;
     bool named; /* the command line names the command */
     /* The command line as typed, words separated by blanks; cut off if longer. */

@@ -86,7 +86,7 @@ static cml_status refuse_unknown(const struct words *words, struct cml_error *er
     const char *name = words->typed + 2, *meant = NULL, *whole = words->operand + 1;
     const struct cml_option *written = cml_option_find(whole, strcspn(whole, "="));
     if (words->typed[1] == '-') meant = cml_option_guess(name, strlen(name));
-    if (words->typed[1] != '-' && written) /* like -photons */
+    if (words->typed[1] != '-' && written) /* a long option with a single dash, like -photons */
         return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->operand,
                         written->name);
     if (!meant) return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", words->typed);

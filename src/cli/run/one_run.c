@@ -280,7 +280,7 @@ struct prepared {
     struct cml_aim aim;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
-    struct cml_before before; /* used on rank 0 only */
+    struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
 /* Prints the time and the file of a complete part. */

@@ -18,7 +18,7 @@ struct cml_output_file {
 /* All files of one call; zeroed: nothing is claimed. */
 struct cml_outputs {
     size_t count;
-    struct cml_output_file *file; /* [count] */
+    struct cml_output_file *file; /* [count] all files of all runs */
     bool of_part;                 /* a part of a run: only its own file is written */
     const char *made;             /* folder of -o if it was made here, borrowed; NULL: it existed */
     size_t num_locks;

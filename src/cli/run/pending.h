@@ -10,7 +10,7 @@ struct cml_pending_row;
 /* Rows that wait; zeroed: none. */
 struct cml_pending {
     int count;
-    struct cml_pending_row *row; /* [count] */
+    struct cml_pending_row *row; /* [count] the rows that wait */
     double flushed, took;        /* time of the last flush, and its duration, s */
 };
 

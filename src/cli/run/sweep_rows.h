@@ -5,7 +5,7 @@
 
 /* The rows of a sweep; zeroed: none. */
 struct cml_sweep_rows {
-    int count, num_done;       /* num_done: on rank 0 only */
+    int count, num_done;       /* num_done: rows flown by all ranks, on rank 0 only */
     bool *done;                /* [count] flown by this rank; on rank 0 in the end: flown by any rank */
     struct cml_record *record; /* [count] records of rows flown, in the end without JSON */
 };

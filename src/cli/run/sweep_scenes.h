@@ -22,8 +22,8 @@ struct cml_sweep_run {
     char *identity;                  /* lines of the identity for the input files, without the table */
     struct cml_surface_set surfaces; /* surfaces of the base scene, whose trees are built only once */
     int num_anew; /* with --resume: rows whose results have no checkpoint, and which are flown again */
-    char replaced[CML_REPLACED]; /* description of the first of these results */
-    struct cml_outputs outputs;  /* used on rank 0 only */
+    char replaced[CML_REPLACED]; /* description of the first result that is replaced */
+    struct cml_outputs outputs;  /* claimed files of all rows, on rank 0 only */
     struct cml_sweep_rows rows;
     struct cml_pending pending; /* finished rows of this rank */
     int digits;                 /* digits of a row's number in names */

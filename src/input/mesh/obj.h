@@ -19,7 +19,7 @@ struct cml_obj_options {
     double unit;     /* cm per unit of the file: cm 1, mm 0.1, um 1e-4, m 100 */
     double scale;    /* factor of all coordinates, > 0 */
     double height;   /* further factor of heights, >= 0 */
-    double shift[3]; /* x, y, height; cm */
+    double shift[3]; /* shift along x, y and height, cm */
     double skirt;    /* width of the mesh's skirt, cm (geometry/mesh.h) */
     bool closed;     /* the mesh is that of a body, not of a boundary */
     bool unite;      /* unite the parts of a body (geometry/mesh.h) */

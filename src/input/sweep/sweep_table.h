@@ -13,7 +13,7 @@ struct cml_sweep_table {
     struct cml_text text; /* text that the cells point into */
     int num_columns, num_rows;
     int names_line;                 /* line of the names in the file, from 1 */
-    char (*name)[CML_SETTING_NAME]; /* [num_columns] */
+    char (*name)[CML_SETTING_NAME]; /* [num_columns] names of the columns */
     bool *label;                    /* [num_columns] true: a label, carried along and not set */
     char **cell;                    /* [num_rows][num_columns], none empty */
     int *line;                      /* [num_rows] line of each row in the file, from 1 */

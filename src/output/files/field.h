@@ -24,8 +24,8 @@ struct cml_field {
     char name[64];
     const char *long_name, *units;
     const char *errors; /* name of the field with the standard errors of this one, or NULL */
-    int num_axes;       /* 0: a single number */
-    const struct cml_axis *axis[CML_FIELD_AXES]; /* slowest axis first */
+    int num_axes;       /* number of axes; 0: the field is a single number */
+    const struct cml_axis *axis[CML_FIELD_AXES]; /* [num_axes] the slowest axis first */
     bool single;                                 /* written as 32-bit floats; false: as 64-bit floats */
     bool plain;                                  /* not deflated, because its digits are random */
     cml_field_values *values;

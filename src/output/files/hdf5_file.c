@@ -23,7 +23,7 @@
 struct writer {
     hid_t file;
     bool failed;
-    double *buffer;       /* [CHUNK] */
+    double *buffer;       /* [CHUNK] values of the current chunk */
     float *narrow;        /* [CHUNK] the values in single precision */
     unsigned char *image; /* bytes of the file, which stay when the library closes it */
     size_t size, room;    /* bytes of the file, and bytes allocated */

@@ -7,7 +7,7 @@
 
 struct cml_hdf5_head {
     double photons;
-    char identity[17]; /* 16 digits; "": the file has none */
+    char identity[17]; /* identity of the run, 16 digits; "": the file has none */
     bool has_totals;   /* true for the result of a run, false for a file of saved packets */
 };
 

@@ -18,8 +18,8 @@ struct cml_image {
 struct cml_faces {
     size_t num_points, num_faces;
     int corners;
-    double (*point)[3]; /* [num_points] */
-    uint32_t *corner;   /* [num_faces][corners] */
+    double (*point)[3]; /* [num_points] x, y, z of each point */
+    uint32_t *corner;   /* [num_faces][corners] points of each face */
 };
 
 /* Write a file atomically (atomic_file.h); CML_E_IO on failure. A field has one value per cell, or m values

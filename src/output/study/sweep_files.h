@@ -15,9 +15,9 @@ struct cml_sweep_results {
     const char *const *name;         /* [num_columns] names of the swept numbers and labels */
     const bool *label;               /* [num_columns] true: a label, carried along and not swept */
     char *const *cell;               /* [num_rows][num_columns] values of the columns, as written */
-    const uint64_t *seed;            /* [num_rows] */
+    const uint64_t *seed;            /* [num_rows] seed of each row */
     char *const *file;               /* [num_rows] main result of each row */
-    const struct cml_record *record; /* [num_rows] */
+    const struct cml_record *record; /* [num_rows] numbers of each row */
     /* names of detectors, as many as the records of rows have; NULL: none */
     const char *const *detector;
 };

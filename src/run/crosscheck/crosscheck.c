@@ -20,7 +20,7 @@ struct moments {
 struct fates {
     const struct cml_check_setup *setup;
     void *engines[CML_CHECK_MOST_SIDES];
-    struct cml_fate_record *records[CML_CHECK_MOST_SIDES]; /* [PACKETS_AT_ONCE] */
+    struct cml_fate_record *records[CML_CHECK_MOST_SIDES]; /* [PACKETS_AT_ONCE] of each side */
     struct moments moments[CML_CHECK_MOST_SIDES][CML_NUM_TOTALS];
     uint64_t equal[CML_CHECK_MOST_SIDES];
 };

@@ -52,7 +52,7 @@ struct cml_check_setup {
 
 struct cml_check_result {
     struct cml_run_result runs[CML_CHECK_MOST_SIDES];
-    struct cml_check_pair pairs[CML_CHECK_MOST_SIDES]; /* [0] unused */
+    struct cml_check_pair pairs[CML_CHECK_MOST_SIDES]; /* differences to the first side; [0] is unused */
 };
 
 /* Runs the cross-check. The caller clears *result (cml_check_clear); after a failure it is cleared already.

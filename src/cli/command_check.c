@@ -1,5 +1,4 @@
-/* clustermcml check: everything that can be said of a file without running it.
- * SPDX-License-Identifier: MIT */
+/* clustermcml check: prints all that is known about a scene without a run. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "cli/load/beam_notes.h"
@@ -12,10 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MOST_BODIES = 20 }; /* that are printed */
+enum { MOST_BODIES = 20 }; /* bodies printed at most */
 
-/* As the program took them; the mean free path, 1 / (mua + mus), is what grid and boundaries should be
- * compared with. */
+/* Prints the media as the program understood them. The mean free path, 1 / (mua + mus), is the length to
+ * compare grid and boundaries with. */
 static void print_media(const struct cml_scene *scene)
 {
     printf("  %-8s %10s %10s %10s %10s %10s %12s\n", "medium", "n", "mua 1/cm", "mus 1/cm", "g", "d cm",
@@ -39,8 +38,8 @@ static void print_media(const struct cml_scene *scene)
     }
 }
 
-/* What was measured, and what was made of it. A skirt steeper than the scan comes from a scan that is not
- * level. */
+/* Prints the heightmap that a mesh was made from, and how it was simplified. A skirt steeper than the scan
+ * itself comes from a scan that is not level. */
 static void print_heightmap(const struct cml_heightmap_notes *notes)
 {
     const struct cml_relief *relief = &notes->relief;
@@ -55,7 +54,7 @@ static void print_heightmap(const struct cml_heightmap_notes *notes)
            notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
 }
 
-/* A mesh much wider or thinner than the layers was probably given in other units. */
+/* Prints a mesh. One that is much wider or thinner than the layers was probably given in other units. */
 static void print_mesh(const struct cml_scene *scene, int b)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -87,7 +86,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
                ulp);
 }
 
-/* Sizes are those of the samples; what the layers are compared with is the height. */
+/* Prints a tile. Sizes are those of the samples; the height is the one to compare with the layers. */
 static void print_tile(const struct cml_scene *scene, int b)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -109,7 +108,7 @@ static void print_tile(const struct cml_scene *scene, int b)
     printf("    the beam does not repeat\n");
 }
 
-/* Wrong units, or a wrong shift, show here. */
+/* Prints the box around a body, which shows wrong units or a wrong shift. */
 static void print_body_box(const struct cml_scene_body *body, int k)
 {
     double lower[3], upper[3];
@@ -128,10 +127,11 @@ static void print_meshes(const struct cml_scene *scene)
         if (scene->bodies[k].form == CML_BODY_MESH) print_body_box(&scene->bodies[k], k);
 }
 
-enum { WORTH_A_NOTE = 100 }; /* of a thickness, the part by which shapes may change it unsaid */
+/* a note is printed if shapes change a thickness by more than 1 part in this many */
+enum { WORTH_A_NOTE = 100 };
 
-/* A boundary whose mean is not at its depth makes its layers thicker or thinner, which may do more than its
- * roughness. */
+/* Prints mean heights and thicknesses. A boundary whose mean is not at its nominal depth makes layers thicker
+ * or thinner, which may matter more than its roughness. */
 static void print_means(const struct cml_scene *scene, const struct cml_mean_shapes *mean)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
@@ -153,7 +153,7 @@ static void print_means(const struct cml_scene *scene, const struct cml_mean_sha
     }
 }
 
-/* Prints the map that the scene asks for, if it does. */
+/* Prints the map, volume and other results that the scene asks for. */
 static void print_map(const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;
@@ -180,7 +180,7 @@ static void print_map(const struct cml_scene *scene)
                scene->time.radii ? ", by radius, too" : "");
 }
 
-/* Prints the scene for people. */
+/* Prints the whole scene for people. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
                         const struct cml_surface_set *surfaces, const int *starts,
                         const struct cml_mean_shapes *mean)
@@ -207,7 +207,8 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
     cml_print_memory(options, scene, surfaces);
 }
 
-/* What a run is to be compared with before it is worth its time. *known false: *err says why they are not. */
+/* Computes the totals of the scene with planes in place of all shapes, to compare a run with before it is
+ * flown. *known false: there are none, and *err says why. */
 static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exact *exact, bool *known,
                                   struct cml_error *err)
 {
@@ -218,7 +219,8 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene, 0) ? CML_OK : status;
 }
 
-/* The memory is looked at before the twin takes some of it. */
+/* Prints the scene, or its JSON object. The memory is measured first, before the totals of planes take some.
+ */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, const int *starts,
                        const struct cml_mean_shapes *mean, const struct cml_sweep_size *sweep,
@@ -240,15 +242,15 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     return status;
 }
 
-/* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
- * memory needs their size. flown: the options with which the largest flight of a sweep flies. */
+/* Checks one scene. Surfaces are made as for a run: their kind, bias and cost are printed, and the memory
+ * needs their size. flown: the options of the largest flight of a sweep. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_options *flown,
                               const struct cml_scene *scene, const struct cml_sweep_size *sweep,
                               struct cml_error *err)
 {
     CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
     CML_AT_END(cml_mean_shapes_clear) struct cml_mean_shapes mean = {0};
-    CML_FREED int *starts = NULL; /* in which medium every beam starts */
+    CML_FREED int *starts = NULL; /* the medium that each beam starts in */
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     CML_TRY(cml_note_beam(scene, &surfaces, &starts, err));
     CML_TRY(cml_mean_shapes(scene, &surfaces, &options->surface, &mean, err));

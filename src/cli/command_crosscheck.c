@@ -1,4 +1,4 @@
-/* clustermcml crosscheck: cones, mesh and OpenCL on the same photon indices.
+/* clustermcml crosscheck: flies the same photon indices with cones, as meshes and on OpenCL, and compares.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
@@ -18,6 +18,7 @@ struct dump {
     const struct cml_check_setup *setup;
 };
 
+/* A cml_check_function: writes a line for a packet whose fates differ. */
 static void dump_packet(void *context, uint64_t photon, const struct cml_fate_record *records)
 {
     const struct dump *dump = context;
@@ -28,6 +29,7 @@ static void dump_packet(void *context, uint64_t photon, const struct cml_fate_re
     fputc('\n', dump->stream);
 }
 
+/* Writes the first lines of the dump: the scene, and the columns. */
 static void dump_head(const struct dump *dump)
 {
     const struct cml_check_setup *setup = dump->setup;
@@ -81,7 +83,7 @@ static void print_all(const struct cml_check_setup *setup, const struct cml_chec
 
 /* ---- JSON ---- */
 
-/* What a side found, and how that differs from the first side. */
+/* Returns the JSON object of a side: its totals, and their differences to the first side. */
 static json_t *side_json(const struct cml_check_setup *setup, int s, const struct cml_check_result *result)
 {
     const struct cml_result *sums = &result->runs[s].result;
@@ -134,6 +136,7 @@ static cml_status print_json(const struct cml_check_setup *setup, const struct c
     return cml_json_print(stdout, object, err);
 }
 
+/* Fails with CML_E_DIFFER if a side disagrees with the first. */
 static cml_status verdict(const struct cml_check_setup *setup, const struct cml_check_result *result,
                           struct cml_error *err)
 {
@@ -144,6 +147,7 @@ static cml_status verdict(const struct cml_check_setup *setup, const struct cml_
                     setup->num_sides - 1);
 }
 
+/* Runs the cross-check, writes the dump of --dump, and prints the result. */
 static cml_status check_and_dump(const struct cml_options *options, struct cml_check_setup *setup,
                                  struct cml_error *err)
 {
@@ -172,6 +176,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
     return status;
 }
 
+/* True if any boundary or body is represented by this kind of surface. */
 static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_kind kind)
 {
     for (int b = 0; b < surfaces->count; b++)
@@ -181,9 +186,10 @@ static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_ki
     return false;
 }
 
-/* The mesh's side is left out where it would be planes again. Else all packets start above boundary 0, as
- * those of a mesh do: a plane would take its specular part off every packet, a mesh turns some of them back,
- * and few such differences look like many errors. */
+/* Cross-checks a scene with its surfaces as chosen, as meshes, and on OpenCL. The meshes are left out where
+ * they would be planes again. With meshes all packets start above boundary 0: a plane takes the specular part
+ * off every packet, while a mesh reflects some packets as a whole, and few such differences would look like
+ * many errors. */
 static cml_status check_surfaces(const struct cml_options *options, const struct cml_scene *scene, int index,
                                  const struct cml_surface_set *chosen, const struct cml_surface_set *meshes,
                                  struct cml_error *err)
@@ -205,7 +211,8 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
     return check_and_dump(options, &setup, err);
 }
 
-/* Maps, volume, facets and times are neither compared nor recorded: the opencl engine would refuse them. */
+/* Checks a scene without map, volume, facets and times: they are not compared, and the opencl engine would
+ * refuse them. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *whole, int index,
                               struct cml_error *err)
 {

@@ -1,4 +1,4 @@
-/* clustermcml devices: what this machine can fly photons on.
+/* clustermcml devices: lists the processors and OpenCL devices on which this machine can fly photons.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* What the processor can do; which level the cpu engine takes follows from it. */
+/* Returns the vector instructions of the processor, by which the cpu engine chooses its level. */
 static const char *vector_level(void)
 {
 #if defined(__x86_64__)
@@ -22,7 +22,7 @@ static const char *vector_level(void)
 #endif
 }
 
-/* What matters for photons: memory for the tallies, and whether sums and roundings are those of the cpu. */
+/* Prints a device: its memory for tallies, and whether its sums and roundings are those of the cpu. */
 static void print_device(int number, const struct cml_opencl_info *info, int chosen)
 {
     const double mib = 1048576;
@@ -35,7 +35,7 @@ static void print_device(int number, const struct cml_opencl_info *info, int cho
            info->exact_division ? "as on the cpu" : "not correctly rounded");
 }
 
-/* The star is at the device that a run on this rank would take. */
+/* The star marks the device that a run on this rank would take. */
 cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_opencl_info *list;

@@ -1,14 +1,14 @@
-/* clustermcml exact: totals without photons.
- * SPDX-License-Identifier: MIT */
+/* clustermcml exact: totals of a scene by adding-doubling, without photons. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "exact/exact.h"
 #include "output/report.h"
 
+/* Computes and prints the totals of one run of the file. */
 static cml_status solve(const struct cml_options *options, const struct cml_scene *scene,
                         struct cml_error *err)
 {
-    /* about a second of walks at each rough boundary, for errors of some 1e-4 */
+    /* about a second of walks at each rough boundary gives errors of some 1e-4 */
     const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11, .walks = 524288};
     CML_AT_END(cml_exact_clear) struct cml_exact exact = {0};
     CML_TRY(cml_exact_scene(scene, NULL, &aim, &exact, err));
@@ -17,7 +17,7 @@ static cml_status solve(const struct cml_options *options, const struct cml_scen
     return CML_OK;
 }
 
-/* Shapes are read, so that what is wrong with them is said, and then count as planes, which cannot cross. */
+/* Shapes are read, so that mistakes in them are reported, and then count as planes, which cannot cross. */
 cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options flat = *options;

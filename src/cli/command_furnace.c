@@ -1,6 +1,16 @@
-/* clustermcml furnace: a scene in diffuse light from both sides, without absorption. Then radiance over the
- * square of the index is the same everywhere, whatever the shapes, so what each turbid medium must receive
- * follows from its volume alone. SPDX-License-Identifier: MIT */
+/* clustermcml furnace: flies a scene in diffuse light from above and below, without absorption. Radiance over
+ * the square of the index is then the same everywhere, whatever the shapes, so the light in each turbid
+ * medium follows from its volume alone:
+ *
+ *      | | | | |  lambertian, share n_above^2
+ *      v v v v v
+ *     ~~~~~~~~~~~~
+ *       layer  (O)  body        absorbed share = mua V 4 n^2 / (area (n_above^2 + n_below^2))
+ *     ~~~~~~~~~~~~
+ *      ^ ^ ^ ^ ^
+ *      | | | | |  lambertian, share n_below^2
+ *
+ * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/constants.h"
@@ -17,31 +27,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* mua over mus of the scene that is flown, where what is absorbed counts interactions. A packet of k of them
- * weighs 1 - k 1e-10 at its end; of so little as this the mean is off by 4e-5 of itself (cml_absorbed_part).
- */
+/* mua / mus of the scene that is flown: a trace of absorption that counts interactions. A packet with k
+ * interactions ends with the weight 1 - k 1e-10; the rounding of such small absorption makes the mean wrong
+ * by 4e-5 of itself (cml_absorbed_part). */
 #define TRACER 1e-10
-/* Interactions of light that crosses a medium straight on: beyond, packets stay for ever. */
+/* Most interactions of light that crosses a layer straight on; in thicker layers packets would stay for ever.
+ */
 #define MOST_DEPTH 1e4
 #define MOST_PERIODS 10000
-#define ROWS 40 /* of places that are printed */
+#define ROWS 40 /* places printed at most */
 
-/* Where light is looked at. */
+/* A place where light is tested: a layer, a body, or the space below. */
 struct place {
     char name[48];
-    const char *untested; /* why nothing is known; NULL: it is */
-    double volume;        /* cm3; NAN: of parts that overlap */
-    double ratio, error;  /* of what is there to what must be */
-    double z;             /* a normal deviate */
+    const char *untested; /* reason why the place is not tested; NULL: it is */
+    double volume;        /* cm3; NAN: parts overlap, and the volume is unknown */
+    double ratio, error;  /* light found / light expected, and its standard error */
+    double z;             /* difference of the ratio from 1, as a normal deviate */
 };
 
 struct furnace {
-    struct cml_scene scene; /* that is flown; media, beams and shares are its own, the rest is borrowed */
+    /* The scene that is flown. Media, beams and shares are its own; the rest is borrowed. */
+    struct cml_scene scene;
     struct cml_beam beams[2];
     double shares[2];
-    double size[2], area; /* of both beams, cm, cm2 */
+    double size[2], area; /* size of both beams along x and y, cm; their area, cm2 */
     int num_places, tested, worst;
-    struct place *place; /* below, layers, bodies */
+    struct place *place; /* [num_places]: below, layers, bodies */
     double p;
 };
 
@@ -52,7 +64,7 @@ static double larger_of(double a, double b)
     return a > b ? a : b;
 }
 
-/* How far a boundary reaches sideways from the z axis, and from its nominal depth, cm. */
+/* Sets how far a boundary reaches from the z axis (*aside) and from its nominal depth (*up), cm. */
 static void reach_of(const struct cml_boundary *boundary, double *aside, double *up)
 {
     const struct cml_radial *radial = &boundary->radial;
@@ -69,12 +81,14 @@ static void reach_of(const struct cml_boundary *boundary, double *aside, double 
     *up = larger_of(-mesh->lower[2], mesh->upper[2]);
 }
 
+/* True if a ratio is a whole number, but for rounding. */
 static bool is_whole(double ratio)
 {
     return fabs(ratio - round(ratio)) < 1e-9 * ratio;
 }
 
-/* The shortest length from `least` on that is whole periods of all tiles; any if there are none. */
+/* Sets *size to the shortest length from `least` on that is a whole number of periods of all tiles; to
+ * `least` if there are no tiles. */
 static cml_status fit_periods(const struct cml_scene *scene, int axis, double least, double *size,
                               struct cml_error *err)
 {
@@ -97,8 +111,9 @@ static cml_status fit_periods(const struct cml_scene *scene, int axis, double le
                     scene->output, axis ? "y" : "x", MOST_PERIODS);
 }
 
-/* Light is sent in on an area that holds all shapes with so much around them that what light from further off
- * would do there is little, or on whole periods of tiles. */
+/* Chooses the area of the beams: whole periods of tiles; else an area around all shapes that is so large that
+ * light from beyond it would change little. *lift: height of the last boundary above its nominal depth, cm.
+ */
 static cml_status choose_area(const struct cml_scene *scene, struct furnace *f, double *lift,
                               struct cml_error *err)
 {
@@ -130,6 +145,7 @@ static struct cml_beam diffuse_beam(const struct furnace *f)
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
+/* Refuses a backing, and layers in which light would stay for ever. */
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->backing.kind != CML_BACKING_NONE)
@@ -145,7 +161,9 @@ static cml_status check_media(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-static cml_status heat(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
+/* Makes the scene to fly: media with a trace of absorption, and a diffuse beam from above and one from below.
+ */
+static cml_status light_scene(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
     const struct cml_medium_def *above = &scene->media[0], *below = &scene->media[scene->num_layers + 1];
@@ -172,8 +190,9 @@ static cml_status heat(const struct cml_scene *scene, struct furnace *f, struct 
     return CML_OK;
 }
 
-/* ---- what must be there ---- */
+/* ---- the light expected ---- */
 
+/* Finds the volume of each layer, without its bodies, and of each body, without the bodies inside. */
 static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *surfaces,
                                const struct cml_surface_options *options, struct cml_error *err)
 {
@@ -194,7 +213,7 @@ static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *
     return CML_OK;
 }
 
-/* A share of the launched weight, its standard error from 64 batches, and the law. */
+/* Compares a share of the launched weight, with its standard error from 64 batches, with the law. */
 static void judge(struct furnace *f, int i, double share, double error, double law)
 {
     struct place *place = &f->place[i];
@@ -206,8 +225,8 @@ static void judge(struct furnace *f, int i, double share, double error, double l
     if (f->tested++ == 0 || fabs(place->z) > fabs(f->place[f->worst].z)) f->worst = i;
 }
 
-/* In a medium fluence is 4 n^2 per irradiance 1 in the vacuum, and its absorbed share mua times the volume
- * times that over the light that is sent in. */
+/* Judges a medium. Its fluence is 4 n^2 times the irradiance in vacuum, so its absorbed share is mua times
+ * volume times fluence, over the light sent in. */
 static void judge_medium(struct furnace *f, const struct cml_result *result, int i)
 {
     const struct cml_scene *scene = &f->scene;
@@ -224,6 +243,7 @@ static void judge_medium(struct furnace *f, const struct cml_result *result, int
           cml_result_bin_error(result, result->A_l, media, m), law);
 }
 
+/* Judges all places, and the worst of them for the number of tests. */
 static void judge_all(struct furnace *f, const struct cml_result *result)
 {
     judge(f, 0, cml_result_total(result, CML_TOTAL_TRANSMITTED),
@@ -232,7 +252,7 @@ static void judge_all(struct furnace *f, const struct cml_result *result)
     f->p = f->tested ? cml_sidak(cml_two_sided(f->place[f->worst].z), f->tested) : 1;
 }
 
-/* ---- what is said ---- */
+/* ---- output ---- */
 
 static int compare_places(const void *left, const void *right)
 {
@@ -319,7 +339,7 @@ static cml_status name_places(struct furnace *f, struct cml_error *err)
 static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    CML_TRY(heat(scene, f, err));
+    CML_TRY(light_scene(scene, f, err));
     CML_TRY(name_places(f, err));
     CML_TRY(cml_choose_surfaces(options, &f->scene, surfaces, err));
     CML_TRY(find_volumes(f, surfaces, &options->surface, err));

@@ -1,5 +1,5 @@
-/* clustermcml merge: the parts of a run, or of all runs of one call, joined. The call is that of the parts;
- * their sums take the place of flights. SPDX-License-Identifier: MIT */
+/* clustermcml merge: joins the parts of a run, or of all runs of one call. It repeats the call of the parts,
+ * with the sums of the parts in place of flights. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/array.h"
@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The words of a call; each has been ended by a line feed. *word is the caller's to free, the text is cut. */
+/* Splits a call into its words, each of which ends with a line feed. The caller frees *word; the text of the
+ * call is cut. */
 static cml_status split(char *call, char ***word, int *count, struct cml_error *err)
 {
     *word = NULL;
@@ -26,7 +27,8 @@ static cml_status split(char *call, char ***word, int *count, struct cml_error *
     return CML_OK;
 }
 
-/* What may be said anew of the call: where its results go, and what is told of them. */
+/* Takes options of `merge` into the call of the parts: the folder of the results, and the output on the
+ * terminal. */
 static void add_own(const struct cml_options *mine, const char *scene, struct cml_options *call)
 {
     call->joined = mine->joined;
@@ -40,7 +42,7 @@ static void add_own(const struct cml_options *mine, const char *scene, struct cm
     if (scene) call->operands[0] = (char *)scene;
 }
 
-/* On rank 0, which has the runs for itself. */
+/* Runs the call on rank 0 alone. */
 static cml_status run(const struct cml_options *call, struct cml_error *err)
 {
     cml_cluster_alone(true);
@@ -49,7 +51,7 @@ static cml_status run(const struct cml_options *call, struct cml_error *err)
     return status;
 }
 
-/* The name of the scene's file is in the results, so a file of another name makes other bytes. */
+/* Refuses a scene file of another name: the name is in the results, so it would change their bytes. */
 static cml_status check_scene(const char *scene, const char *flown, struct cml_error *err)
 {
     const char *slash = strrchr(flown, '/'), *theirs = slash ? slash + 1 : flown;
@@ -60,6 +62,7 @@ static cml_status check_scene(const char *scene, const char *flown, struct cml_e
                     theirs);
 }
 
+/* Repeats the call of the parts, with their sums in place of flights. */
 static cml_status join(const struct cml_options *options, const char *scene, struct cml_part_files *files,
                        struct cml_error *err)
 {

@@ -1,5 +1,5 @@
-/* clustermcml mesh: every boundary and body as an OBJ file, as it would go to Embree; a drawn relief as a
- * heightmap, too. SPDX-License-Identifier: MIT */
+/* clustermcml mesh: writes every boundary and body as an OBJ file, as Embree would get it; a drawn relief
+ * also as a heightmap. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
@@ -10,7 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The heightmap repeats as the relief does. A shift along x or y is not in the file. */
+/* Writes one period of a drawn relief as a heightmap, which repeats as the relief does. A shift along x or y
+ * is not in the file. */
 static cml_status write_relief(const struct cml_options *options, const struct cml_scene *scene, int b,
                                struct cml_error *err)
 {
@@ -23,8 +24,8 @@ static cml_status write_relief(const struct cml_options *options, const struct c
     return CML_OK;
 }
 
-/* A plane has no triangles and gets no file. The depth is a comment, because heights in the file count
- * from it. */
+/* Writes a boundary; a plane has no triangles and gets no file. A comment has the nominal depth, because
+ * heights in the file count from it. */
 static cml_status write_boundary(const struct cml_options *options, const struct cml_scene *scene, int b,
                                  struct cml_error *err)
 {
@@ -46,7 +47,7 @@ static cml_status write_boundary(const struct cml_options *options, const struct
     return boundary->tile_notes.drawn.rms > 0 ? write_relief(options, scene, b, err) : CML_OK;
 }
 
-/* Heights count from z = 0 of the scene, as an i line reads them. */
+/* Writes a body. Heights count from z = 0 of the scene, as an `i` line reads them. */
 static cml_status write_scene_body(const struct cml_options *options, const struct cml_scene *scene, int k,
                                    struct cml_error *err)
 {
@@ -73,7 +74,7 @@ static cml_status write_scene(const struct cml_options *options, const struct cm
     return CML_OK;
 }
 
-/* All runs of the file: their boundaries may differ. */
+/* Writes the boundaries of all runs of the file, because they may differ. */
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};

@@ -1,5 +1,5 @@
-/* clustermcml plan: how long a run must be for an error, by engine and sampling. Flies pilots, writes
- * nothing. SPDX-License-Identifier: MIT */
+/* clustermcml plan: photons and time that an error takes, by engine and sampling. Flies pilots, writes no
+ * file. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/clock.h"
@@ -17,39 +17,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Seconds: errors need more packets than speed does. Together about one, but where the kernels of OpenCL are
- * compiled first. */
+/* Seconds of a pilot: errors need more packets than speeds. All pilots together take about one second, except
+ * where kernels of OpenCL are compiled first. */
 #define ERROR_PILOT 0.3
 #define SPEED_PILOT 0.1
-#define MOST_SECONDS 30 /* of a round: packets of some scenes hardly end */
+#define MOST_SECONDS 30 /* longest round, s: packets of some scenes hardly end */
 #define DEFAULT_ERROR 1e-3
 
-/* Packets are the same on every engine, so the errors are known from the fastest. */
+/* Engines whose speed is measured. Packets are the same on all, so the errors come from the fastest. */
 static const char *const engine_names[] = {"cpu", "reference", "opencl"};
 static const char *const sampling_names[] = {"random", "lattice"};
 enum {
     ENGINES = sizeof engine_names / sizeof *engine_names,
     SAMPLINGS = 2,
-    MOST_DETECTORS = 8 /* that are looked at, 0.1 s each */
+    MOST_DETECTORS = 8 /* detectors considered as aims at most; each takes 0.1 s */
 };
 
 struct plan {
     const struct cml_scene *scene;
     double error;
-    const char *aimed, *error_of;                 /* by --aim and --error-of; NULL: not given */
-    struct cml_aim aim;                           /* of --aim Tt; without scores where a run has none */
-    struct cml_window_table seen[MOST_DETECTORS]; /* cleared; of --aim DETECTOR; cells 0: not to be had */
-    struct cml_pilot errors[SAMPLINGS];           /* by `lattice` */
-    double photons_per_s[ENGINES];                /* 0: it cannot fly the scene */
-    struct cml_error refusal[ENGINES];            /* why one cannot */
-    struct cml_error unaimed;                     /* why the first detector not to be aimed at is not */
-    double seconds;                               /* that the pilots took */
+    const char *aimed, *error_of; /* values of --aim and --error-of; NULL: not given */
+    /* aim of --aim, or of --aim Tt as a proposal; without scores if the scene has none */
+    struct cml_aim aim;
+    /* Windows of --aim DETECTOR as proposals, without their targets; cells 0: none. */
+    struct cml_window_table of_detector[MOST_DETECTORS];
+    struct cml_pilot errors[SAMPLINGS]; /* pilots for errors: [0] random, [1] lattice sampling */
+    double photons_per_s[ENGINES];      /* speed of each engine; 0: it cannot fly the scene */
+    struct cml_error refusal[ENGINES];  /* reason why an engine cannot fly the scene */
+    /* reason why the first of the detectors without windows has none */
+    struct cml_error unaimed;
+    double seconds; /* time that the pilots took */
 };
 
 /* ---- pilots ---- */
 
-/* A device may be missing, or refuse the scene; the other engines can fly whatever can be read. How many
- * photons an engine flies in its time is its own affair: --photons is for the pilots of errors. */
+/* Measures the speed of an engine. OpenCL may have no device or refuse the scene; the other engines fly every
+ * scene. The photons come from the time alone: --photons is for the pilots of errors. */
 static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *setup, int engine,
                                 struct cml_error *err)
 {
@@ -67,6 +70,7 @@ static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *s
     return status;
 }
 
+/* Flies the pilots for errors, with both samplings, and those for speeds, with each engine. */
 static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setup, struct cml_error *err)
 {
     struct cml_run_setup mine = *setup;
@@ -83,9 +87,9 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
     return CML_OK;
 }
 
-/* ---- what is said ---- */
+/* ---- output ---- */
 
-/* Photons that --target-error needs with lattice sampling: of all that it waits for the most. */
+/* Returns the photons that --target-error needs with lattice sampling: the most of all its goals. */
 static double needed(const struct plan *plan)
 {
     const struct cml_pilot *pilot = &plan->errors[1];
@@ -98,7 +102,7 @@ static double needed(const struct plan *plan)
     return expects ? fmax(most, cml_pilot_photons(pilot, CML_PILOT_EXPECTED, plan->error)) : most;
 }
 
-/* That it flies for them, in its rounds. */
+/* Returns the photons that --target-error flies, in whole rounds: N, N, 2N, 4N ... */
 static double flown(const struct plan *plan)
 {
     const double least = fmax(needed(plan), CML_TARGET_LEAST_PHOTONS);
@@ -107,7 +111,7 @@ static double flown(const struct plan *plan)
     return isfinite(least) ? photons : least;
 }
 
-/* Two digits: the error of an error is 9 %. A dash where pilots have seen nothing. */
+/* Prints a time with two digits, because the error of an error is 9 %. A dash: the pilots saw nothing. */
 static void print_time(double seconds)
 {
     if (!isfinite(seconds)) {
@@ -123,7 +127,7 @@ static void print_time(double seconds)
     printf(" %7.2g %-3s", seconds / units[unit].seconds, units[unit].name);
 }
 
-/* Whether an engine has the goal: OpenCL devices have no expected values, and no detectors. */
+/* True if an engine can reach the goal: OpenCL has no expected values. */
 static bool has_goal(const struct plan *plan, int engine, int goal)
 {
     if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine < ENGINES - 1;
@@ -136,6 +140,7 @@ static const char *goal_name(const struct plan *plan, int goal)
     return cml_quantities[goal < CML_NUM_GOALS ? (int)cml_goals[goal] : CML_QUANTITY_Tt_expected].name;
 }
 
+/* Prints a row of the table: photons and time for each goal, for one engine and sampling. */
 static void print_row(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
@@ -152,13 +157,14 @@ static void print_row(const struct plan *plan, int engine, int lattice)
     putchar('\n');
 }
 
-/* Over the numbers, 20 letters wide. */
+/* Prints the name of a goal above its numbers, 20 letters wide. */
 static void print_goal(const char *name)
 {
     const int width = (int)fmax(9, (double)strlen(name));
     printf("  %*s %-*s", width, name, width < 20 ? 20 - width : 0, "");
 }
 
+/* Returns the photons of the longest round with lattice sampling. */
 static double longest_pilot(const struct plan *plan)
 {
     const struct cml_pilot *pilot = &plan->errors[1];
@@ -174,7 +180,8 @@ static void print_gain(const struct cml_window_table *windows, const char *aim, 
         printf("--aim %s would gain nothing.\n", aim);
 }
 
-/* Not from what pilots have seen of rare light, but from what comes through the flat twin. */
+/* Prints the gains of aims. They follow from the light that passes the scene with planes in place of shapes,
+ * not from the rare light that pilots saw. */
 static void print_windows(const struct plan *plan)
 {
     if (plan->aim.windows.cells > 0) {
@@ -182,11 +189,11 @@ static void print_windows(const struct plan *plan)
         print_gain(&plan->aim.windows, "Tt_r", "Tt");
     }
     for (int k = 0; k < MOST_DETECTORS; k++) {
-        if (plan->seen[k].cells == 0) continue;
+        if (plan->of_detector[k].cells == 0) continue;
         const char *name = plan->scene->detectors[k].name;
         printf("  Through planes %s sees some %.1g of the light: ", name,
-               plan->seen[k].worth * plan->seen[k].share * plan->seen[k].accepted);
-        print_gain(&plan->seen[k], name, "it");
+               plan->of_detector[k].worth * plan->of_detector[k].share * plan->of_detector[k].accepted);
+        print_gain(&plan->of_detector[k], name, "it");
     }
     if (plan->unaimed.text[0]) printf("  without aim: %s\n", plan->unaimed.text);
 }
@@ -242,15 +249,15 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     return row;
 }
 
-/* The gain of each aim that the run could have, by the word that --aim takes. */
+/* Returns the gain of each aim that the run could have, by the word of --aim. */
 static json_t *gains_json(const struct plan *plan)
 {
     json_t *gains = json_object();
     if (plan->aim.windows.cells > 0 && !plan->aimed)
         json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
     for (int k = 0; k < MOST_DETECTORS; k++)
-        if (plan->seen[k].cells > 0)
-            json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->seen[k].gain));
+        if (plan->of_detector[k].cells > 0)
+            json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->of_detector[k].gain));
     return gains;
 }
 
@@ -282,7 +289,8 @@ static cml_status publish(const struct cml_options *options, const struct plan *
     return CML_OK;
 }
 
-/* What a run could have; of planes alone `exact` knows more. Not all that is flown goes with windows. */
+/* Makes the aim of a run without --aim, to show its gain; planes have none, because `exact` knows more. Where
+ * windows are refused, only the tail is made. */
 static cml_status aim(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                       struct cml_aim *to, struct cml_error *err)
 {
@@ -292,7 +300,7 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
     return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
-/* A scene whose detectors cannot be aimed at is planned all the same. */
+/* Makes the windows of detectors. A detector that cannot be aimed at does not end the plan. */
 static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *surfaces)
 {
     const struct cml_scene *scene = plan->scene;
@@ -303,8 +311,8 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
             if (!plan->unaimed.text[0]) plan->unaimed = why;
             continue;
         }
-        if (to.windows.detector) plan->seen[k] = to.windows;
-        plan->seen[k].target = NULL;
+        if (to.windows.detector) plan->of_detector[k] = to.windows;
+        plan->of_detector[k].target = NULL;
         cml_aim_clear(&to);
     }
 }
@@ -322,7 +330,7 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
         return CML_OK;
     }
     aim_at_detectors(plan, surfaces);
-    if (setup->error_of > 0) return CML_OK; /* A_l is counted, as in a run without --aim */
+    if (setup->error_of > 0) return CML_OK; /* A_l is counted, not expected, as in a run without --aim */
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 
@@ -342,7 +350,8 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
     setup.options.run = (uint32_t)index;
     cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, &setup, err), err);
     if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
-    if (status == CML_E_STOPPED) status = err->status = CML_E_INPUT; /* it is the scene's */
+    /* the scene is at fault, no signal came */
+    if (status == CML_E_STOPPED) status = err->status = CML_E_INPUT;
     if (status == CML_OK) status = publish(options, &plan, err);
     cml_aim_clear(&plan.aim);
     cml_surfaces_free(&surfaces);

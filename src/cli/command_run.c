@@ -1,5 +1,4 @@
-/* clustermcml run: every run of a file, one result each.
- * SPDX-License-Identifier: MIT */
+/* clustermcml run: flies every run of a file; each has its own result. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/text.h"
@@ -21,15 +20,16 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What all runs of one call share. */
+/* State shared by all runs of one call. */
 struct session {
     const struct cml_options *options;
     struct cml_scene_list list;
-    char *inputs;               /* lines of their identity */
-    struct cml_outputs outputs; /* rank 0's */
+    char *inputs;               /* lines of the identity for the input files */
+    struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
 
-/* Found before the photons fly, not after: a grid that does not fit, an output that cannot be written. */
+/* Checks all runs before the first photon flies: memory, starts of beams, aims, and outputs that can be
+ * written. */
 static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
     const struct cml_scene_list *list = &session->list;
@@ -48,7 +48,7 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     return cml_cluster_agree(status, err);
 }
 
-/* Removes the checkpoints of a session: a finished run needs none. */
+/* Removes the checkpoints of all runs: finished runs need none. */
 static void remove_checkpoints(const struct session *session)
 {
     struct cml_error ignored;
@@ -60,7 +60,7 @@ static void remove_checkpoints(const struct session *session)
     }
 }
 
-/* The record of a run whose weight does not balance is printed, too. */
+/* Flies one run. Its record is printed even if its weights do not balance. */
 static cml_status run_scene(const struct session *session, int index, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
@@ -80,8 +80,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-/* Of `merge`: the parts of all runs are read before the first result is written. One run reads all of its
- * own before. */
+/* For `merge`: reads the parts of all runs before the first result is written. A single run reads all its
+ * parts first anyway. */
 static cml_status look_at_parts(const struct session *session, struct cml_error *err)
 {
     struct cml_part_files *files = session->options->joined;
@@ -104,7 +104,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
-/* Refuses a name of a result whose ending is no format of ours. */
+/* Refuses a name of a result whose ending is not .mco or .h5. */
 static cml_status check_output(const char *name, struct cml_error *err)
 {
     const char *slash = name ? strrchr(name, '/') : NULL,
@@ -114,7 +114,7 @@ static cml_status check_output(const char *name, struct cml_error *err)
                     "--output %.200s (expected a name that ends in .mco or .h5, or has no ending)", name);
 }
 
-/* -o names a folder; a result that it seems to name is meant for --output. */
+/* Refuses -o with the name of a result: -o names a folder, --output a result. */
 static cml_status check_folder(const char *name, struct cml_error *err)
 {
     const bool result = name && (cml_file_ends_in(name, ".mco") || cml_file_ends_in(name, ".h5"));
@@ -122,7 +122,7 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* Refuses --derivatives beside what scores are not made for. */
+/* Refuses --derivatives beside options that have no scores. */
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"
@@ -132,6 +132,7 @@ static cml_status check_derivatives(const struct cml_options *options, struct cm
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
 }
 
+/* Refuses --derivatives of a scene with a time line. */
 static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
                                        struct cml_error *err)
 {
@@ -144,7 +145,7 @@ static cml_status check_differentiated(const struct cml_options *options, const 
     return CML_OK;
 }
 
-/* Refuses beside --part what needs the whole run, or a command that cannot be called again. */
+/* Refuses options beside --part that need the whole run, and a command line that cannot be repeated. */
 static cml_status check_part(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->target_error > 0 ? "--target-error" : options->json ? "--json" : NULL;
@@ -157,7 +158,8 @@ static cml_status check_part(const struct cml_options *options, struct cml_error
     return CML_OK;
 }
 
-/* What cannot stand together. --more goes on from tallies, and leaves some. */
+/* Refuses options that contradict each other. --more implies --keep: it starts from tallies, and leaves some.
+ */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
     CML_TRY(check_output(options->output, err));
@@ -175,8 +177,9 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
     return cml_sweep_check_options(options, err);
 }
 
-/* What must be the same on all ranks, as text, the caller's to free. Of a sweep every rank writes rows, so
- * there it includes where and how they are left. The files' bytes are rank 0's on all. */
+/* Returns in *text, which the caller frees, all options that must be the same on all ranks. In a sweep every
+ * rank writes rows, so the text includes the names of results and options about them. Files are left out:
+ * rank 0 sends their bytes to all. */
 static cml_status describe(const struct cml_options *options, char **text, struct cml_error *err)
 {
     CML_FREED char *settings = NULL;
@@ -202,7 +205,7 @@ static cml_status describe(const struct cml_options *options, char **text, struc
     return cml_identity_of(&provenance, settings, rest, text, err);
 }
 
-/* Options that differ between ranks would mix two runs in one result, or rows of two sweeps. */
+/* Refuses ranks with different options: they would mix two runs in one result, or rows of two sweeps. */
 static cml_status check_same(const struct cml_options *options, struct cml_error *err)
 {
     char *mine = NULL, *first = NULL;
@@ -219,7 +222,8 @@ static cml_status check_same(const struct cml_options *options, struct cml_error
     return cml_cluster_agree(status, err);
 }
 
-/* The bytes of the input are needed for the identity only, and freed before the run. */
+/* Flies the runs of a file. The bytes of the input are needed only for the identity, and freed before the
+ * run. */
 static cml_status run_file(struct session *session, struct cml_inputs *inputs, struct cml_error *err)
 {
     cml_status status = cml_cluster_agree(cml_identity_inputs(inputs, &session->inputs, err), err);

@@ -1,5 +1,4 @@
-/* clustermcml trace: every event of one photon, on any engine.
- * SPDX-License-Identifier: MIT */
+/* clustermcml trace: prints every event of one photon, on any engine. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "base/text.h"
@@ -15,7 +14,8 @@ struct listener {
     long row;
 };
 
-/* Nine digits and more: events of one photon are compared between engines and machines. */
+/* Prints an event with nine digits and more, because events of one photon are compared between engines and
+ * machines. */
 static void print_event(void *context, const struct cml_trace_event *event)
 {
     struct listener *listener = context;
@@ -33,7 +33,8 @@ static void print_event(void *context, const struct cml_trace_event *event)
            event->direction[1], event->direction[2], event->weight);
 }
 
-/* Notes a photon beyond those of the scene; it is flown all the same, as a run may have had more. */
+/* Notes a photon that the scene does not have. It is flown anyway, because a run may have had more photons.
+ */
 static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, struct cml_error *err)
 {
     CML_AT_END(cml_deal_clear) struct cml_deal deal = {0};
@@ -51,7 +52,7 @@ static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, st
     return CML_OK;
 }
 
-/* Lines that are no events begin with #, so that the table can be read by other programs. */
+/* Prints the trace. Lines that are not events begin with #, so that other programs can read the table. */
 static cml_status trace(const struct cml_options *options, const struct cml_scene *scene, void *engine,
                         uint64_t photon, struct cml_error *err)
 {
@@ -80,8 +81,8 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     return CML_OK;
 }
 
-/* Runs count from 1 for people. The number is a part of each photon's random stream, so it must be that of
- * the file. */
+/* Traces a photon in one run. Users count runs from 1. The number is part of each photon's random stream, so
+ * it must be that of the file. */
 static cml_status trace_scene(const struct cml_options *options, const struct cml_scene *scene,
                               uint64_t photon, struct cml_error *err)
 {
@@ -97,7 +98,7 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     return status;
 }
 
-/* The photon's number is checked before the scene is read, which may take long. */
+/* Checks the photon's number before the scene is read, which may take long. */
 cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err)
 {
     uint64_t photon = 0;

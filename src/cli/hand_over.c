@@ -14,10 +14,8 @@
     "apt-get install python3-h5py python3-matplotlib python3-xarray python3-scipy, or pip install h5py "     \
     "matplotlib xarray scipy"
 
-/* The text that Python runs, in words that any version knows. Modules are imported where they are needed, so
- * that any may turn out to be missing. A module of the current folder must not take the place of one of the
- * libraries.
- */
+/* The program that Python runs, in syntax of any version. Modules are imported only when needed, so any
+ * import may fail later. The current folder is taken off the path: its modules must not replace libraries. */
 static const char start[] = "import sys\n"
                             "if sys.path[0] == '': del sys.path[0]\n"
                             "def lacks(what):\n"
@@ -32,7 +30,7 @@ static const char start[] = "import sys\n"
                             "    lacks('has no module %s' % (error.name or error))\n"
                             "sys.exit(code)\n";
 
-/* Where the package lies, from the folder of the program: build tree, install tree, wheel. */
+/* Finds the package, relative to the folder of the program: in a build tree, an install tree or a wheel. */
 static bool find_package(const char *folder, char path[PATH_MAX])
 {
     static const char *const places[] = {"../src/python", "../share/clustermcml/python", "../.."};
@@ -45,13 +43,13 @@ static bool find_package(const char *folder, char path[PATH_MAX])
     return false;
 }
 
-/* The package asks this very program, and Python looks beside it first. */
+/* Tells the package which program to call (this one), and Python to look for modules beside it first. */
 static cml_status set_environment(struct cml_error *err)
 {
     char program[PATH_MAX], package[PATH_MAX], all[3 * PATH_MAX];
     const char *others = getenv("PYTHONPATH");
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length < 0) return CML_OK; /* what the search path has will do */
+    if (length < 0) return CML_OK; /* the search path of modules will do */
     program[length] = '\0';
     int failed = setenv("CLUSTERMCML", program, 1);
     *strrchr(program, '/') = '\0';

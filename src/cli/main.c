@@ -1,4 +1,4 @@
-/* Finds the command, runs it, prints its error and turns its status into the exit code.
+/* Finds the command, runs it, prints its error, and turns its status into the exit code.
  * SPDX-License-Identifier: MIT */
 #include "run/cluster.h"
 
@@ -21,7 +21,7 @@ cml_status cml_command_help(const struct cml_options *options, struct cml_error 
     return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
-/* run NULL: a command of the Python package. */
+/* Rows of the table of commands; run NULL: a command of the Python package. */
 #define ROW(NAME, name, parallel) {parallel, cml_command_##name},
 #define PYTHON_ROW(NAME, name) {false, NULL},
 static const struct {
@@ -29,7 +29,7 @@ static const struct {
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW, PYTHON_ROW)};
 
-/* --help and --version come before what the command would do. */
+/* Runs the command, unless --help or --version is given. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;
@@ -45,7 +45,7 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     return CML_OK;
 }
 
-/* All ranks end with the status and the message of the one that fared worst. */
+/* Runs the program on all ranks; all return the worst status of all, and its message. */
 static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;
@@ -60,7 +60,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
-/* The only place that prints an error. */
+/* Prints an error, the only function that does. */
 static void complain(cml_status status, const struct cml_error *err)
 {
     if (status == CML_OK) return;
@@ -68,8 +68,8 @@ static void complain(cml_status status, const struct cml_error *err)
     cml_print_line(stderr, err->text);
 }
 
-/* A file that is opened while one of the three is closed would get its number, and what is meant for the
- * terminal would be written into it. A directory refuses what is written to standard output. */
+/* Opens the standard streams that are closed: a file opened later would get their number, and receive text
+ * for the terminal. Standard output becomes a directory, which refuses to be written. */
 static void open_standard_streams(void)
 {
     for (int file = 0; file <= 2; file++)
@@ -77,7 +77,7 @@ static void open_standard_streams(void)
             (void)!(file == STDOUT_FILENO ? open("/", O_RDONLY) : open("/dev/null", O_RDWR));
 }
 
-/* True if the first word is a command of the Python package. --version is the program's. */
+/* True if the first word is a command of the Python package; --version belongs to this program. */
 static bool is_handed_over(int argc, char *const *argv)
 {
     const enum cml_command command = argc > 1 ? cml_command_find(argv[1]) : CML_NUM_COMMANDS;
@@ -87,8 +87,8 @@ static bool is_handed_over(int argc, char *const *argv)
     return true;
 }
 
-/* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
- * ended them: it may be rank 0 that is lost. */
+/* Prints one message for all ranks. After contact was lost the other ranks print theirs, too, if the launcher
+ * has not ended them: rank 0 may be the lost one. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
@@ -107,7 +107,8 @@ int main(int argc, char **argv)
         return (int)status;
     }
     status = work(argc, argv, &err);
-    cml_stop_watch(); /* a launcher that ends what is left of a failed job must not change the exit code */
+    /* a launcher that ends the other ranks of a failed job must not change the exit code */
+    cml_stop_watch();
     if (cml_cluster_rank() == 0) complain(status, &err);
     if (cml_cluster_contact_lost()) {
         cml_cluster_await_launcher();

@@ -1,4 +1,5 @@
-/* How many photons an error takes, from pilots of a scene. SPDX-License-Identifier: MIT */
+/* Pilots: short runs from which the photons that an error takes are estimated. SPDX-License-Identifier: MIT
+ */
 #include "cli/command.h"
 
 #include "base/clock.h"
@@ -7,9 +8,10 @@
 
 #include <math.h>
 
-#define LARGEST_ERROR 0.5 /* of four packets; that of one is 1 */
-#define FIRST_ROUND 1024  /* 16 photons in a batch: fewer say little of its mean */
+#define LARGEST_ERROR 0.5 /* relative error from four packets; that from one is 1 */
+#define FIRST_ROUND 1024  /* 16 photons in a batch: fewer say little about its mean */
 
+/* Returns the relative error of the expected Tt; INFINITY if there is none. */
 static double expected_error(const struct cml_result *result)
 {
     double value = 0, error = 0;
@@ -17,14 +19,15 @@ static double expected_error(const struct cml_result *result)
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
-/* The error of a total of a pilot; none where all batches saw the same, as light is certain to go where it
- * goes. */
+/* Returns the relative error of a total; 0 if all batches have the same sum, because all light is certain to
+ * go there. */
 static double error_of(const struct cml_result *result, enum cml_total total)
 {
     const bool certain = cml_result_total(result, total) > 0 && cml_result_error(result, total) == 0;
     return certain ? 0 : cml_result_relative_error(result, total);
 }
 
+/* Flies one round of a pilot and adds its errors and its speed. */
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;
@@ -76,7 +79,7 @@ cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int 
     return CML_OK;
 }
 
-/* On the line through two rounds, in logarithms; the first may have seen nothing. */
+/* Interpolates between two rounds, linearly in logarithms. The first may have seen nothing. */
 static double interpolate(const struct cml_pilot_round rounds[2], int goal, double error)
 {
     const double slope =
@@ -87,7 +90,7 @@ static double interpolate(const struct cml_pilot_round rounds[2], int goal, doub
 
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error)
 {
-    int reached = pilot->num_rounds; /* from this round on all do */
+    int reached = pilot->num_rounds; /* from this round on all rounds reach the error */
     while (reached > 0 && pilot->round[reached - 1].error[goal] <= error) reached--;
     if (reached > 0 && reached < pilot->num_rounds)
         return ceil(interpolate(&pilot->round[reached - 1], goal, error));

@@ -1,4 +1,4 @@
-/* What is made of the files that describe a scene while they are read. SPDX-License-Identifier: MIT */
+/* Options of the program that change how the files of a scene are read. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/settings.h"
@@ -8,15 +8,19 @@
 #include <stdbool.h>
 
 struct cml_input_options {
-    const struct cml_text_source *source; /* of all files; NULL: the file system */
-    double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap/heightmap.h); 0: merge only what
-                       * lies in one plane */
-    struct cml_mesh_budget budget; /* of every file's mesh; its file, line and boundary are not read */
-    void (*on_note)(void *context, const char *text); /* one line on what reads well and was perhaps not
-                                                       * meant; NULL: silent */
+    const struct cml_text_source *source; /* source of all files; NULL: the file system */
+    /* Tolerance of the meshes of heightmaps [-] (scene/heightmap/heightmap.h). 0: only facets of one plane
+     * are merged. */
+    double tolerance;
+    /* Budget of triangles for the mesh of each file; its members file, line and boundary are not used. */
+    struct cml_mesh_budget budget;
+    /* Receives one line about input that is valid but perhaps not meant; NULL: no notes. */
+    void (*on_note)(void *context, const char *text);
     void *context;
-    const struct cml_settings *settings; /* in place of what the file says; NULL: none */
-    const char *output;                  /* the result's name, of a file with one run; NULL: the file's */
-    bool flat; /* every boundary becomes its nominal plane; its file is read and checked all the same
-                * (the 2019 program's IGNORE_HEIGHTFIELDS) */
+    const struct cml_settings *settings; /* values that replace those of the file; NULL: none */
+    /* name of the result, only for a file with one run; NULL: the name in the file */
+    const char *output;
+    /* Every boundary becomes its nominal plane. The files of shapes are still read and checked (the option
+     * IGNORE_HEIGHTFIELDS of the program of 2019). */
+    bool flat;
 };

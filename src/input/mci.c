@@ -1,4 +1,15 @@
-/* The grammar of .mci files: which data line follows which, and where ours may stand between them.
+/* The grammar of .mci files: the order of the data lines of original MCML, and where keyword lines may stand
+ * between them. A keyword line (beam, m, detector ...) is one that original MCML does not know.
+ *
+ *     1.0                                 version
+ *     2                                   number of runs
+ *     a.mco A                             STAGE_NAME   a run begins: name and format
+ *     1000, dz dr, nz nr na, layers       STAGE_RUN    keyword lines of the run: beam, map, detector ...
+ *     n above                             STAGE_ABOVE
+ *     m "top.obj"                         STAGE_LAYERS keyword lines of boundaries, layers, bodies
+ *     n mua mus g d                       one line per layer
+ *     n below
+ *
  * SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 
@@ -19,23 +30,27 @@
 #include <strings.h>
 
 #define MAX_CELLS 2147483648.0
-/* cm: what is as thick as this stands for a medium without end; 1e8 is usual */
+/* cm: a layer as thick as this counts as semi-infinite; 1e8 is usual in files */
 #define SEMI_INFINITE 1e4
 
-/* Where the reader stands decides which of our own lines may come before the next data line. */
+/* The place in the file, which decides the keyword lines that may come before the next data line. */
 enum stage {
-    STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam, map, facets, time, directions, fluence, detector, photons */
-    STAGE_ABOVE, /* none */
-    STAGE_LAYERS /* b, m, rough, behind the first layer i and phase, behind the last one backing */
+    STAGE_NAME, /* no keyword lines: a keyword is the name of the run */
+    /* keyword lines of the run: beam, map, facets, time, directions, fluence, detector, photons */
+    STAGE_RUN,
+    STAGE_ABOVE, /* no keyword lines */
+    /* b, m, rough; behind the first layer i and phase, too; behind the last layer backing, too */
+    STAGE_LAYERS
 };
 
+/* True for the keyword of a line that concerns the whole run. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind >= CML_MCI_BEAM && kind < CML_MCI_KEYWORDS;
 }
 
-/* A line of ours where it cannot stand: says where it can. */
+/* Refuses a keyword line in the wrong place, or an unknown keyword; the message says where it may stand, or
+ * which keywords there are. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
@@ -52,7 +67,8 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Data lines of the run begin with a number: "beem disk 1" is none. */
+/* Refuses a data line of a run that begins with a misspelt keyword ("beem disk 1"): data lines begin with a
+ * number. */
 static cml_status check_keyword(const struct cml_mci_reader *reader, const char *field)
 {
     char expected[200];
@@ -62,8 +78,8 @@ static cml_status check_keyword(const struct cml_mci_reader *reader, const char 
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Lines of a run: the function that reads what stands behind the keyword, or the keys that stand there; and
- * where the scene has the line's number, of a line that may stand once. */
+/* Keyword lines of a run: the function that reads the line, or the keys that the line has. line: offset of
+ * the line's number in the scene, for a line that may stand only once. */
 static const struct {
     cml_status (*read)(struct cml_mci_reader *reader, struct cml_scene *scene);
     enum cml_key_group keys;
@@ -84,6 +100,7 @@ static const struct {
                             .base = offsetof(struct cml_scene, directions),
                             .line = offsetof(struct cml_scene, directions.line)}};
 
+/* Reads a keyword line that concerns the whole run. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -107,8 +124,8 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_options(&line);
 }
 
-/* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
- * number of the boundary that lies before it, and of the layer read last. */
+/* Goes to the next data line and reads the keyword lines before it. field: the meaning of the data line, for
+ * messages. b: the number of the boundary before that line, and of the layer read last. */
 static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
                                  int b, const char *field)
 {
@@ -136,8 +153,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     }
 }
 
-/* Names are refused now that could only fail when the result is written, hours later; and a second run of
- * that name, which would overwrite the first. */
+/* Refuses a name of an output that would fail hours later, when the result is written; and one that another
+ * run of the file has, because the second run would overwrite the first. */
 static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
                                const char *name)
 {
@@ -153,14 +170,14 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
     return CML_OK;
 }
 
-/* Whether the name ends so, in small letters or capitals. */
+/* True if the name ends in `ending`, in small letters or capitals. */
 static bool ends_in(const char *name, const char *ending)
 {
     const size_t length = strlen(name), size = strlen(ending);
     return length > size && strcasecmp(name + length - size, ending) == 0;
 }
 
-/* A name from outside, which also says which format it is meant to have. */
+/* Replaces the name of the output by that of --output, whose ending also sets the format. */
 static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const char *name = reader->options->output, *expected = cml_mci_why_no_name(name);
@@ -172,7 +189,7 @@ static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_
     return cml_text_copy(name, &scene->output, reader->err);
 }
 
-/* The file's first word of a run may be anything, also a keyword: see STAGE_NAME. */
+/* Reads the first line of a run: name and format. The name may be any word, even a keyword (STAGE_NAME). */
 static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scene_list *list,
                             struct cml_scene *scene)
 {
@@ -182,7 +199,7 @@ static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scen
     const char *name = cml_text_word(&reader->cursor);
     CML_TRY(check_output(reader, list, name));
     CML_TRY(cml_text_copy(name, &scene->output, reader->err));
-    cml_mci_cut_comment(reader->cursor); /* only here: a name may hold a '#' */
+    cml_mci_cut_comment(reader->cursor); /* not before the name, which may hold a '#' */
     const char *format = cml_text_word(&reader->cursor);
     if (!format || !strchr("AaBb", format[0]) || format[1])
         return cml_mci_fail(reader, "format", format, "A or B");
@@ -190,7 +207,7 @@ static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scen
     return reader->options->output ? rename_output(reader, scene) : CML_OK;
 }
 
-/* The memory is judged before anything asks for it. */
+/* Refuses too many cells before any memory is allocated for them. */
 static cml_status check_cells(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double nz = scene->nz, nr = scene->nr, na = scene->na;
@@ -203,7 +220,7 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }
 
-/* Photons, bin sizes, numbers of bins. */
+/* Reads the photons, the sizes of bins and the numbers of bins. */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
@@ -215,7 +232,8 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     return check_cells(reader, scene);
 }
 
-/* A number of layers is at most 1e5, so that a wrong one cannot ask for all memory. */
+/* Reads the number of layers and allocates them. At most 1e5 layers, so that a wrong number cannot ask for
+ * all memory. */
 static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "number of layers"));
@@ -234,7 +252,7 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                            "the layers");
 }
 
-/* How many numbers a line holds that holds nothing else; 0: it does. */
+/* Returns how many numbers a line holds; 0 if it holds anything else, too. */
 static int numbers_alone(const char *text)
 {
     int count = 0;
@@ -243,7 +261,7 @@ static int numbers_alone(const char *text)
     return *text == '\0' || *text == '#' ? count : 0;
 }
 
-/* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
+/* Reads the refractive index of the medium above or below; these media neither absorb nor scatter. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
     const char *name = above ? "n above" : "n below";
@@ -256,7 +274,7 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
                            CML_KEY_PARTS({above ? CML_KEYS_N_ABOVE : CML_KEYS_N_BELOW, medium}));
 }
 
-/* The boundary above the layer, number layer - 1, may have its line before this one. */
+/* Reads the line of a layer. Keyword lines of the boundary above it, number layer - 1, may come first. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
     char owner[32];
@@ -266,7 +284,8 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
                             "n mua mus g d; is the number of layers too large?");
     CML_TRY(cml_mci_layer_name(reader, owner, layer, scene));
-    struct cml_medium_def *medium = &scene->media[layer]; /* moves where lines before this one add bodies */
+    /* read after the lines before: these may add bodies, which moves the array */
+    struct cml_medium_def *medium = &scene->media[layer];
     medium->line = reader->text.line;
     return cml_mci_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium}, {CML_KEYS_LAYER, medium}));
 }
@@ -279,10 +298,11 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
     return read_ambient(reader, scene, false);
 }
 
-/* Where light is absorbed SWAPPED times as often as it is scattered, the two numbers may have changed places:
- * tissue, paint and paper scatter far more than they absorb. Media that do not scatter are meant so. */
+/* mua / mus above which the two numbers may have been swapped: tissue, paint and paper scatter far more than
+ * they absorb. Media with mus = 0 are meant so. */
 #define SWAPPED 20
 
+/* Notes media whose mua and mus may have been swapped. */
 static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
@@ -295,6 +315,7 @@ static void note_swapped(const struct cml_mci_reader *reader, const struct cml_s
     }
 }
 
+/* Notes layers that may have been given in mm. */
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -305,7 +326,7 @@ static void note_thickness(const struct cml_mci_reader *reader, const struct cml
     }
 }
 
-/* When all lines are read: what is set in their place, and what belongs together. */
+/* Completes a run after all its lines: applies settings, then checks what concerns several lines. */
 static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(cml_mci_apply_settings(reader, scene));
@@ -326,7 +347,8 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
     return cml_settings_text(reader->options->settings, &scene->settings, reader->err);
 }
 
-/* The scene joins the list before it is complete, so that clearing the list frees what was read of it. */
+/* Reads one run. The scene joins the list before it is complete, so that clearing the list frees an
+ * incomplete scene. */
 static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     CML_TRY(
@@ -344,14 +366,14 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     return CML_OK;
 }
 
-/* Whether the next word is that behind the name of a run. */
+/* True if the next word is a format (A or B), which stands behind the name of a run. */
 static bool is_format(struct cml_mci_reader *reader)
 {
     const char *format = cml_text_word(&reader->cursor);
     return format && strchr("AaBb", format[0]) && !format[1];
 }
 
-/* A line that could be a run's first, behind the last run. */
+/* Notes a line behind the last run that could be the first line of a run. */
 static void note_run(struct cml_mci_reader *reader, const struct cml_scene_list *list)
 {
     const char *name = cml_text_word(&reader->cursor);
@@ -361,8 +383,9 @@ static void note_run(struct cml_mci_reader *reader, const struct cml_scene_list 
                  list->count);
 }
 
-/* Whatever follows the last run is ignored, as in the original: it may be a run switched off by the number of
- * runs, whose name may be a keyword. But a line of ours right behind n below was meant for this run. */
+/* Reads the first line behind the last run. The rest of the file is ignored, as in original MCML: it may be a
+ * run switched off by the number of runs, whose name may be a keyword. But a keyword line right behind n
+ * below was meant for the last run, and is refused. */
 static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_scene_list *list)
 {
     enum cml_mci_kind kind;
@@ -372,8 +395,8 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
     return fail_misplaced(reader, kind, "the end of the run");
 }
 
-/* Input of MCML 2 and 3 begins with mcmli2.0 or mcmli3.0, and describes media, sources and grids in another
- * way. */
+/* Refuses an unknown version. Input of MCML 2 and 3 begins with mcmli2.0 or mcmli3.0, and describes media,
+ * sources and grids differently. */
 static cml_status refuse_version(const struct cml_mci_reader *reader, const char *version)
 {
     static const char later[] = "mcmli";
@@ -385,7 +408,7 @@ static cml_status refuse_version(const struct cml_mci_reader *reader, const char
     return cml_mci_fail(reader, "file version", version, expected);
 }
 
-/* Original MCML does not look at the version: any number will do. */
+/* Reads the version. Any number is accepted, because original MCML does not look at it. */
 static cml_status read_version(struct cml_mci_reader *reader)
 {
     double number;
@@ -416,7 +439,7 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader, list);
 }
 
-/* A scene that is half read is never seen: a failure clears all. */
+/* Clears the list after a failure: nobody sees an incomplete scene. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {
@@ -430,9 +453,9 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
     return status;
 }
 
-/* ---- a scene again, with other numbers ---- */
+/* ---- a copy of a scene with other numbers ---- */
 
-/* Reads the line of boundary b again, and the file that it may name. */
+/* Reads the line of boundary b again, with the file that it may name. */
 static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
                              struct cml_boundary *boundary)
 {
@@ -447,7 +470,7 @@ static cml_status read_shape(const struct cml_mci_reader *copying, const char *p
     return status;
 }
 
-/* Reads shapes again that another scale or height is set of than they were read with. */
+/* Reads those shapes again whose scale or height is set to another value than before. */
 static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {

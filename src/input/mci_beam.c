@@ -1,4 +1,4 @@
-/* Beam lines. SPDX-License-Identifier: MIT */
+/* Reader of `beam` lines. SPDX-License-Identifier: MIT */
 #include "input/mci_beam.h"
 
 #include "base/array.h"
@@ -11,12 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So many have a number in the index of a photon (kernels/balance.h). */
+/* The number of a beam is part of a photon's index, which has room for this many (kernels/balance.h). */
 #define MOST_BEAMS 32767
-#define MOST_ROWS 10000 /* of a table: adding-doubling takes seconds for ten times as many */
+#define MOST_ROWS 10000 /* rows of a table of light: adding-doubling takes seconds for ten times as many */
 
 /* ---- files: tables of intensities, images ---- */
 
+/* Makes room for one more row of a table. */
 static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light *light)
 {
     if (light->rows == MOST_ROWS) return cml_mci_fail(rows, "row", "10001", "at most 10000 rows");
@@ -24,7 +25,7 @@ static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light 
     return cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", rows->err);
 }
 
-/* One row: an angle beyond the last one, and an intensity, whose square is no subnormal number. */
+/* Reads a row: an angle larger than the last one, and an intensity, whose square must not be subnormal. */
 static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 {
     static const struct cml_key degrees = {.name = "angle", .noun = "degrees", .most = 180},
@@ -63,7 +64,8 @@ static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
     return sum > 0 ? CML_OK : cml_mci_fail(rows, "intensity", "0 in all rows", "light in one row at least");
 }
 
-/* Rows of a heightmap begin at the smallest y. */
+/* Copies the pixels of an image into a beam. Rows of a heightmap begin at the smallest y, those of the beam
+ * at the largest. */
 static cml_status take_pixels(const char *path, const struct cml_heightmap *map, struct cml_beam *beam,
                               struct cml_error *err)
 {
@@ -101,7 +103,7 @@ static cml_status read_image(struct cml_mci_reader *reader, const char *name, st
     return status;
 }
 
-/* ---- what a beam has keys of ---- */
+/* ---- keys of a beam ---- */
 
 static const struct {
     const char *name;
@@ -130,7 +132,7 @@ void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml
 
 /* ---- the line ---- */
 
-/* The shape comes first and is no option: without it nobody would know what the numbers are of. */
+/* Reads the shape, the first word of the line, without which the numbers behind it have no meaning. */
 static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_beam *beam)
 {
     char **cursor = &line->reader->cursor, *word = cml_text_word(cursor);
@@ -152,6 +154,7 @@ static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_be
     return read_image(line->reader, word, beam);
 }
 
+/* Reads the value of the option `light`. */
 static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
 {
     static const char *const words[] = {"parallel", "lambertian", "isotropic"};
@@ -178,7 +181,7 @@ static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
     return cml_mci_table(line->reader, "beam", value + 1, "a file name", read_light_table, light);
 }
 
-/* `na` belongs to detectors. */
+/* Sets a key of type CML_KEY_OWN. `na` is a key of detectors; beams have light=na:N. */
 static cml_status set_own(struct cml_mci_line *line)
 {
     struct cml_beam *beam = line->context;
@@ -188,7 +191,7 @@ static cml_status set_own(struct cml_mci_line *line)
     return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
-/* One more beam. The first line takes the place of the pencil that there is without one. */
+/* Adds a beam, except for the first `beam` line: its beam replaces the default pencil beam. */
 cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int count = scene->num_beams;
@@ -220,7 +223,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_mci_options(&line);
 }
 
-/* ---- what belongs together ---- */
+/* ---- checks of several lines ---- */
 
 static const double degree = CML_PI / 180;
 
@@ -230,7 +233,7 @@ static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cm
     return cml_fail_field(reader->err, scene->file, scene->beams[k].line, field, value, expected);
 }
 
-/* Light from above all surfaces goes down. */
+/* Checks that light which starts above all surfaces goes down. */
 static cml_status check_light(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -254,7 +257,7 @@ static cml_status check_light(const struct cml_mci_reader *reader, const struct 
                          : "less than 90 degrees together: light from above all surfaces goes down; or z=");
 }
 
-/* The period of all tiles, cm. */
+/* Finds the period of all tiles, x and y in cm. Fails where there is no tile, or tiles differ. */
 static cml_status find_period(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                               const double **period)
 {
@@ -277,8 +280,12 @@ static cml_status find_period(const struct cml_mci_reader *reader, const struct 
                      "a boundary with `tile` in its line, or W H");
 }
 
-/* Seen along the axis a period is 1 / cos(angle) times as short. Directions other than the axis would light
- * another area, and so would packets that start at different depths. */
+/* Sets the size of a beam `rectangle tile`, which lights exactly one period of the tiles. Across an oblique
+ * axis the beam is narrower than the period:
+ *
+ *     w = period * cos(angle of the axis to the vertical)
+ *
+ * Light in other directions than the axis, or that starts at several depths, would light another area. */
 static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_beam *beam = &scene->beams[k];
@@ -299,6 +306,7 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
+/* Checks a beam by itself, and against the number of beams. */
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];

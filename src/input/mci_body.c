@@ -11,7 +11,8 @@
 
 #define MAX_BODIES 1000000
 
-/* Room for one more body and its medium; arrays are enlarged when their number is a power of two. */
+/* Makes room for one more body and its medium; the arrays double when the number of bodies is a power of two.
+ */
 static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const size_t count = (size_t)scene->num_bodies, media = (size_t)scene->num_layers + 2;
@@ -26,6 +27,7 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_fail_memory(reader->err, (double)(capacity * sizeof *bodies), "bodies");
 }
 
+/* Reads the value of the option `rough`. */
 static cml_status set_rough(const struct cml_mci_reader *reader, const char *owner, const char *value,
                             struct cml_rough_def *rough)
 {
@@ -38,8 +40,9 @@ static cml_status set_rough(const struct cml_mci_reader *reader, const char *own
     return cml_mci_parse_rough(value, rough) ? CML_OK : cml_mci_fail(reader, field, value, expected);
 }
 
-/* Takes the word rough=KIND,ALPHA out of the line of a sphere or a cylinder. No other word is an option:
- * words are ignored there, but one with = or rough was meant for something. */
+/* Takes the word rough=KIND,ALPHA out of the line of a sphere or a cylinder. Other words behind the numbers
+ * are ignored, as in data lines, but a word with = or the word rough is refused: it was meant as an option.
+ */
 static cml_status take_roughness(struct cml_mci_reader *reader, const char *owner,
                                  struct cml_rough_def *rough)
 {
@@ -59,7 +62,7 @@ static cml_status take_roughness(struct cml_mci_reader *reader, const char *owne
     return CML_OK;
 }
 
-/* A cylinder's axis must have a length that is more than rounding. */
+/* Checks that the axis of a cylinder is longer than rounding errors. */
 static cml_status check_axis(const struct cml_mci_reader *reader, const char *owner,
                              const struct cml_scene_body *body)
 {
@@ -74,7 +77,7 @@ static cml_status check_axis(const struct cml_mci_reader *reader, const char *ow
     return cml_mci_fail(reader, field, "those of the first end", "another point: the axis has no length");
 }
 
-/* What the options of a body's mesh are read into. */
+/* Options of the line of a body's mesh. */
 struct mesh_line {
     struct cml_obj_options obj;
     struct cml_rough_def *rough;

@@ -1,4 +1,5 @@
-/* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
+/* Reader of `b` and `m` lines, which give a boundary its shape, and of the files that they name.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
 #include "base/array.h"
@@ -15,18 +16,18 @@
 
 /* ---- b: a radial heightfield ---- */
 
-/* Where the numbers of a heightfield stand: the rest of a line, or a whole file. */
+/* Source of the numbers of a heightfield: the rest of a line, or a whole file. */
 struct samples {
     struct cml_mci_reader *reader;
-    struct cml_text file; /* data NULL when the numbers stand in the .mci */
+    struct cml_text file; /* file.data NULL: the numbers stand in the .mci file */
     char *cursor;
     char owner[32];
-    double *values; /* h0 s0 h1 s1 ... as far as read */
+    double *values; /* h0 s0 h1 s1 ... (height, spacing), as many as read */
     size_t num_values;
-    double radius; /* of the sample read last */
+    double radius; /* radius of the last sample read, cm */
 };
 
-/* Names the heights' own file and line when the numbers stand in one. */
+/* Refuses a value with its file and line: those of the heightfield's own file, or of the .mci file. */
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
                               const char *expected)
 {
@@ -37,7 +38,8 @@ static cml_status fail_sample(const struct samples *samples, const char *field, 
                           expected);
 }
 
-/* In a file numbers may be broken into lines anywhere; in the .mci they are one line. */
+/* Returns the next word; NULL: none. Numbers in a file may be broken into lines anywhere; in the .mci file
+ * they are one line. */
 static char *next_word(struct samples *samples)
 {
     for (;;) {
@@ -49,7 +51,7 @@ static char *next_word(struct samples *samples)
     }
 }
 
-/* Grows with what was really read, so that a number n without its samples never asks for memory. */
+/* Appends a number. Memory grows with the numbers really read: a large n without samples asks for none. */
 static cml_status append(struct samples *samples, double value)
 {
     CML_TRY(cml_array_grow(&samples->values, samples->num_values, sizeof value, "a heightfield",
@@ -58,7 +60,7 @@ static cml_status append(struct samples *samples, double value)
     return CML_OK;
 }
 
-/* Refuses number i of 2n: h for even i, s for odd i. */
+/* Refuses number i of 2n: a height for even i, a spacing for odd i. */
 static cml_status fail_number(const struct samples *samples, size_t i, int n, const char *word,
                               const char *expected)
 {
@@ -68,7 +70,8 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
     return fail_sample(samples, name, word, word ? expected : total);
 }
 
-/* A spacing so small that the radius stays the same in double would make a ring of no width. */
+/* Reads number i of 2n. A spacing so small that it does not change the radius in double is refused: the ring
+ * would have no width. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_key height = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE},
@@ -91,8 +94,8 @@ static cml_status read_number(struct samples *samples, size_t i, int n)
     return fail_number(samples, i, n, word, "a spacing that takes the radius further, up to 1e30 cm");
 }
 
-/* Text behind the last number is a comment in the .mci, as behind all its fields; in a file of nothing but
- * numbers it is a mistake. */
+/* Reads n and 2n numbers. Text behind the last number is a comment in the .mci file, as behind all its
+ * fields; in a file of nothing but numbers it is a mistake. */
 static cml_status read_samples(struct samples *samples, int *n)
 {
     const bool in_file = samples->file.data != NULL;
@@ -112,7 +115,7 @@ static cml_status read_samples(struct samples *samples, int *n)
     return fail_sample(samples, "number after the last spacing", word, expected);
 }
 
-/* Files give spacings; all else needs radii. */
+/* Sums the spacings of the file to radii, which the boundary needs. */
 static cml_status sum_radii(const struct samples *samples, struct cml_boundary *boundary)
 {
     const size_t n = samples->num_values / 2;
@@ -131,7 +134,8 @@ static cml_status sum_radii(const struct samples *samples, struct cml_boundary *
     return CML_OK;
 }
 
-/* Numbers in the line, or the name of a file in quotes and nothing else. */
+/* Opens the source of the numbers: the line itself, or the file whose name in quotes is all that the line
+ * has. */
 static cml_status open_samples(struct samples *samples, struct cml_boundary *boundary)
 {
     struct cml_mci_reader *reader = samples->reader;
@@ -150,7 +154,7 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     return CML_OK;
 }
 
-/* Numbers first, as many as there are; radii and heights when all are known to be right. */
+/* Reads a heightfield: first all numbers, then, once all are known to be right, its radii and heights. */
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
@@ -168,10 +172,11 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 
 /* ---- m: a mesh or a heightmap ---- */
 
-/* Whether a heightmap is repeated, and how. Two have names. */
+/* The way in which a heightmap is repeated over the plane. The first two have names in the file. */
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
 
+/* Reads the option `tile`. */
 static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tiling)
 {
     const int which = line->alone ? TILE_PERIODIC : cml_mci_choose(line->value, tile_names, 2);
@@ -179,9 +184,10 @@ static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tilin
     return which >= 0 ? CML_OK : cml_mci_fail_value(line, "mirror, as-is, or the word tile alone");
 }
 
-/* A map whose ends do not fit would be a grating of cliffs. The largest of all steps may by chance be that of
- * the seam: what is up to three times as large is taken. Heights are single precision in many files: a
- * millionth of the relief is none. */
+/* Checks the step between opposite edges of a map: without this check, a map whose edges do not match would
+ * be a grating of cliffs. The seam may have the largest of all steps by chance, so up to three times the
+ * largest step inside is accepted. Heights are single precision in many files, so steps below a millionth of
+ * the relief do not count. */
 static cml_status check_seam(const struct cml_mci_line *line, const struct cml_boundary *boundary)
 {
     const struct cml_tile_notes *notes = &boundary->tile_notes;
@@ -201,7 +207,8 @@ static cml_status check_seam(const struct cml_mci_line *line, const struct cml_b
     return CML_OK;
 }
 
-/* The heights become the boundary's; triangles are made of them when it is represented. */
+/* Makes a boundary of a repeated heightmap. The boundary takes over the heights; triangles are made of them
+ * later, when its surface is built. */
 static cml_status make_tile(const struct cml_mci_line *line, enum tiling tiling,
                             const struct cml_obj_options *given, struct cml_heightmap *map,
                             struct cml_boundary *boundary)
@@ -220,7 +227,8 @@ static cml_status make_tile(const struct cml_mci_line *line, enum tiling tiling,
                                  "a coarser map or a larger --mesh-budget", err);
 }
 
-/* A heightmap's grid runs along x and y, and has a skirt anyway. */
+/* Refuses options that a heightmap cannot have: its grid runs along x and y, and its mesh has a skirt
+ * already. */
 static cml_status check_heightmap_options(const struct cml_mci_line *line,
                                           const struct cml_obj_options *given)
 {
@@ -235,7 +243,8 @@ static cml_status check_heightmap_options(const struct cml_mci_line *line,
     return CML_OK;
 }
 
-/* The heights are needed no longer once the mesh is made. */
+/* Reads a heightmap and makes the boundary's mesh of it, or its tile; the heights are then freed, or the
+ * tile's. */
 static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_mesh_file kind,
                                  enum tiling tiling, const struct cml_obj_options *given,
                                  struct cml_boundary *boundary)
@@ -259,13 +268,14 @@ static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_m
 
 /* ---- the options of an m line ---- */
 
-/* What they are read into. */
+/* Values of the options of an `m` line. */
 struct m_line {
     struct cml_obj_options obj;
     struct cml_random_relief relief;
     enum tiling tiling;
 };
 
+/* Reads the option `spectrum`. *hurst: 0 for gaussian, else the Hurst exponent. */
 static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
 {
     static const char *const names[] = {"gaussian", "exponential"};
@@ -282,6 +292,7 @@ static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
     return cml_mci_fail_value(line, line->key->noun);
 }
 
+/* Reads an option of an `m` line of type CML_KEY_OWN. */
 static cml_status set_m_option(struct cml_mci_line *line)
 {
     struct m_line *m = line->context;
@@ -299,6 +310,7 @@ static cml_status set_m_option(struct cml_mci_line *line)
     return CML_OK;
 }
 
+/* Draws a random relief and makes a repeated boundary of it. */
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_obj_options *obj, struct cml_boundary *boundary)
 {
@@ -312,7 +324,7 @@ static cml_status make_relief(const struct cml_mci_line *line, const struct cml_
     return status;
 }
 
-/* Behind the word gaussian. */
+/* Reads the line behind the word gaussian: a random relief. */
 static cml_status read_relief(struct cml_mci_line *line, int index, struct m_line *m,
                               struct cml_boundary *boundary)
 {
@@ -326,8 +338,8 @@ static cml_status read_relief(struct cml_mci_line *line, int index, struct m_lin
     return make_relief(line, &m->relief, &m->obj, boundary);
 }
 
-/* Options are read before the file, so that a mistake in the line is found before a long read. `name`: the
- * line's first word. */
+/* Reads a boundary from a file. name: the first word of the line. Options are read before the file, so that a
+ * mistake in the line is found before a long read. */
 static cml_status read_mesh(struct cml_mci_line *line, int index, const char *name, struct m_line *m,
                             struct cml_boundary *boundary)
 {

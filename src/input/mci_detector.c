@@ -1,4 +1,4 @@
-/* Detector lines. SPDX-License-Identifier: MIT */
+/* Reader of `detector` lines. SPDX-License-Identifier: MIT */
 #include "input/mci_detector.h"
 
 #include "base/array.h"
@@ -11,7 +11,7 @@
 #define MOST_DETECTORS 32767
 #define MOST_NAME 24
 
-/* ---- what a detector has keys of ---- */
+/* ---- keys of a detector ---- */
 
 static const struct {
     const char *name;
@@ -43,7 +43,7 @@ static cml_status check_radii(const struct cml_mci_line *line, const double *rad
     return cml_mci_fail_option(line, "r1 r2", value, "r1 < r2");
 }
 
-/* Reads the shape of a detector, whose name is `word`, and its numbers. */
+/* Reads the shape of a detector and its numbers. word: the name of the shape. */
 static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                              struct cml_detector_def *detector)
 {
@@ -63,6 +63,7 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
+/* Reads the option `name`. */
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
@@ -99,7 +100,8 @@ static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *
     return CML_OK;
 }
 
-/* Beginning with `word`. in: the .mci, where `reader` reads a table; else NULL. */
+/* Reads one detector, whose line begins with `word`. in: the .mci file, if `reader` reads a table of
+ * detectors; else NULL. */
 static cml_status read_one(struct cml_mci_reader *reader, char *word, const struct cml_mci_reader *in,
                            struct cml_scene *scene)
 {
@@ -126,7 +128,7 @@ static cml_status read_one(struct cml_mci_reader *reader, char *word, const stru
     return CML_OK;
 }
 
-/* What the rows of a table are read into. */
+/* Context of the reader of a table of detectors. */
 struct table {
     const struct cml_mci_reader *in;
     struct cml_scene *scene;
@@ -162,9 +164,10 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
                           value, expected);
 }
 
-/* ---- what belongs together ---- */
+/* ---- checks of several lines ---- */
 
-/* A detector without a name has its number, from 1. */
+/* Fills in the plane and the name of a detector that has none: the surface that it looks at, and its number
+ * from 1. */
 static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_detector_def *detector = &scene->detectors[k];
@@ -181,9 +184,11 @@ static int compare_names(const void *a, const void *b)
 {
     const struct cml_detector_def *const *one = a, *const *other = b;
     const int order = strcmp((*one)->name, (*other)->name);
-    return order ? order : (*one > *other) - (*one < *other); /* neighbours in one array */
+    /* pointers into one array: equal names stay in the order of lines */
+    return order ? order : (*one > *other) - (*one < *other);
 }
 
+/* Refuses two detectors of one name. */
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (scene->num_detectors < 2) return CML_OK;

@@ -1,18 +1,18 @@
-/* The detector lines of .mci files. SPDX-License-Identifier: MIT */
+/* Reader of `detector` lines of .mci files. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
 
 /* Reads the current line "detector SHAPE [at=x,y] [z=z] [side=top|bottom] [na=N] [angle=degrees]
- * [azimuth=degrees] [diffuse] [name=NAME]", cursor behind the keyword; angles become rad. Or
- * "detector table FILE", each line of which is what stands behind the keyword. CML_E_INPUT. */
+ * [azimuth=degrees] [diffuse] [name=NAME]", with the cursor behind the keyword. Angles become rad. Also reads
+ * "detector table FILE", a file whose rows have the words of such lines without the keyword. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* What a detector has keys of that can be set, at most CML_MOST_KEY_PARTS: one that sees all directions has
- * no axis. */
+/* Lists the groups of keys of a detector that may be set, at most CML_MOST_KEY_PARTS, in `part`. A detector
+ * that sees all directions has no keys of an axis. */
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part);
 
-/* After all numbers are there: fills in names and planes that lines do not give, and checks what lines have
- * to do with each other. CML_E_INPUT: two of a name, too many pixels. */
+/* Fills in names and planes that the lines do not give, and checks the detectors together. Call it when all
+ * numbers are known. CML_E_INPUT: two detectors of one name, or too many pixels. */
 CML_NODISCARD cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene);

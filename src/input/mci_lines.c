@@ -1,5 +1,4 @@
-/* What is the same in all lines of .mci files: comments, keywords, numbers, messages.
- * SPDX-License-Identifier: MIT */
+/* Lines of .mci files: comments, keywords, numbers, messages. SPDX-License-Identifier: MIT */
 #include "input/mci_lines.h"
 
 #include <stdarg.h>
@@ -28,7 +27,7 @@ void cml_mci_forget(struct cml_mci_reader *reader)
     reader->kept_last = 0;
 }
 
-/* The memory changes hands, and the reader begins a new one. */
+/* Hands the memory over; the reader allocates new memory for the next run. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader)
 {
     char *kept = reader->kept;
@@ -50,7 +49,7 @@ const char *cml_mci_raw(const struct cml_mci_reader *reader)
     return reader->kept + reader->kept_last;
 }
 
-/* Words are cut out of the line in place, so the copy must be made before. */
+/* Copies the current line as written, before words are cut out of it in place. */
 static cml_status keep_line(struct cml_mci_reader *reader, const char *line)
 {
     const size_t length = strlen(line);
@@ -69,7 +68,8 @@ static cml_status keep_line(struct cml_mci_reader *reader, const char *line)
     return CML_OK;
 }
 
-/* "#@ beam" is ours and "#@ baem" an error, but a rule of "#@@@@" or a lone "#@" is somebody's ornament. */
+/* True for a line marked as ours: "#@ beam", and "#@ baem" to report the error. A ruler like "#@@@@" or a
+ * lone "#@" is an ornament. */
 static bool is_marked(const char *text)
 {
     if (text[0] != '#' || text[1] != '@') return false;
@@ -107,7 +107,7 @@ const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
     return strchr("0123456789+-.", *guess.word) ? NULL : cml_guess_best(&guess);
 }
 
-/* Moves *cursor behind the keyword when there is one. */
+/* Returns the kind of a keyword and moves *cursor behind it; CML_MCI_DATA if there is no keyword. */
 static enum cml_mci_kind take_keyword(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);
@@ -121,7 +121,7 @@ static enum cml_mci_kind take_keyword(char **cursor)
     return CML_MCI_DATA;
 }
 
-/* Whether the text begins like one of the words (struct cml_mci_keyword). */
+/* True if the text begins like one of the words in `looks` (struct cml_mci_keyword). */
 static bool looks_like(const char *text, const char *looks)
 {
     const size_t own = strcspn(text, blanks);
@@ -136,8 +136,8 @@ static bool looks_like(const char *text, const char *looks)
     return false;
 }
 
-/* "#b 3 0.1 ..." is a comment, but was meant as one by few: the text behind the keyword must look like a line
- * of ours. */
+/* Notes a comment like "#b 3 0.1 ..." that was probably meant as the keyword line "#@ b". The text behind the
+ * keyword must look like that line, because most comments are comments. */
 static void hint_at_mark(const struct cml_mci_reader *reader)
 {
     char *behind = reader->cursor + 1;
@@ -149,7 +149,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                      reader->cursor + 1);
 }
 
-/* Only data lines and lines of ours are kept: comments change no result. */
+/* Keeps data lines and keyword lines, which decide the result; comments do not. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;
@@ -169,7 +169,7 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
     return CML_OK;
 }
 
-/* Cuts a comment off a line; quoted names may hold a '#'. */
+/* Ends a line at its comment. A '#' inside quotes belongs to a file name. */
 void cml_mci_cut_comment(char *text)
 {
     bool quoted = false;
@@ -235,8 +235,8 @@ cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *ow
     return CML_OK;
 }
 
-/* Whether the word is a unit of lengths that is not cm, or of coefficients that is not 1/cm: mm, [um], 1/mm,
- * mm-1, mm^-1. */
+/* True if a word is a unit of length other than cm, or of coefficients other than 1/cm: mm, [um], 1/mm, mm-1,
+ * mm^-1. */
 static bool is_other_unit(const char *word)
 {
     static const char *const units[] = {"nm", "um", "\u00b5m", "\u03bcm", "micron", "microns", "mm",  "dm",
@@ -255,8 +255,8 @@ static bool is_other_unit(const char *word)
     return false;
 }
 
-/* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
- * number was probably meant for something, and a unit that is not ours was meant for the numbers. */
+/* Files of original MCML have comments without a '#' behind the last field, so words there are ignored. But a
+ * further number was probably meant as a value, and another unit for the numbers before; both are refused. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, const struct cml_key_part *parts)
 {
     cml_mci_cut_comment(reader->cursor);
@@ -313,7 +313,7 @@ const char *cml_mci_why_no_name(const char *name)
 {
     const char *slash = strrchr(name, '/');
     const char *last = slash ? slash + 1 : name;
-    /* 250 bytes leave room for the endings of other outputs in a directory entry. */
+    /* 250 bytes leave room for the endings of other outputs in a directory entry (255 bytes) */
     if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
         *name == '"')
         return "a file name of 1..250 bytes";

@@ -1,4 +1,4 @@
-/* Lines map and photons, and what they and fluence have to do with the rest of a run.
+/* Reader of the lines `map` and `photons`, and checks of map, photons and fluence against the rest of a run.
  * SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-/* `top` belongs to the volume; without it the option would have no effect, and its writer would not know. */
+/* `top` has an effect only with `volume`; without it the line is refused, because its writer would not
+ * notice. */
 cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_map_def *map = &scene->map;
@@ -20,8 +21,8 @@ cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_mci_fail_option(&line, "top", cml_mci_saw(&line, "top"), "volume beside it");
 }
 
-/* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
- * (kernels/marks.h). As many bins of radius and gate are enough, too. */
+/* Every batch has its own fluence with bins beyond the grid, and the bins of all 64 batches are counted in 32
+ * bits (kernels/marks.h). The bins of radius and time have the same limit. */
 cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
@@ -46,7 +47,7 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
-/* The name of a file, as that of a run's output is. */
+/* The name must be valid as that of an output, and has no folder: the file lies beside the result. */
 cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_saved_def *saved = &scene->saved;
@@ -69,7 +70,7 @@ cml_status cml_mci_check_photons(const struct cml_mci_reader *reader, const stru
                           "a detector line, too");
 }
 
-/* A map's cells are counted in double: their product may exceed 64 bits. Four per pixel: Rd and Tt, each with
+/* Counts cells in double, because the product may exceed 64 bits. A pixel has four: Rd and Tt, each with
  * squares. */
 cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- phase: how the medium scatters ---- */
+/* ---- phase: the angles by which a medium scatters ---- */
 
 #define MOST_ROWS 1000000
 
@@ -24,7 +24,8 @@ static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_pha
     return CML_OK;
 }
 
-/* One row: angle and density. The deflection is 1 - cos, without the difference. */
+/* Reads a row: angle and density. The deflection 1 - cos is computed as 2 sin^2(angle / 2), which loses no
+ * digits at small angles. */
 static cml_status read_row(struct cml_mci_reader *rows, struct cml_phase *phase)
 {
     static const struct cml_key angle = {.name = "angle", .most = 180},
@@ -83,7 +84,7 @@ static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, in
     return cml_mci_end_line(reader, owner);
 }
 
-/* Adds a phase function to those of the scene, as the medium's, or takes an equal one that is there. */
+/* Adds a phase function to the scene's list, and gives it to the medium. */
 static cml_status add_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
                             struct cml_phase *phase, struct cml_medium_def *medium)
 {
@@ -94,7 +95,8 @@ static cml_status add_phase(const struct cml_mci_reader *reader, struct cml_scen
     return cml_mci_fail(reader, "line", "phase", "at most 1000 different phase functions");
 }
 
-/* Joins the scene's, unless it has an equal one. */
+/* Gives the medium an equal phase function of the scene if there is one, and frees the new one; else adds the
+ * new one. */
 static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_scene *scene,
                               struct cml_phase *phase, struct cml_medium_def *medium)
 {
@@ -123,10 +125,10 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
     return status;
 }
 
-/* ---- numbers from outside, and what belongs together ---- */
+/* ---- settings, and checks of several lines ---- */
 
-/* The medium's function in the scene's list, after a copy where other media have it, too. Tables, whose rows
- * would have to be copied, have no numbers that could be set. */
+/* Copies the phase function if other media use it, too. Tables are not copied: they have no numbers that
+ * could be set. */
 cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_scene *scene, int m,
                              struct cml_phase **own)
 {
@@ -144,6 +146,7 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
     return add_phase(reader, scene, copy, medium);
 }
 
+/* Refuses an absorption so small beside the scattering that rounding would lose it. */
 static cml_status check_absorption(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                                    const char *kind, int number, const struct cml_medium_def *medium)
 {
@@ -164,6 +167,7 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
                : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
 }
 
+/* Refuses a phase function whose mean cosine is not the medium's g. */
 static cml_status check_mean(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                              const char *kind, int number, const struct cml_medium_def *medium, double mean)
 {
@@ -192,7 +196,7 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
     return CML_OK;
 }
 
-/* ---- backing: what lies under the last boundary ---- */
+/* ---- backing: the surface under the last boundary ---- */
 
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {

@@ -14,7 +14,8 @@ cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_op
     return CML_OK;
 }
 
-/* The ending decides how a file is read. Meshes for printers have no reader here. */
+/* The ending of the name decides how a file is read. Formats of 3D printers (.stl, .ply) have no reader here.
+ */
 cml_status cml_mci_mesh_name(const struct cml_mci_line *line, const char *name, enum cml_mci_mesh_file *kind)
 {
     static const char *const endings[] = {".obj", ".gsf", ".asc"};

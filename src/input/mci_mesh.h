@@ -1,4 +1,4 @@
-/* What lines of boundaries and of bodies have in common that name a mesh: the file, and options behind it.
+/* Words that lines of boundaries and of bodies share if they name a mesh: the file and its units.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -7,9 +7,10 @@
 
 enum cml_mci_mesh_file { CML_MCI_FILE_OBJ, CML_MCI_FILE_GSF, CML_MCI_FILE_ASC };
 
-/* Whether name is one, and of which kind by its ending; NULL: there is no word. CML_E_INPUT. */
+/* Checks the name of a mesh or heightmap, and sets its kind by the ending. name NULL: the word is missing.
+ * CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_mesh_name(const struct cml_mci_line *line, const char *name,
                                            enum cml_mci_mesh_file *kind);
 
-/* Takes the value of `units`. CML_E_INPUT. */
+/* Reads the value of the option `units` into obj->unit. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_options *obj);

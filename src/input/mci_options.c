@@ -1,4 +1,4 @@
-/* Options of a line, in any order. SPDX-License-Identifier: MIT */
+/* Reader of the options of a keyword line, in any order. SPDX-License-Identifier: MIT */
 #include "input/mci_options.h"
 
 #include <string.h>
@@ -23,7 +23,7 @@ const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
     return NULL;
 }
 
-/* "at=, z= or diffuse": all options that the line may have, if any. */
+/* Refuses an unknown option; the message lists all options of the line, "at=, z= or diffuse". */
 static cml_status fail_unknown(const struct cml_mci_line *line, const char *word)
 {
     char list[200] = "the end of the line or a comment", *end = list, *last = list;
@@ -41,7 +41,7 @@ static cml_status fail_unknown(const struct cml_mci_line *line, const char *word
     return cml_mci_fail_option(line, "option", word, expected);
 }
 
-/* The index of the word among those that the key knows; -1: of none. */
+/* Returns the index of a value among the words of its key; -1: none of them. */
 static int which_word(const char *words, const char *value)
 {
     const size_t length = strlen(value);
@@ -53,7 +53,7 @@ static int which_word(const char *words, const char *value)
     return -1;
 }
 
-/* Puts the value of the option read last into its member. */
+/* Stores the value of the option read last in its member. */
 static cml_status take_value(struct cml_mci_line *line, void *base)
 {
     const struct cml_key *key = line->key;
@@ -74,7 +74,7 @@ static cml_status take_value(struct cml_mci_line *line, void *base)
     return sound && word >= 0 ? CML_OK : cml_mci_fail_value(line, cml_key_expected(key, expected));
 }
 
-/* Whether the word is an option by that key: key=value, or where that may be the key alone. */
+/* True if a word is an option of this key: "key=value", or the key alone where this is allowed. */
 static bool is_of_key(const struct cml_key *key, const char *word)
 {
     const size_t length = strcspn(word, "=");
@@ -83,7 +83,7 @@ static bool is_of_key(const struct cml_key *key, const char *word)
            strlen(key->name) == length && memcmp(key->name, word, length) == 0;
 }
 
-/* An option that comes twice is refused: one of the two was not meant. */
+/* Reads one option. An option that comes twice is refused, because one of the two was not meant. */
 static cml_status take_option(struct cml_mci_line *line, char *word)
 {
     char *equals = strchr(word, '=');
@@ -107,7 +107,7 @@ cml_status cml_mci_options(struct cml_mci_line *line)
     return CML_OK;
 }
 
-/* Every number goes through the strict conversion by itself. */
+/* Each number is parsed by itself, by the strict conversion. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
     static const struct cml_key length = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE};
@@ -125,7 +125,7 @@ bool cml_mci_parse_list(const char *text, int count, double *values)
     return true;
 }
 
-/* Names are compared exactly: in units the case matters. */
+/* Compares names exactly: case matters in units. */
 int cml_mci_choose(const char *word, const char *const *names, int count)
 {
     for (int i = 0; i < count; i++)

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* Sets the number of a key from the text of a setting. */
 static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                       const struct cml_key *key, void *base)
 {
@@ -38,15 +39,18 @@ cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, doubl
 
 /* ---- names ---- */
 
-/* "beam2.na" is "na" of number 2 of "beam"; number -1: without one. */
+/* The parts of a setting's name: "beam2.na" has the owner "beam", number 2 and member "na". number -1: no
+ * number. */
 struct name {
-    char whole[CML_LAYER_NAME]; /* "beam2", which may be the name of a layer; "" where it is too long */
-    char owner[16];             /* "" where what stands before the dot is no word with a number */
+    /* text before the dot, "beam2", which may be the name of a layer; "" if it is too long */
+    char whole[CML_LAYER_NAME];
+    /* word before the number; "" if the text before the dot is not a word with a number */
+    char owner[16];
     int number;
     const char *member;
 };
 
-/* False where the text has no dot; numbers are written as people write them, without a 0 before them. */
+/* Splits a name at its dot; false if it has none. Numbers must be written without a leading 0. */
 static bool split(const char *text, struct name *name)
 {
     const char *dot = strchr(text, '.');
@@ -63,12 +67,13 @@ static bool split(const char *text, struct name *name)
     return true;
 }
 
-/* ---- owners: what stands before the dot ---- */
+/* ---- owners: the words before the dot ---- */
 
 enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_OWNERS };
 static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
                                                     "boundary", "backing", "beam",  "detector"};
 
+/* Returns how many owners of a kind the scene has. */
 static int count_of(const struct cml_scene *scene, enum owner owner)
 {
     const int counts[NUM_OWNERS] = {1,
@@ -82,21 +87,21 @@ static int count_of(const struct cml_scene *scene, enum owner owner)
     return counts[owner];
 }
 
-/* Whether there may be several, which have numbers; a single beam or detector has none. */
+/* True if the names of an owner have numbers: there may be several, and for beams and detectors there are. */
 static bool is_numbered(const struct cml_scene *scene, enum owner owner)
 {
     return owner == LAYER || owner == BODY || owner == BOUNDARY ||
            (owner >= BEAM && count_of(scene, owner) > 1);
 }
 
-/* Whether "phase." stands before the keys of the group. */
+/* True if "phase." stands before the keys of the group. */
 static bool of_phase(enum cml_key_group group)
 {
     return group >= CML_KEYS_HG2 && group <= CML_KEYS_GK;
 }
 
-/* What the i-th of the owners, from 0, has keys of; those of its phase function, which media share, stand
- * last. */
+/* Lists the groups of keys of the i-th owner (from 0). The group of its phase function, which media may
+ * share, comes last. */
 static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cml_key_part *part)
 {
     if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
@@ -123,7 +128,7 @@ static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cm
     *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
 
-/* The owner of a name, and which of them it is; false: the scene has none. */
+/* Finds the owner of a name and its index *i; false if the scene has no such owner. */
 static bool find_owner(const struct cml_scene *scene, const struct name *name, enum owner *owner, int *i)
 {
     for (*owner = ABOVE; *owner < NUM_OWNERS; ++*owner) {
@@ -138,6 +143,7 @@ static bool find_owner(const struct cml_scene *scene, const struct name *name, e
     return false;
 }
 
+/* Returns the key of a group that --set knows by this name; NULL: none. */
 static const struct cml_key *find_key(enum cml_key_group group, const char *name)
 {
     const struct cml_key *key = cml_keys_of(group);
@@ -147,8 +153,8 @@ static const struct cml_key *find_key(enum cml_key_group group, const char *name
     return NULL;
 }
 
-/* Finds the number of a name, which is *key of *base; *key NULL: there is none. A medium has a phase function
- * of its own from then on. */
+/* Finds the member *key of the struct *base that a name means; *key NULL: none. A medium whose phase function
+ * is meant gets its own copy of the function. */
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
                               const struct cml_key **key, void **base)
 {
@@ -170,9 +176,10 @@ static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *s
     return CML_OK;
 }
 
-/* ---- what to say of a name that there is not ---- */
+/* ---- messages about unknown names ---- */
 
-/* " .n .mua" of all that can be set; returns how many there are. */
+/* Writes all names of a group that may be set, " .n .mua". Returns how many there are. out NULL: only counts.
+ */
 static int write_members(FILE *out, const char *before, enum cml_key_group group)
 {
     const struct cml_key *key = cml_keys_of(group);
@@ -185,6 +192,7 @@ static int write_members(FILE *out, const char *before, enum cml_key_group group
     return count;
 }
 
+/* True if two owners have the same groups of keys. */
 static bool same_parts(const struct cml_key_part *one, const struct cml_key_part *other)
 {
     for (; one->group == other->group; one++, other++)
@@ -192,8 +200,8 @@ static bool same_parts(const struct cml_key_part *one, const struct cml_key_part
     return false;
 }
 
-/* ", above.n", or ", layer1..3 with .n .mua": the owners of a kind, neighbours that have the same keys
- * together. */
+/* Writes the owners of a kind with their names, ", above.n" or ", layer1..3 with .n .mua". Neighbours with
+ * the same keys are written together. */
 static void write_owners(FILE *out, struct cml_scene *scene, enum owner owner)
 {
     struct cml_key_part parts[CML_MOST_KEY_PARTS], next[CML_MOST_KEY_PARTS];
@@ -217,7 +225,7 @@ static void write_owners(FILE *out, struct cml_scene *scene, enum owner owner)
     }
 }
 
-/* "photons, above with .n ... , also named gel vessel". */
+/* Writes all names that may be set: "photons, above with .n ... , also named gel vessel". */
 static void write_names(FILE *out, struct cml_scene *scene)
 {
     fputs("photons", out);
@@ -243,8 +251,8 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
     return cml_setting_fail(setting, expected, reader->err);
 }
 
-/* Layers may have two names for a number: layer1.mua and gel.mua. place: what the settings before have set.
- */
+/* Refuses a second value for one number: a layer may be named in two ways, layer1.mua and gel.mua. place: the
+ * members set by the settings before. */
 static cml_status check_once(const struct cml_mci_reader *reader, const struct cml_settings *settings, int i,
                              const void *const *place)
 {
@@ -257,7 +265,7 @@ static cml_status check_once(const struct cml_mci_reader *reader, const struct c
     return cml_setting_fail(&settings->item[i], expected, reader->err);
 }
 
-/* The key of a text, and the struct of its member; *key NULL: the scene has none of that name. */
+/* Finds the member *key of the struct *base that a setting means; *key NULL: the scene has no such number. */
 static cml_status find(struct cml_mci_reader *reader, struct cml_scene *scene, const char *text,
                        const struct cml_key **key, void **base)
 {
@@ -279,7 +287,7 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
         if (!key) return fail_unknown(reader, setting, scene);
         place[i] = (const char *)base + key->member;
         CML_TRY(check_once(reader, settings, i, place));
-        /* the reader of a shape has taken its settings (cml_mci_set_scaling) */
+        /* the reader of a shape has already applied these (cml_mci_set_scaling) */
         if (key->group != CML_KEYS_SHAPE) CML_TRY(set(reader, setting, key, base));
     }
     return CML_OK;
@@ -293,8 +301,8 @@ int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
     return split(text, &name) && find_owner(scene, &name, &owner, &i) && owner == LAYER ? i + 1 : 0;
 }
 
-/* A copy is asked, as a medium that is asked for a number of its phase function gets a function of its own.
- */
+/* Asks a copy of the scene, because a medium gets its own phase function when one of its numbers is looked
+ * up. */
 cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, bool *known,
                               struct cml_error *err)
 {
@@ -327,8 +335,8 @@ bool cml_mci_resembles_setting(const char *text)
 
 /* ---- the name of a layer ---- */
 
-/* Roughness belongs to a boundary and has a line of its own. Original MCML passes over any word behind the
- * five numbers, so only words that can mean nothing else are refused. */
+/* Refuses roughness in the line of a layer: it belongs to a boundary, and has a line of its own. Original
+ * MCML ignores any word behind the five numbers, so only words that can mean nothing else are refused. */
 static cml_status refuse_rough(struct cml_mci_reader *reader, const char *owner)
 {
     static const char *const keys[] = {"rough=", "rough ggx", "rough beckmann"};
@@ -341,7 +349,7 @@ static cml_status refuse_rough(struct cml_mci_reader *reader, const char *owner)
     return CML_OK;
 }
 
-/* Words that `--set` and columns of a sweep have for something else: photons, above, layer2 ... */
+/* True if --set and sweeps use the name for something else: photons, above, layer2 ... */
 static bool is_taken(const char *name)
 {
     for (enum owner owner = ABOVE; owner < NUM_OWNERS; owner++) {
@@ -354,7 +362,7 @@ static bool is_taken(const char *name)
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
 }
 
-/* What the name was expected to be; NULL: it is one. */
+/* Returns the rule that a name of a layer breaks, as text for "expected ..."; NULL: the name is good. */
 static const char *why_no_layer_name(const struct cml_scene *scene, int layer, const char *name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
@@ -376,7 +384,7 @@ cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, 
     CML_TRY(refuse_rough(reader, owner));
     char *word = cml_mci_find_word(reader->cursor, "name=");
     if (!word) return CML_OK;
-    *word = '\0'; /* the numbers end here */
+    *word = '\0'; /* the numbers before name= end here */
     const char *name = word += strlen("name=");
     word += strcspn(word, " \t\v\f\r");
     const bool again = *word && cml_mci_find_word(word + 1, "name=");

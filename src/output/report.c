@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Decimals leave little of what is small. */
+/* True for a value that fixed decimals would show with few digits. */
 static bool is_small(double value)
 {
     return value > 0 && value < 1e-4;
@@ -20,17 +20,18 @@ void cml_report_estimate(FILE *stream, double value, double error)
         fprintf(stream, small ? "+- %.1e" : "+- %.6f", error);
 }
 
-/* A limit of underflow (CML_LEAST_THROUGH) is none beside all that is printed. */
+/* Returns the error as shown: 0 for a limit of underflow (CML_LEAST_THROUGH), which is nothing beside the
+ * other errors. */
 static double shown_limit(double error)
 {
     return error < 1e-99 ? 0 : error;
 }
 
-/* exp(-3) is 5 %: of so many packets that are to be expected, none comes with that chance. */
+/* If this many packets are expected, none comes with a probability of exp(-3) = 5 %. */
 #define LEFT_UNSEEN 3.0
 
-/* An error of 0 says nothing where no packet has come. What light that has entered could do, of which a
- * backing lets none pass. */
+/* True for a total that no packet has reached, though light that entered may reach it: an error of 0 says
+ * nothing then. A backing lets no light pass. */
 static bool left_unseen(const struct cml_report *report, enum cml_total total)
 {
     const bool passes = total == CML_TOTAL_REFLECTED ||
@@ -38,8 +39,8 @@ static bool left_unseen(const struct cml_report *report, enum cml_total total)
     return passes && !(cml_result_total(report->sums, total) > 0);
 }
 
-/* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
- */
+/* Prints a total with its standard error, and its exact value with the limit of its error. The letters are
+ * those of MCML. */
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
 {
     fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total((int)total)].name);
@@ -54,11 +55,11 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
     fputc('\n', stream);
 }
 
-/* The most media of which people read what they absorb; of more bodies the files have it. */
+/* Media and detectors printed for people at most; the result files have all. */
 #define MOST_MEDIA 16
-#define LEAST_BATCHES 4 /* that have seen something, for an error to mean anything */
+#define LEAST_BATCHES 4 /* batches that must have seen something, for an error to mean anything */
 
-/* Only where A is not all of one layer. */
+/* Prints the absorption of each layer and body, unless a single layer has all of it. */
 static void print_absorbed(FILE *stream, const struct cml_report *report)
 {
     const int layers = report->scene->num_layers, bodies = report->scene->num_bodies;
@@ -78,7 +79,7 @@ static void print_absorbed(FILE *stream, const struct cml_report *report)
     }
 }
 
-/* No photon has no error. */
+/* Prints a detector that has seen nothing: without a packet there is no error. */
 static void print_unseen(FILE *stream, const struct cml_report *report, int k)
 {
     const char *name = report->scene->detectors[k].name;
@@ -86,7 +87,7 @@ static void print_unseen(FILE *stream, const struct cml_report *report, int k)
     if (report->unseen == k + 1) fprintf(stream, "; --aim %s would split packets on their way to it", name);
 }
 
-/* The error of what came in few batches: one packet may have brought all of it. */
+/* Warns of an error from few batches: a single packet may have brought the whole value. */
 static void print_rare(FILE *stream, const struct cml_result *result, int k)
 {
     int batches = 0;
@@ -96,7 +97,7 @@ static void print_rare(FILE *stream, const struct cml_result *result, int k)
         fprintf(stream, ", of %d of %d batches: too few to trust", batches, CML_NUM_BATCHES);
 }
 
-/* What each detector has seen. */
+/* Prints the value of each detector. */
 static void print_detected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
@@ -119,7 +120,7 @@ static void print_detected(FILE *stream, const struct cml_report *report)
     }
 }
 
-/* Boundaries that are given a shape have a line in the file. */
+/* Prints the boundaries whose shape is ignored; only a boundary with a line in the file has a shape. */
 static void print_flattened(FILE *stream, const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++)
@@ -155,7 +156,7 @@ void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const str
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
-/* What happened that should be rare: one line each, only when it did. */
+/* Prints rare events, one line each, if they happened. */
 static void print_rarities(FILE *stream, const struct cml_result *result, double run)
 {
     static const struct {
@@ -192,7 +193,7 @@ static void print_rarities(FILE *stream, const struct cml_result *result, double
         fprintf(stream, "  %.4g of the weight was absorbed above z = 0, in the first bin\n", above);
 }
 
-/* What an error costs on this machine, from this run's. Totals that were not seen are left out. */
+/* Prints the seconds that an error of 1 % would take on this machine, for each total that was seen. */
 static void print_seconds_to(FILE *stream, const struct cml_report *report)
 {
     const char *before = "  an error of 1 % takes: ";
@@ -206,7 +207,8 @@ static void print_seconds_to(FILE *stream, const struct cml_report *report)
     if (before[0] == ',') fputc('\n', stream);
 }
 
-/* Beside what was counted; how many times the photons that would take. */
+/* Prints the expected values beside the counted ones, and how many times the photons their errors are worth.
+ */
 static void print_expected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;
@@ -225,7 +227,7 @@ static void print_expected(FILE *stream, const struct cml_report *report)
     }
 }
 
-/* Which of them are not in the file, too. */
+/* Prints how many packets were saved, and how many others were found but are not in the file. */
 static void print_saved(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;
@@ -239,7 +241,7 @@ static void print_saved(FILE *stream, const struct cml_report *report)
     fputc('\n', stream);
 }
 
-/* How many parts of packets were split off by windows (P19), if any. */
+/* Prints how many parts of packets windows split off (P19), if any. */
 static void print_parts(FILE *stream, const struct cml_result *result)
 {
     const double parts = (double)result->summary.count[CML_COUNT_BRANCHES];
@@ -247,10 +249,10 @@ static void print_parts(FILE *stream, const struct cml_result *result)
         fprintf(stream, "  %.3g parts of packets a photon were split off\n", parts / (double)result->photons);
 }
 
-#define LEAST_TRAPPED 1e-6 /* share of the light that people are told of */
+#define LEAST_TRAPPED 1e-6 /* least share of the light that is reported as trapped */
 
-/* Prints how much of the light is in no total, as its packets were given up (P9). Nobody knows whether it was
- * trapped for ever, or would have come out later. */
+/* Prints the share of light in packets that were given up (P9); no total has it. Nobody knows whether this
+ * light was trapped for ever, or would have come out later. */
 static void print_trapped(FILE *stream, const struct cml_result *result)
 {
     const double share = cml_result_share(result, CML_BALANCE_TRAPPED);
@@ -261,8 +263,8 @@ static void print_trapped(FILE *stream, const struct cml_result *result)
           stream);
 }
 
-/* The words `books` and `residue` are those of the output files; the code says weight balance and
- * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
+/* Output files say `books` and `residue`; the code says weight balance and imbalance (kernels/balance.h).
+ * Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
@@ -293,7 +295,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
                 report->flat_below);
 }
 
-/* Shares of each rank's own time. */
+/* Prints each rank's shares of its own time. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing)
 {
     fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",

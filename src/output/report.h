@@ -1,5 +1,5 @@
-/* What a run says of itself: the .mco file, the summary for people, the JSON line for programs.
- * SPDX-License-Identifier: MIT */
+/* Reports of a run: its result files (.mco, .h5, .vti, .vtp), the summary for people, the JSON line for
+ * programs. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "exact/exact.h"
@@ -14,23 +14,24 @@ struct cml_report {
     const struct cml_result *sums;
     const struct cml_timing *timing;
     const struct cml_provenance *provenance;
-    char identity[CML_IDENTITY_SUM];  /* of the run */
-    const char *command;              /* line, for provenance */
-    int row;                          /* of a sweep, from 1; 0: of none */
-    const struct cml_flat_tail *tail; /* of --aim; NULL: none */
-    double flat_below;                /* a depth where --aim would save photons, cm; NaN: nowhere */
-    int unseen; /* detector, from 1, that has seen nothing, and that --aim would send packets to; 0: none */
-    const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
-    struct cml_outcome outcome;    /* of cml_report_write: what files, record and summary are made of */
-    uint64_t covers; /* of cml_report_write: photons, the first or of several beams a sample, of which no
-                      * saved packet is missing (cml_saved_covers), so that sums of rows over that number are
-                      * estimates */
-    bool classic;    /* the .mco ends with the sections of original MCML */
+    char identity[CML_IDENTITY_SUM];  /* identity of the run, as digits (run/identity.h) */
+    const char *command;              /* command line */
+    int row;                          /* row of a sweep, from 1; 0: no sweep */
+    const struct cml_flat_tail *tail; /* the tail of --aim; NULL: none */
+    double flat_below;                /* depth below which --aim would save photons, cm; NaN: none */
+    /* Number, from 1, of a detector that has seen nothing, and to which --aim would send packets; 0: none. */
+    int unseen;
+    const struct cml_exact *exact; /* totals by adding-doubling, for summary and JSON; NULL: none */
+    struct cml_outcome outcome;    /* set by cml_report_write: the contents of files, record and summary */
+    /* Set by cml_report_write: the number of photons (the first ones, or a sample if there are several beams)
+     * of which no saved packet is missing (cml_saved_covers). Sums of rows over this number are estimates. */
+    uint64_t covers;
+    bool classic; /* the .mco ends with the sections of original MCML */
     int num_files;
-    char **files; /* [num_files] paths written, the main result first */
+    char **files; /* [num_files] paths of the files written, the main result first */
 };
 
-/* What a file of a run holds, and of which detector or boundary, from 0. */
+/* The content of a file of a run. */
 enum cml_report_content {
     CML_FILE_TABLE,    /* `path` (.mco) */
     CML_FILE_FIELDS,   /* STEM.h5 */
@@ -49,126 +50,130 @@ struct cml_report_file {
 typedef cml_status cml_report_file_function(void *context, const struct cml_report_file *file,
                                             struct cml_error *err);
 
-/* What the options of a run ask for, as far as its files depend on them. */
+/* Options of a run that its files depend on. */
 struct cml_report_asks {
-    bool absorption; /* by place */
-    bool scores;     /* derivatives or expected values, for which an .mco has no place */
+    bool absorption; /* absorption by place is tallied */
+    bool scores;     /* derivatives or expected values are tallied, for which an .mco has no place */
 };
 
-/* Calls `each` for the files that a run leaves beside `path`, the main result first, until one fails.
- * surfaces: those that are planes have no file; NULL: not known, and all boundaries count. A program without
- * HDF5 leaves none of that kind. */
+/* Calls `each` for every file that a run leaves beside `path`, the main result first, until a call fails.
+ * surfaces: a boundary that is a plane has no file; NULL: unknown, all boundaries count. Without HDF5 there
+ * are no .h5 files. */
 CML_NODISCARD cml_status cml_report_each_file(const struct cml_scene *scene,
                                               const struct cml_surface_set *surfaces,
                                               const struct cml_report_asks *asks, const char *path,
                                               cml_report_file_function *each, void *context,
                                               struct cml_error *err);
 
-/* Writes all of them. Each file is the old or the complete new one at any moment. report->files lists them.
- * CML_E_IO when one could not be written; those before it are then there. */
+/* Writes all files of a run. Each file is the old or the complete new one at any moment. report->files lists
+ * the files. CML_E_IO when a file could not be written; those before it are complete. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
-/* Forgets the outcome and the list of files. */
+/* Frees the outcome and the list of files. */
 void cml_report_clear(struct cml_report *report);
 
-/* What a run leaves behind, once it is written; and the same of one that was finished before, as of a result
- * in `path`. *record is the caller's to clear. */
+/* Makes the record of a run: of one just written; or again from the record of a finished run, for a result
+ * that now lies in `path`. The caller clears *record. */
 CML_NODISCARD cml_status cml_report_record(const struct cml_report *report, struct cml_record *record,
                                            struct cml_error *err);
 CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
                                                  const struct cml_record *before, struct cml_record *record,
                                                  struct cml_error *err);
 
-/* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
+/* Returns the bytes that cml_report_write holds at its peak besides the result; most are the .h5 file. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid);
 
-/* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
- * caller's to free; CML_E_INPUT when memory runs out. */
+/* Returns the name of a file beside the result in *result: `path` without a final ".mco" or ".h5", then
+ * `suffix`. The caller frees *result. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
                                          struct cml_error *err);
 
-/* The file of saved packets beside the result `path`, and at most how many bytes of numbers it holds; *result
- * is the caller's to free. */
+/* cml_report_saved_path returns the file of saved packets beside the result `path`; the caller frees *result.
+ * cml_saved_file_bytes returns the most bytes of numbers that the file holds. */
 CML_NODISCARD cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,
                                                struct cml_error *err);
 double cml_saved_file_bytes(const struct cml_saved_kind *kind);
 
-/* Whom a description of the scene is for. People see files by their path as they were opened, and at most 20
- * bodies. Results hold all bodies, and checksums of all shapes; an .h5 names files as the scene does, so that
- * it does not depend on the folder from which the program was called. */
+/* The reader for whom a scene is described. People see files by the path by which they were opened, and at
+ * most 20 bodies. Results have all bodies, and checksums of all shapes. An .h5 names files as the scene does,
+ * so that it does not depend on the folder from which the program was called. */
 enum cml_report_reader { CML_READ_BY_PEOPLE, CML_READ_IN_MCO, CML_READ_IN_H5 };
 
-/* One line per boundary, each behind the prefix: number, kind, primitives, reason, file; then one per body:
- * number, shape, host, medium, file. */
+/* Prints a line per boundary behind the prefix (number, kind, primitives, reason, file), then a line per body
+ * (number, shape, host, medium, file). */
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader);
 
-/* "disk", "ring", "rectangle" or "map"; a ring from 0 on is a disk. */
+/* Returns "disk", "ring", "rectangle" or "map"; a ring without a hole is a disk. */
 const char *cml_detector_word(const struct cml_detector_def *detector);
 
-/* "above", "layer 1", "below" or "body 1". */
+/* Writes the name of a medium: "above", "layer 1", "below" or "body 1". */
 enum { CML_MEDIUM_NAME = 24 };
 void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME]);
 
-/* A line for every beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. starts:
- * the medium that each starts in, said of those with z=; NULL: not known, not said. */
+/* Prints a line behind the prefix for every beam of the file; none for MCML's pencil beam. starts: the medium
+ * that each beam starts in, printed for beams with z=; NULL: not known. */
 void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts);
 
-/* Prints beam k: its shape, where it starts, its light. */
+/* Prints beam k behind the prefix: its shape, its start, its light. starts: as for cml_report_beams. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
                      const int *starts);
 
-/* A line per medium that does not scatter by Henyey and Greenstein's function, behind the prefix: "phase of
- * layer 1: gk 0.9 0.5". */
+/* Prints a line behind the prefix for every medium whose phase function is not that of Henyey and Greenstein,
+ * "phase of layer 1: gk 0.9 0.5", and one for the backing. */
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader);
 
-/* "mirror", "lambertian", "metal". */
+/* Returns "mirror", "lambertian" or "metal". */
 const char *cml_backing_word(enum cml_backing_kind kind);
 
-/* A line per detector, behind the prefix: "detector NAME: ring of ...". People see the first of many. */
+/* Prints a line behind the prefix for every detector, "detector NAME: ring of ..."; people see the first 20.
+ */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader);
 
-/* " 0.318400 +- 0.000300", " 1.234e-07 +- 1.1e-08" of what is small. */
+/* Prints a value with its error: " 0.318400 +- 0.000300", or " 1.234e-07 +- 1.1e-08" for a small value. */
 void cml_report_estimate(FILE *stream, double value, double error);
 
-/* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
+/* Prints the summary of a run: Rsp, Rd, A, Tt with standard errors and, where known, exact values; weight
+ * balance; speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
-/* A line for each medium inside, up to 16 of them: derivatives of Rd and Tt. Nothing where the run has none.
+/* Prints the derivatives of Rd and Tt, a line for each medium inside, up to 16. Nothing if the run has none.
  */
 void cml_report_print_derivatives(FILE *stream, const struct cml_report *report);
 
-/* One line per rank: packets, and where its time went; and the shares of all together. */
+/* Prints a line per rank (its packets, and the shares of its time), and the shares of all ranks together. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing);
 
-/* One object on one line, keys as in samples/manual/output/json.md. */
+/* Prints a run as one JSON object on one line, with the keys of samples/manual/output/json.md. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);
 
-/* The object of a run that was finished before, with scene and files as they are called now: the folder may
- * have been moved, or the program called from elsewhere. path: of the main result, the output's name
- * included. */
+/* Prints the JSON object of a run that was finished before, with the present names of scene and files: the
+ * folder may have been moved, or the program called from elsewhere. path: of the main result, with the
+ * output's name. */
 CML_NODISCARD cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
                                                const char *path, struct cml_error *err);
 
-/* Totals by adding-doubling alone: a table, and one object on one line. */
+/* Print totals by adding-doubling alone: as a table, and as one JSON object on one line. */
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_exact *exact, struct cml_error *err);
 
-/* Totals by adding-doubling in one line, of what the scene would be with planes in place of all shapes. */
+/* Prints in one line the totals by adding-doubling of the scene with planes in place of all shapes
+ * (its flat twin). */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
-/* Zeroed: no sweep. */
+/* The size of a sweep; zeroed: no sweep. */
 struct cml_sweep_size {
     int rows, flights;
 };
 
-/* What check says of a scene, as one object on one line, keys as documented in samples/manual/output/json.md. bytes: the
- * most memory that its run will hold; starts: in which medium each beam starts; mean: of the scene; flat: the
- * totals of its flat twin, NULL: not known. */
+/* Prints the findings of `check` as one JSON object on one line, with the keys of
+ * samples/manual/output/json.md. bytes: the most memory that the run will hold. starts: the medium that each
+ * beam starts in. mean: the mean shapes of the scene. flat: the totals with planes in place of all shapes;
+ * NULL: not known. */
 CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_surface_set *surfaces,
                                                const struct cml_sweep_size *sweep, double bytes,

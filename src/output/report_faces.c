@@ -1,4 +1,4 @@
-/* Draws the facets of boundaries (defined in surface_facets.h) and of bodies.
+/* Faces for pictures: the facets of boundaries (defined in surface_facets.h) and of bodies.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
@@ -23,8 +23,8 @@ static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
     return cml_fail_memory(err, (double)(point_bytes + corner_bytes), "the faces of a boundary");
 }
 
-/* The mesh in memory lies about its own middle, heights relative to the boundary's depth; a picture wants
- * the scene's coordinates. Of a tile one period is shown. */
+/* Makes the faces of a mesh in the scene's coordinates. The mesh in memory is about its own middle, with
+ * heights relative to the boundary's depth. A tile shows one period. */
 static cml_status mesh_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
@@ -42,14 +42,14 @@ static cml_status mesh_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
-/* Quadrangles round the axis; the innermost have two corners at the tip. So many that a circle looks like
- * one, fewer where there are very many rings. */
+/* Returns the number of quadrangles that a ring is drawn with: enough to look round, fewer where there are
+ * very many rings. Those of the innermost ring have two corners at the tip. */
 static size_t segments_of(size_t rings)
 {
     return rings < 50000 ? 64 : 8;
 }
 
-/* Ring i lies between points i and i + 1 of the heightfield, and becomes n quadrangles. */
+/* Makes the faces of a heightfield: ring i lies between points i and i + 1, and becomes n quadrangles. */
 static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
@@ -75,7 +75,7 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
-/* The caller asks for no planes: their facets are pixels, which an image shows. */
+/* The surface must not be a plane: facets of planes are pixels, which an image shows. */
 cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
                             struct cml_error *err)
 {
@@ -84,16 +84,16 @@ cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces 
     return mesh ? mesh_faces(def, faces, err) : ring_faces(def, faces, err);
 }
 
-/* ---- how bodies are drawn: all of them as triangles in one file ---- */
+/* ---- bodies: all are drawn as triangles in one file ---- */
 
-/* Segments around a body. A sphere looks round with them; above 100 bodies there are fewer. */
+/* Returns the segments around a body, enough for a sphere to look round; fewer above 100 bodies. */
 static int segments_of_body(enum cml_body_form form, int bodies)
 {
     const bool many = bodies > 100;
     return form == CML_BODY_SPHERE ? (many ? 3 : 12) : (many ? 16 : 64);
 }
 
-/* The mesh of body k in scene coordinates; the caller clears it. */
+/* Returns the mesh of body k in the scene's coordinates; the caller clears it. */
 static cml_status mesh_of(const struct cml_report *report, int k, struct cml_mesh *mesh,
                           struct cml_error *err)
 {
@@ -109,7 +109,8 @@ static cml_status mesh_of(const struct cml_report *report, int k, struct cml_mes
     return CML_OK;
 }
 
-/* The part of a cylinder that a triangle of its mesh stands for: 0 the side, 1 the first end, 2 the other. */
+/* Returns the part of a cylinder that a triangle of its mesh stands for: 0 the side, 1 the first end, 2 the
+ * other. */
 static size_t part_of_cylinder(const struct cml_scene_body *body, const struct cml_mesh *mesh,
                                size_t triangle)
 {
@@ -122,6 +123,7 @@ static size_t part_of_cylinder(const struct cml_scene_body *body, const struct c
     return cml_vec3_dot(from, cylinder.axis) < 0.5 * cylinder.length ? 1 : 2;
 }
 
+/* Returns the facet, from 0 within body k, that a triangle of its drawing stands for. */
 static size_t facet_of(const struct cml_report *report, int k, const struct cml_mesh *mesh, size_t triangle)
 {
     if (report->surfaces->bodies.item[k].mesh) return triangle;
@@ -142,6 +144,7 @@ static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces
     return cml_fail_memory(err, (double)((to->num_faces + faces) * sizeof *drawn->face), "faces of bodies");
 }
 
+/* Adds the triangles of body k to the drawing. */
 static cml_status add_body(const struct cml_report *report, int k, const struct cml_mesh *mesh,
                            struct cml_body_faces *drawn, struct cml_error *err)
 {

@@ -1,5 +1,5 @@
-/* Tallies as fields: rows of the table of quantities whose values are computed while they are written. Cells
- * of maps, volumes and detectors, and scores of the facets of boundaries and bodies, become densities here.
+/* Makes fields of tallies: rows of the table of quantities, whose values are computed while they are written.
+ * Cells of maps, volumes and detectors, and scores of facets of boundaries and bodies, become densities here.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 #include "result/scaling.h"
@@ -8,33 +8,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The cells from which a field gets its values. Value i is the sum of `count` cells from number k * apart on,
- * divided by its measure; k is i, or the facet that it stands for. */
+/* Source of the values of a field. Value i is the sum of `count` cells, from cell k * stride on, divided by
+ * the measure of i. k is i, or the facet that value i stands for. */
 struct cml_field_source {
     const struct cml_report *report;
     double number;
     const cml_u128 *cells;
-    size_t apart, count;
-    struct cml_once once; /* how the array is kept; its squares count where a packet adds to a value once */
-    double scale;         /* from share of the launched weight to what is written */
-    double (*measure)(const struct cml_field_source *source, size_t i); /* NULL: 1 */
+    size_t stride, count;
+    /* the way in which the array is kept; its squares count if a packet adds to a value once */
+    struct cml_once once;
+    double scale; /* factor from a share of the launched weight to the value written */
+    /* area or solid angle of value i; NULL: 1 */
+    double (*measure)(const struct cml_field_source *source, size_t i);
     const struct cml_surface_def *surface;
-    size_t per_facet; /* successive values that belong to one facet */
+    size_t per_facet; /* number of successive values of one facet */
     const struct cml_body_face *face;
 };
 
 /* ---- values ---- */
 
-/* There is one value, whatever part is asked for. */
+/* Returns the only value of the field, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
 {
     (void)begin, (void)count;
     *out = ((const struct cml_field_source *)context)->number;
 }
 
+/* Returns the first cell of value i of a field. */
 static const cml_u128 *cells_of(const struct cml_field_source *source, size_t i)
 {
-    return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->apart;
+    return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->stride;
 }
 
 static double measure_of(const struct cml_field_source *source, size_t i)
@@ -42,6 +45,7 @@ static double measure_of(const struct cml_field_source *source, size_t i)
     return source->measure ? source->measure(source, i) : 1;
 }
 
+/* A cml_field_values: the values of a field of sums, as densities. */
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -51,6 +55,7 @@ static void sums(const void *context, size_t begin, size_t count, double *out)
             cml_result_once_sum(cells_of(source, i), source->count, source->once) * k / measure_of(source, i);
 }
 
+/* A cml_field_values: the standard errors of a field of sums. */
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -60,20 +65,20 @@ static void errors(const void *context, size_t begin, size_t count, double *out)
             source->scale / measure_of(source, i);
 }
 
-/* Bins of pixel and angle, per projected solid angle. */
+/* Returns the projected solid angle of the angle bin of value i; values are bins of pixel and angle. */
 static double solid_angle(const struct cml_field_source *source, size_t i)
 {
     const int n = source->report->sums->grid.map_na;
     return cml_projected_solid_angle(cml_angle_width(n), (int)(i % (size_t)n));
 }
 
-/* A triangle, a ring or a pixel of the map. */
+/* Returns the area of a facet: a triangle, a ring or a pixel of the map. */
 static double facet_area(const struct cml_field_source *source, size_t i)
 {
     return cml_surface_facet_area(source->surface, &source->report->scene->map, i / source->per_facet);
 }
 
-/* The body of a facet among those of all. */
+/* Returns the body that a facet belongs to; facets are numbered through all bodies. */
 static int body_of(const struct cml_report *report, size_t facet)
 {
     const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
@@ -88,7 +93,7 @@ static int body_of(const struct cml_report *report, size_t facet)
     return first;
 }
 
-/* A face of a drawing stands for a whole facet. */
+/* Returns the area of a body's facet; a face of a drawing has the area of its whole facet. */
 static double body_facet_area(const struct cml_field_source *source, size_t i)
 {
     if (source->face) return source->face[i].area;
@@ -97,11 +102,13 @@ static double body_facet_area(const struct cml_field_source *source, size_t i)
     return cml_body_facet_area(body, &source->report->scene->bodies[k], i - body->first);
 }
 
+/* A cml_field_values: the measures themselves, such as areas of facets. */
 static void measures(const void *context, size_t begin, size_t count, double *out)
 {
     for (size_t i = begin; i < begin + count; i++) *out++ = measure_of(context, i);
 }
 
+/* A cml_field_values: the number of the body of each facet, from 1. */
 static void body_numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -111,7 +118,8 @@ static void body_numbers(const void *context, size_t begin, size_t count, double
 
 /* ---- axes ---- */
 
-/* Middles of bins. x and y are centred on the axis of the beam, as the map is; angles count from 0. */
+/* Sets the middles of bins. x and y are centred on the z axis, as the map is; angles count from 0.
+ */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -130,8 +138,8 @@ static void set_axes(struct cml_field_list *c)
             cml_quantity_axis(axes[i].kind, (size_t)axes[i].n, axes[i].first, axes[i].step);
 }
 
-/* Numbers of facets and of radii differ from boundary to boundary. The last facet, the plane around a
- * boundary, is not among them. */
+/* Sets the axes of facets and radii of each boundary. The last facet, the plane around a boundary, is left
+ * out. */
 static void set_boundary_axes(struct cml_field_list *c)
 {
     for (int b = 0; b < c->report->surfaces->count; b++) {
@@ -148,7 +156,7 @@ static void set_boundary_axes(struct cml_field_list *c)
     }
 }
 
-/* Two for each detector that is a map, about its middle. */
+/* Sets the x and y axes of each detector that is a map, about its middle. */
 static void set_pixel_axes(struct cml_field_list *c)
 {
     static const enum cml_axis_kind kinds[2] = {CML_AXIS_x, CML_AXIS_y};
@@ -169,7 +177,7 @@ static void set_pixel_axes(struct cml_field_list *c)
 
 /* ---- the list ---- */
 
-/* Room for all quantities, nineteen fields of every boundary and two of every detector. */
+/* Makes room for all quantities, nineteen fields of every boundary and two of every detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -208,8 +216,8 @@ static struct cml_field *last_field(const struct cml_field_list *c)
     return &c->fields[c->num_fields - 1];
 }
 
-/* Adds a field under the name and along the axes of the quantity, and returns its source to be filled in. No
- * array grows, so that a field may point to its source. */
+/* Adds a field with the name and the axes of a quantity, and returns its source to be filled in. No array
+ * grows, so a field may point to its source. */
 static struct cml_field_source *add_field(struct cml_field_list *c, enum cml_quantity quantity,
                                           cml_field_values *values)
 {
@@ -217,7 +225,7 @@ static struct cml_field_source *add_field(struct cml_field_list *c, enum cml_qua
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
     *source =
-        (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .apart = 1, .count = 1};
+        (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .stride = 1, .count = 1};
     cml_quantity_name(field, quantity);
     for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
         field->axis[field->num_axes++] = &c->axis[axis[i]];
@@ -226,7 +234,8 @@ static struct cml_field_source *add_field(struct cml_field_list *c, enum cml_qua
     return source;
 }
 
-/* Sums of cells. 32-bit floats: a cell of the largest maps has fewer packets than these have digits. */
+/* Adds a field of sums of cells, as 32-bit floats: a cell of the largest maps has fewer packets than these
+ * have digits. */
 static struct cml_field_source *add_sums(struct cml_field_list *c, enum cml_quantity quantity,
                                          const cml_u128 *cells, struct cml_once once)
 {
@@ -237,7 +246,7 @@ static struct cml_field_source *add_sums(struct cml_field_list *c, enum cml_quan
     return source;
 }
 
-/* The standard errors of the field of sums added last, NAME_se. */
+/* Adds the standard errors of the field of sums added last, NAME_se. */
 static void add_errors(struct cml_field_list *c)
 {
     struct cml_field *of = last_field(c), *field = of + 1;
@@ -249,7 +258,7 @@ static void add_errors(struct cml_field_list *c)
     field->context = source;
 }
 
-/* A share of the launched weight, without axes. */
+/* Adds a share of the launched weight, a field without axes. */
 static void add_share(struct cml_field_list *c, enum cml_quantity quantity, double share)
 {
     add_field(c, quantity, number_value)->number = share;
@@ -259,8 +268,8 @@ static void add_share(struct cml_field_list *c, enum cml_quantity quantity, doub
 
 /* ---- maps and volume ---- */
 
-/* Adds the last cell of an array, which holds the light outside the map or volume. A reader can check with it
- * that the sum of an array is the total. */
+/* Adds the last cell of an array, which holds the light outside the map or volume: a reader can check that
+ * the sum of the array is the total. */
 static void add_outside(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
 {
     const struct cml_result *r = c->report->sums;
@@ -270,8 +279,9 @@ static void add_outside(struct cml_field_list *c, enum cml_quantity quantity, en
               cml_result_once_sum(last, na, r->layout.once[array]) * (CML_WEIGHT_UNIT / (double)r->photons));
 }
 
-/* Pixels and voxels are of one size, which is in the scale. A pixel without its angles is the sum of them.
- * Groups of phi_xyz are neighbours. */
+/* Adds a field of the map or of the volume. All pixels and voxels have one size, which is in the scale. A
+ * pixel without angles is the sum of its angles. The groups of a voxel of phi_xyz are neighbours in memory.
+ */
 static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
 {
     const struct cml_result *r = c->report->sums;
@@ -282,10 +292,10 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     struct cml_field_source *source = add_sums(c, quantity, r->array[array], r->layout.once[array]);
     source->scale = (quantity == CML_QUANTITY_phi_xyz ? r->grid.marks : 1) /
                     (map->dx * map->dy * (volume ? c->report->scene->dz : 1));
-    if (groups) source->apart = CML_NUM_GROUPS;
+    if (groups) source->stride = CML_NUM_GROUPS;
     if (groups) source->once.step = 1;
     if (angles) source->measure = solid_angle;
-    if (!angles && !volume) source->apart = source->count = (size_t)r->grid.map_na;
+    if (!angles && !volume) source->stride = source->count = (size_t)r->grid.map_na;
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
@@ -328,13 +338,13 @@ void cml_add_detector_fields(struct cml_field_list *c, int only)
 
 /* ---- facets ---- */
 
-/* Facets of boundary b. The last one is the plane around it. */
+/* Returns the number of facets of boundary b; the last one is the plane around it. */
 static size_t num_facets(const struct cml_report *report, int b)
 {
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
 }
 
-/* The scores of the first facet of boundary b, or behind the last boundary of the first body. */
+/* Returns the scores of the first facet of boundary b; b one too large: those of the first body. */
 static const cml_u128 *facets_of(const struct cml_report *report, int b)
 {
     size_t first = 0;
@@ -342,29 +352,31 @@ static const cml_u128 *facets_of(const struct cml_report *report, int b)
     return report->sums->facets + first * CML_FACET_SCORES;
 }
 
-/* Adds a score of facets, whose first scores are given. What escapes is kept once. */
+/* Adds a score of facets. first: the scores of the first facet. Light that escapes is kept once per packet.
+ */
 static struct cml_field_source *add_score(struct cml_field_list *c, enum cml_quantity quantity,
                                           const cml_u128 *first)
 {
     struct cml_field_source *source =
         add_sums(c, quantity, first + cml_quantities[quantity].sums, cml_facet_once(&c->report->sums->grid));
-    source->apart = CML_FACET_SCORES;
+    source->stride = CML_FACET_SCORES;
     return source;
 }
 
+/* True if a quantity is a score of facets along this axis. */
 static bool is_score(int quantity, enum cml_axis_kind axis)
 {
     return cml_quantities[quantity].estimator == CML_FROM_FACET && cml_quantities[quantity].axis[0] == axis;
 }
 
-/* Facets of planes are the pixels of the map. */
+/* True if the facets of a boundary are the pixels of the map. */
 static bool is_plane(const struct cml_report *report, int b)
 {
     return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
 }
 
-/* A boundary has every score but two: reflectance and transmittance exist only where light can escape and no
- * map holds them. */
+/* True if boundary b has this score. Reflectance and transmittance exist only where light can escape and no
+ * map holds it; a boundary has all other scores. */
 static bool has_score(const struct cml_report *report, int b, int quantity)
 {
     if (!is_score(quantity, CML_AXIS_facet)) return false;
@@ -373,7 +385,8 @@ static bool has_score(const struct cml_report *report, int b, int quantity)
     return quantity == CML_QUANTITY_Rd_facet ? b == 0 : b > 0 && b == report->scene->num_layers;
 }
 
-/* Names the field added last; reflectance and transmittance by facet are Rd and Tt of the boundary. */
+/* Names the field added last: PREFIX, OUTER, and the quantity without "_facet" (Rd_facet is the Rd of the
+ * boundary). */
 static void name_field(const struct cml_field_list *c, const char *prefix, const char *outer,
                        enum cml_quantity quantity)
 {
@@ -383,7 +396,7 @@ static void name_field(const struct cml_field_list *c, const char *prefix, const
              (int)(end ? (size_t)(end - name) : strlen(name)), name);
 }
 
-/* Axes of the field added last. */
+/* Sets the axes of the field added last: the facets of boundary b, or the pixels of a plane. */
 static void along_facets(struct cml_field_list *c, int b)
 {
     struct cml_field *field = last_field(c);
@@ -392,7 +405,8 @@ static void along_facets(struct cml_field_list *c, int b)
     field->num_axes = is_plane(c->report, b) ? 2 : 1;
 }
 
-/* The axis is as long as the drawing has faces, in which tables and pictures differ. */
+/* The axis is as long as the drawing has faces; a table has one value per facet, a picture per_facet values.
+ */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const size_t facets = num_facets(c->report, b);
@@ -410,7 +424,7 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
-/* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
+/* The plane around a boundary has no area to divide by, so its fields are shares of the launched weight. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;
@@ -445,7 +459,8 @@ void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 
 /* ---- bodies ---- */
 
-/* Scores of facets, or, without the word body in their names, of faces that stand for them. */
+/* Adds the scores of the facets of bodies; or with `face` those of the faces that stand for them, without the
+ * word body in their names. */
 static void add_body_scores(struct cml_field_list *c, const struct cml_body_face *face)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -484,7 +499,7 @@ void cml_add_body_fields(struct cml_field_list *c)
 
 enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
 
-/* One of a body's fluxes, over all its facets. */
+/* Sets one of the fluxes of a body, the sum over its facets. */
 static void set_flux(const struct cml_report *report, const struct cml_body_surface *of, int side, size_t at,
                      struct cml_outcome *o)
 {

@@ -1,5 +1,4 @@
-/* Which files a run leaves, and what goes into them.
- * SPDX-License-Identifier: MIT */
+/* The files that a run leaves, and their contents. SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
 #include "base/array.h"
@@ -13,7 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* In capitals, too: file systems that do not tell them apart would have two runs write one file. */
+/* Returns the length of a path without .mco or .h5, in small letters or capitals: on a file system that does
+ * not tell them apart two runs would write the same file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -22,7 +22,7 @@ static size_t stem_length(const char *path)
     return length;
 }
 
-/* Whether the run has results, or shapes, for which an .mco has no place. */
+/* True if the run has results, or shapes, for which an .mco has no place. */
 static bool outgrows_mco(const struct cml_scene *scene, const struct cml_report_asks *asks)
 {
     for (int b = 0; b <= scene->num_layers; b++)
@@ -32,6 +32,7 @@ static bool outgrows_mco(const struct cml_scene *scene, const struct cml_report_
            scene->num_bodies > 0 || scene->backing.kind != CML_BACKING_NONE;
 }
 
+/* True if the run leaves an .h5 file. */
 static bool wants_fields(const struct cml_scene *scene, const struct cml_report_asks *asks)
 {
     return cml_hdf5_available() && (scene->format == 'B' || outgrows_mco(scene, asks));
@@ -42,7 +43,7 @@ static struct cml_report_asks asks_of(const struct cml_tally_grid *grid)
     return (struct cml_report_asks){grid->absorption, grid->scores > 0 || grid->derivatives};
 }
 
-/* All files of a run share the stem, whichever of them the user named. */
+/* All files of a run share one stem, whichever of them the user has named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);
@@ -57,7 +58,7 @@ void cml_report_clear(struct cml_report *report)
     report->files = NULL;
 }
 
-/* ---- their names ---- */
+/* ---- names of files ---- */
 
 struct visit {
     const char *path;
@@ -65,6 +66,7 @@ struct visit {
     void *context;
 };
 
+/* Calls the visitor for one file. suffix: behind the stem of the result; NULL: the result itself. */
 static cml_status visit(const struct visit *v, enum cml_report_content content, int of, const char *suffix,
                         struct cml_error *err)
 {
@@ -75,7 +77,7 @@ static cml_status visit(const struct visit *v, enum cml_report_content content, 
     return v->each(v->context, &file, err);
 }
 
-/* Beside the result, under a name of its own. */
+/* Visits the file of saved packets, which lies beside the result under a name of its own. */
 static cml_status visit_saved(const struct visit *v, const struct cml_scene *scene, struct cml_error *err)
 {
     CML_FREED char *name = NULL;
@@ -84,8 +86,8 @@ static cml_status visit_saved(const struct visit *v, const struct cml_scene *sce
     return visit(&here, CML_FILE_SAVED, 0, NULL, err);
 }
 
-/* With format B the .h5 takes the place of the .mco; with format A it stands beside an .mco that has no place
- * for everything. The .mco comes first, for it is what a user without pictures waits for. */
+/* Visits the tables. With format B the .h5 replaces the .mco; with format A it stands beside an .mco that has
+ * no place for everything. The .mco comes first, because users who need no pictures wait for it. */
 static cml_status visit_tables(const struct visit *v, const struct cml_scene *scene,
                                const struct cml_report_asks *asks, struct cml_error *err)
 {
@@ -94,7 +96,8 @@ static cml_status visit_tables(const struct visit *v, const struct cml_scene *sc
     return scene->saved.limit ? visit_saved(v, scene, err) : CML_OK;
 }
 
-/* A file for each boundary that is no plane: planes are in the map's image. */
+/* Visits a file for each boundary that is not a plane (facets of planes are in the map's image), and one for
+ * the bodies. */
 static cml_status visit_facets(const struct visit *v, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -114,7 +117,7 @@ cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_
     const struct visit v = {path, each, context};
     char suffix[64];
     if (cml_file_is_device(path))
-        return visit(&v, CML_FILE_TABLE, 0, NULL, err); /* nothing stands beside it */
+        return visit(&v, CML_FILE_TABLE, 0, NULL, err); /* a device has no files beside it */
     CML_TRY(visit_tables(&v, scene, asks, err));
     if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
     if (scene->map.volume && (asks->absorption || scene->fluence.line))
@@ -127,16 +130,17 @@ cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_
     return scene->facets ? visit_facets(&v, scene, surfaces, err) : CML_OK;
 }
 
-/* ---- what stands in them ---- */
+/* ---- contents of files ---- */
 
 enum { PREFIX = 32 };
 
-/* In one file for all boundaries the fields of each begin with its number. */
+/* Begins the names of a boundary's fields with its number, because one file holds all boundaries. */
 static void name_boundary(int b, char prefix[PREFIX])
 {
     snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
+/* Fills the list with all fields of the .h5. */
 static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];
@@ -153,8 +157,8 @@ static void fill_list(struct cml_field_list *list)
     }
 }
 
-/* Values are computed while they are written, so the list of fields is all that is in memory. Its words name
- * files as the scene does. */
+/* Writes the .h5. Values are computed while they are written, so only the list of fields is in memory. The
+ * file names other files as the scene does. */
 static cml_status write_h5(struct cml_report *report, const char *path, struct cml_error *err)
 {
     CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
@@ -168,7 +172,7 @@ static cml_status write_h5(struct cml_report *report, const char *path, struct c
     return cml_h5_write(path, &report->outcome, &more, err);
 }
 
-/* Fills the fields of maps, with those of facets of planes, which are pixels. */
+/* Fills the list with the fields of the map and of the facets of planes, which are pixels, too. */
 static void fill_map(struct cml_field_list *list)
 {
     const struct cml_surface_set *surfaces = list->report->surfaces;
@@ -181,7 +185,8 @@ static void fill_map(struct cml_field_list *list)
     }
 }
 
-/* All images lie where the scene has them, z down; a detector's at the level on which it is focused. */
+/* Returns position and size of an image. Images lie where the scene has them, z down; that of a detector at
+ * the depth it is focused on. */
 static struct cml_image image_of(const struct cml_scene *scene, const struct cml_report_file *file)
 {
     const struct cml_map_def *map = &scene->map;
@@ -210,7 +215,7 @@ static cml_status write_image(const struct cml_report *report, const struct cml_
     return cml_vti_write(path, report->identity, &image, list.fields, list.num_fields, err);
 }
 
-/* Writes the faces of a boundary that is no plane, or of all bodies, and what they received. */
+/* Writes the faces of a boundary that is not a plane, or of all bodies, and the light that they received. */
 static cml_status write_faces(const struct cml_report *report, const struct cml_report_file *file,
                               const char *path, struct cml_error *err)
 {
@@ -228,7 +233,8 @@ static cml_status write_faces(const struct cml_report *report, const struct cml_
     return cml_vtp_write(path, report->identity, &drawn.faces, list.fields, list.num_fields, err);
 }
 
-/* Without the name of the program nothing of ours is written. */
+/* Writes the .mco. Without the name of the program, cml_mco_write leaves out all sections that original MCML
+ * does not have. */
 static cml_status write_mco(const struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_report_asks asks = asks_of(&report->sums->grid);
@@ -259,8 +265,8 @@ static cml_status write_file(struct cml_report *report, const struct cml_report_
     return CML_OK;
 }
 
-/* Each file is complete before the next is begun. It counts as written, for a run that fails says so anyway.
- */
+/* Writes the next file, which is complete before another is begun. Counts the file even if writing fails: the
+ * run then fails anyway. */
 static cml_status write_next(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     struct cml_report *report = context;
@@ -279,10 +285,10 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
     return cml_report_each_file(report->scene, report->surfaces, &asks, path, write_next, report, err);
 }
 
-/* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have
- * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores,
- * errors of all, an area and numbers; a body has its medium and its line of text. What grows may be copied
- * while it is small. */
+/* Returns the bytes of the .h5 file, which is made in memory: at most the arrays before they are deflated.
+ * Profiles have errors; so have the sum and each angle of a pixel, in single precision. A facet has five
+ * scores with errors, an area and numbers; a body its medium and a line of text. Memory may be copied as it
+ * grows while it is small. */
 static double image_bytes(const struct cml_tally_grid *grid, double numbers)
 {
     const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
@@ -295,8 +301,8 @@ static double image_bytes(const struct cml_tally_grid *grid, double numbers)
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 
-/* Numbers of all quantities that are held as a whole; each has an error. MCML's arrays of absorption are
- * always there. */
+/* Returns the numbers of all quantities that are held as a whole; each has an error. MCML's arrays of
+ * absorption are always there. */
 static double numbers_of(const struct cml_tally_grid *grid)
 {
     const struct cml_layout layout = cml_layout_of(grid, CML_OF_RESULT);
@@ -307,10 +313,10 @@ static double numbers_of(const struct cml_tally_grid *grid)
     return numbers;
 }
 
-/* Quantities in double precision, the .mco's text, and the writers' buffers. A boundary or a body has a line
- * in the .mco and one in the JSON record, of which the longer counts; a stream in memory that grows holds
- * three times its text [glibc, libio/strops.c: doubled, and copied]. Media, and what bodies receive, have
- * room there: the text is held once. */
+/* Counts quantities in double precision, the text of the .mco, and the writers' buffers. A boundary or a body
+ * has a line in the .mco and one in the JSON record; the longer counts. A growing stream in memory holds
+ * three times its text [glibc, libio/strops.c: doubled, and copied]. Media and fluxes of bodies fit in as
+ * well, because the text is held once. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 250;

@@ -1,5 +1,5 @@
-/* A run as a result: numbers of the scene, sums, and derivatives from scores.
- * SPDX-License-Identifier: MIT */
+/* Makes the outcome of a run, the contents of its .mco and .h5: numbers of the scene, sums, and derivatives
+ * from scores. SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
 #include "base/text.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers that the result repeats of the input, and the arrays. */
+/* Copies the numbers of the input that the result repeats, and allocates the arrays. */
 static cml_status fill_input(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;
@@ -74,8 +74,8 @@ static cml_status fill_detectors(const struct cml_scene *scene, struct cml_outco
     return status == CML_OK ? ended : status;
 }
 
-/* Between which depths boundaries lie, and between which depths and distances from the z axis the boxes
- * around bodies: bins there are shared by media. */
+/* Sets the depths that each boundary spans, and the depths and distances from the z axis that the box around
+ * each body spans: bins there are shared by several media. */
 static cml_status fill_extents(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
@@ -118,7 +118,7 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
     return status;
 }
 
-/* Counts report->covers, where packets are saved. */
+/* Sets report->covers if packets are saved. */
 static cml_status count_covers(struct cml_report *report, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;
@@ -131,13 +131,12 @@ static cml_status count_covers(struct cml_report *report, struct cml_error *err)
     return CML_OK;
 }
 
-/* ---- derivatives ----
- * A run's scores (P17) are sums of w times a length, in a unit of its medium, or of w
- * times interactions less those expected. */
+/* ---- derivatives ---- The scores of a run (P17) are sums of w times a length, in a unit of its medium, or
+ * of w times interactions less those expected. */
 
-/* The factor of the sums of score number 2 k + by_mus. NaN where the score knows nothing: by mus of a medium
- * that does not scatter; by mua of a clear first layer, below which beams start (P1); by mua of any clear
- * medium once packets were given up as trapped (P9), for their paths there have no end. */
+/* Returns the factor from score 2 k + by_mus to a derivative. NaN where the score says nothing: by mus in a
+ * medium that does not scatter; by mua in a clear first layer, below which beams start (P1); by mua in any
+ * clear medium once packets were given up as trapped (P9), because their paths there have no end. */
 static double scale_of(const struct cml_report *report, int k, bool by_mus)
 {
     const struct cml_scene *scene = report->scene;
@@ -148,7 +147,7 @@ static double scale_of(const struct cml_report *report, int k, bool by_mus)
     return ends || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
 }
 
-/* Column k of a derivative. */
+/* Sets column k of a derivative from the sums of its score. */
 static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity quantity, int k, double scale,
                               struct cml_outcome *o, struct cml_error *err)
 {
@@ -158,12 +157,14 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
     for (size_t i = 0; i < cml_outcome_size(sums, of); i++) {
-        o->value[quantity][i * columns + (size_t)k] = scale * sums->value[of][i] + 0.0; /* not -0 */
+        /* + 0.0 turns -0 into 0 */
+        o->value[quantity][i * columns + (size_t)k] = scale * sums->value[of][i] + 0.0;
         o->error[quantity][i * columns + (size_t)k] = fabs(scale) * sums->error[of][i];
     }
     return CML_OK;
 }
 
+/* Computes the derivatives by mua or mus of medium k from its score. */
 static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
                              struct cml_error *err)
 {
@@ -186,7 +187,7 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
         if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA))
             status = take_column(&sums, quantity, k, scale, o, err);
     }
-    sums.num_detectors = 0; /* it has none of their names */
+    sums.num_detectors = 0; /* the names of detectors are not its own */
     cml_outcome_clear(&sums);
     cml_result_free(&result);
     return status;
@@ -200,9 +201,9 @@ static cml_status fill_derivatives(const struct cml_report *report, struct cml_o
     return CML_OK;
 }
 
-/* ---- all together ---- */
+/* ---- the whole outcome ---- */
 
-/* Fills the result; what may fail comes first. */
+/* Fills the outcome; steps that may fail come first. */
 static cml_status fill(struct cml_report *report, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
@@ -230,9 +231,9 @@ cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err)
     return status;
 }
 
-/* ---- for people ---- */
+/* ---- derivatives for people ---- */
 
-/* "  layer 2: dRd_dmua -0.1 +- 0.002, dTt_dmua ..." */
+/* Prints a line for a medium: "  layer 2: dRd_dmua -0.1 +- 0.002, dTt_dmua ...". */
 static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
 {
     const enum cml_quantity shown[] = {
@@ -248,7 +249,7 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
 
 void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 {
-    enum { MOST = 16 }; /* the files have them all */
+    enum { MOST = 16 }; /* the files have all media */
     const struct cml_outcome *o = &report->outcome;
     const int media = report->sums->grid.derivatives ? o->num_layers + o->num_bodies : 0;
     for (int k = 0; k < media && k < MOST; k++) print_medium(stream, o, k);

@@ -1,12 +1,13 @@
-/* What a run leaves behind when its tallies are gone: a line of JSON, and what the table of a sweep has of
- * it. SPDX-License-Identifier: MIT */
+/* Makes the record of a run, which stays when its tallies are gone: a line of JSON, and the numbers for the
+ * table of a sweep. SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
 #include "base/text.h"
 
 #include <math.h>
 
-/* Expected values are of all layers: another row of a sweep may expect more of them. */
+/* The numbers that a record holds. Expected values are recorded for all layers, because another row of a
+ * sweep may have them for more layers. */
 static const struct {
     enum cml_recorded kind;
     enum cml_quantity quantity;
@@ -24,7 +25,8 @@ static const struct {
     {CML_RECORDED_FLUXES, CML_QUANTITY_flux_body},
 };
 
-/* Errors of very many facets are not known. */
+/* Adds all numbers to a record. NaN is the error of a number whose error is not known, such as sums over very
+ * many facets. */
 static void record_numbers(const struct cml_outcome *o, struct cml_record *record)
 {
     for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {

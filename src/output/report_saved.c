@@ -1,4 +1,5 @@
-/* The file of saved packets (P18): one array for each of their properties. SPDX-License-Identifier: MIT */
+/* Writes the file of saved packets (P18): one array for each of their properties. SPDX-License-Identifier:
+ * MIT */
 #include "output/report_parts.h"
 
 #include "base/text.h"
@@ -8,18 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers of one type in rows. */
+/* The type of a property in memory. */
 enum type { TYPE_FLOAT, TYPE_COUNT };
 
-/* An array of the file. at: where it stands in a row; of a property of media, in the block behind it of that
- * number.
- */
+/* A property of packets, an array of the file. at: offset in a row; for a property of media, the number of
+ * its block behind the row. */
 static const struct property {
     const char *name, *long_name, *units;
     enum type type;
     size_t at;
     double unit;
-    bool of_medium, whole; /* in double precision */
+    bool of_medium, whole; /* one value per medium; written in double precision */
 } properties[] = {
 #define ROW(member) offsetof(struct cml_saved_row, member)
     {"weight", "weight with which it left", "1", TYPE_COUNT, ROW(weight), CML_WEIGHT_UNIT, false, true},
@@ -41,14 +41,14 @@ static const struct property {
 };
 enum { NUM_PROPERTIES = sizeof properties / sizeof *properties };
 
-/* An array of the file, and where it gets its values. */
+/* A property and the packets that it is read from. */
 struct column {
     const struct cml_saved *saved;
     const struct property *property;
 };
 
-/* `count` numbers of a type, `each` side by side in a row, from number m of the row at `at` on. A loop for
- * each type. */
+/* Copies `count` numbers out of rows: `each` numbers side by side in a row, beginning with number m of the
+ * row at `at`. Inlined, so that there is a loop for each type. */
 static inline __attribute__((always_inline)) void gather(const char *at, size_t stride, size_t m, size_t each,
                                                          size_t count, enum type type, double unit,
                                                          double *out)
@@ -61,6 +61,7 @@ static inline __attribute__((always_inline)) void gather(const char *at, size_t 
     }
 }
 
+/* A cml_field_values: the values of one property of saved packets. */
 static void column_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct column *c = context;
@@ -73,7 +74,7 @@ static void column_values(const void *context, size_t begin, size_t count, doubl
     if (p->type == TYPE_COUNT) gather(at, stride, m, each, count, TYPE_COUNT, p->unit, out);
 }
 
-/* indices: [kept], the axis. */
+/* Writes the file. indices: [kept] photon numbers, the axis of the arrays. */
 static cml_status write(const struct cml_report *report, const char *path, const struct cml_saved_sums *kept,
                         double *indices, struct cml_error *err)
 {
@@ -99,7 +100,8 @@ static cml_status write(const struct cml_report *report, const char *path, const
     attributes[n++] = (struct cml_attribute){"found", NULL, (double)kept->found};
     attributes[n++] = (struct cml_attribute){"limit", NULL, (double)saved->limit};
     attributes[n++] = (struct cml_attribute){"detected", NULL, saved->detected};
-    const int num_fields = NUM_PROPERTIES - (report->scene->num_detectors == 0); /* without the last */
+    /* without detectors the last property is left out */
+    const int num_fields = NUM_PROPERTIES - (report->scene->num_detectors == 0);
     for (int i = 0; i < num_fields; i++) {
         const struct property *p = &properties[i];
         columns[i] = (struct column){sums->saved, p};

@@ -1,4 +1,4 @@
-/* The scene in words: what stands in results, before a run and in `check`. SPDX-License-Identifier: MIT */
+/* Describes a scene in words, for results, before a run and in `check`. SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
 #include "scene/body/body_shape.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The name of a file without the scene's folder, which cml_path_beside put in front of it. */
+/* Returns the name of a file without the scene's folder, which cml_path_beside has put in front of it. */
 static const char *name_by_scene(const struct cml_scene *scene, const char *file)
 {
     const char *slash = strrchr(scene->file, '/');
@@ -15,7 +15,8 @@ static const char *name_by_scene(const struct cml_scene *scene, const char *file
     return strncmp(file, scene->file, folder) == 0 ? file + folder : file;
 }
 
-/* The end of a line, so that whoever compares lines may leave it out: the folder may differ. */
+/* Prints the file at the end of a line, so that a program that compares lines may leave it out: the folder
+ * may differ. */
 static void print_file(FILE *stream, const struct cml_scene *scene, const char *file,
                        enum cml_report_reader reader)
 {
@@ -23,7 +24,8 @@ static void print_file(FILE *stream, const struct cml_scene *scene, const char *
     fputc('\n', stream);
 }
 
-/* Tells later results of other shapes from this one; of no use to people. */
+/* Prints the checksum of a shape, by which results of other shapes are told from this one. People have no use
+ * for it. */
 static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader reader)
 {
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
@@ -73,7 +75,7 @@ void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene 
     print_backing(stream, prefix, &scene->backing);
 }
 
-/* Between which depths a boundary lies: bins there are shared by two media. */
+/* Prints the depths that a boundary spans: bins there are shared by two media. */
 static void print_depths(FILE *stream, const struct cml_surface_def *def, enum cml_report_reader reader)
 {
     if (reader != CML_READ_BY_PEOPLE)
@@ -91,7 +93,7 @@ void cml_report_reach(const struct cml_body_surface *body, double *least, double
     *most = hypot(farthest[0], farthest[1]);
 }
 
-/* The depths and the distances from the z axis between which the box around a body lies. */
+/* Prints the depths and the distances from the z axis that the box around a body spans. */
 static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
 {
     double least, most;
@@ -106,7 +108,7 @@ static void print_roughness(FILE *stream, const struct cml_rough_def *rough)
     if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", cml_rough_word(rough->kind), rough->alpha);
 }
 
-/* "layer 2" or "body 3". */
+/* Prints the medium around a body: "layer 2" or "body 3". */
 static void print_host(FILE *stream, const struct cml_scene *scene, int host)
 {
     const bool body = host > scene->num_layers;
@@ -148,7 +150,7 @@ static void report_body(FILE *stream, const char *prefix, const struct cml_scene
     print_file(stream, scene, body->file, reader);
 }
 
-/* People see the first of them: thousands of grains would hide all else. */
+/* Prints all bodies; for people only the first ones, because thousands of grains would hide the rest. */
 static void report_bodies(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           const struct cml_body_surfaces *surfaces, enum cml_report_reader reader)
 {
@@ -159,8 +161,8 @@ static void report_bodies(FILE *stream, const char *prefix, const struct cml_sce
         fprintf(stream, "%sand %d more bodies\n", prefix, scene->num_bodies - shown);
 }
 
-/* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
- * named. */
+/* The text is part of the .mco file, whose bytes must not depend on the machine: it names nothing that was
+ * measured. */
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader)
 {

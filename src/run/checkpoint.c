@@ -14,21 +14,23 @@
 #include <unistd.h>
 #include <zlib.h>
 
-/* A checkpoint is this head, the identity, the record, the ranges not flown, the summary of the result, its
- * cells, saved packets, and the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
+/* Layout of a checkpoint file: this head, the identity, a text (the JSON of the record, or the call of a
+ * part), the ranges not flown, the summary of the result, its cells, the saved packets, and the CRC-32 of all
+ * of these in 64 bits. All members have fixed sizes, and there is no padding. */
 struct head {
     char magic[24];
     uint64_t order, version, finished;
-    uint64_t identity_size, json_size, num_ranges, num_cells; /* no cells: no tallies */
-    uint64_t num_saved, found; /* saved packets, and how many there were to be saved */
+    uint64_t identity_size, json_size, num_ranges, num_cells; /* num_cells 0: the file holds no tallies */
+    /* saved packets in the file, and how many packets were found that asked to be saved */
+    uint64_t num_saved, found;
     uint64_t begin, end;
     double seconds;
     struct cml_part part;
-    struct cml_record record; /* its JSON, or the call of a part, stands behind the head */
+    struct cml_record record; /* the pointer to its JSON is not written: the text stands behind the head */
 };
 static const char magic[24] = CML_CHECKPOINT_MAGIC;
-#define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 16u               /* of this layout; a program refuses what it does not know */
+#define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
+#define VERSION 16u               /* version of this layout; the program refuses any other */
 
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
@@ -52,20 +54,23 @@ struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t e
 
 /* ---- writing ---- */
 
-/* What is written goes into the checksum as well. */
+/* A file being written and the checksum of all bytes written so far. */
 struct sink {
     FILE *stream;
     uLong sum;
 };
 
+/* Writes bytes, and adds them to the checksum. */
 static void put(struct sink *sink, const void *data, size_t size)
 {
-    if (!data || size == 0) return;      /* crc32_z takes a null pointer for a wish to begin anew */
-    fwrite(data, 1, size, sink->stream); /* an error stays with the stream, and the commit sees it */
+    if (!data || size == 0) return; /* crc32_z would start a new checksum for a null pointer */
+    /* a write error stays with the stream, and cml_file_commit reports it */
+    fwrite(data, 1, size, sink->stream);
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
-/* record NULL: the run is not finished; its JSON is the call of a part. */
+/* Writes the whole checkpoint. record NULL: the run is not finished, and `call` is the text behind the head.
+ */
 static void write_all(FILE *stream, const char *identity, const char *call, const struct cml_run_state *state,
                       const struct cml_record *record, struct cml_result *result)
 {
@@ -106,7 +111,8 @@ static void write_all(FILE *stream, const char *identity, const char *call, cons
     fwrite(&sum, sizeof sum, 1, stream);
 }
 
-/* keep: the name under which the file that stood there before is kept; NULL: it is not. */
+/* Writes a checkpoint under `path`. keep: the name that the older file under `path` gets; NULL: the older
+ * file is replaced. */
 static cml_status write_file(const char *path, const char *keep, const char *identity, const char *call,
                              const struct cml_run_state *state, const struct cml_record *record,
                              struct cml_result *result, struct cml_error *err)
@@ -118,8 +124,8 @@ static cml_status write_file(const char *path, const char *keep, const char *ide
     return cml_file_commit(&file, err);
 }
 
-/* At any moment a whole checkpoint is on the disk, and another one where the newest turns out to be damaged.
- */
+/* Keeps the file before as "PATH.old": a whole checkpoint is on the disk at any moment, and an older one
+ * helps where the newest turns out to be damaged. */
 cml_status cml_checkpoint_write(const char *path, const char *identity, const char *call,
                                 const struct cml_run_state *state, struct cml_result *result,
                                 struct cml_error *err)
@@ -147,7 +153,8 @@ cml_status cml_checkpoint_finish(const char *path, const char *identity, const s
     return write_file(path, NULL, identity, NULL, state, record, result, err);
 }
 
-/* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */
+/* Deletes both files. Errors do not matter: a missing file needs no removing, and one that cannot be removed
+ * does no harm. */
 void cml_checkpoint_remove(const char *path)
 {
     remove(path);
@@ -156,23 +163,24 @@ void cml_checkpoint_remove(const char *path)
 
 /* ---- reading ---- */
 
-/* One file being read: its name for messages, and what became of it. */
+/* One checkpoint file being read. */
 struct source {
     const char *path;
     FILE *stream;
-    uint64_t left; /* bytes between what has been read and the checksum */
+    uint64_t left; /* bytes not read yet, without the checksum at the end */
     struct head head;
     char *identity;
 };
 
-/* CML_E_IO, which makes the reader try the older file; CML_E_INPUT ends the run, because an older
- * checkpoint of another run is as wrong. */
+/* Fails with CML_E_IO, which makes the reader try the older file. CML_E_INPUT would end the run: an older
+ * checkpoint of another run is as wrong as the newer one. */
 static cml_status fail_damaged(const struct source *source, const char *what, struct cml_error *err)
 {
     return cml_fail(err, CML_E_IO, "%s: the checkpoint is damaged (%s)", source->path, what);
 }
 
-/* `count` things of a size. What the head says is not trusted: no more is read than there is. */
+/* Reads `count` things of a size; false if the file holds fewer. The counts in the head are not trusted
+ * before. */
 static bool get(struct source *source, void *data, uint64_t count, size_t size)
 {
     if (count > source->left / size || fread(data, size, count, source->stream) != count) return false;
@@ -180,7 +188,7 @@ static bool get(struct source *source, void *data, uint64_t count, size_t size)
     return true;
 }
 
-/* The whole file against the checksum at its end. */
+/* Compares the whole file with the checksum at its end. */
 static cml_status check_sum(struct source *source, struct cml_error *err)
 {
     enum { BLOCK = 1 << 16 };
@@ -199,8 +207,8 @@ static cml_status check_sum(struct source *source, struct cml_error *err)
     return stored == sum ? CML_OK : fail_damaged(source, "checksum", err);
 }
 
-/* The checksum was right, so what does not fit here was written so: by another program, or for another
- * file format. The identity ends with a zero that the file does not hold. */
+/* Reads head and identity. The checksum was right before, so a mismatch here means that another program, or
+ * another version, wrote the file. The identity gets a closing zero, which the file does not hold. */
 static cml_status read_head(struct source *source, struct cml_error *err)
 {
     struct head *head = &source->head;
@@ -250,6 +258,7 @@ cml_status cml_fail_other_run(const char *path, const char *theirs, const char *
                     (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine, expected);
 }
 
+/* Refuses a checkpoint of another run. */
 static cml_status check_identity(const struct source *source, const char *mine, struct cml_error *err)
 {
     if (strcmp(source->identity, mine) == 0) return CML_OK;
@@ -257,13 +266,13 @@ static cml_status check_identity(const struct source *source, const char *mine, 
                               "that run; without --resume or --more this one begins anew", err);
 }
 
-/* Which rounds a run has, the run knows. */
+/* Checks only that the round is not empty and below 2^48 photons; run.c knows which rounds the run has. */
 static bool is_round(uint64_t begin, uint64_t end)
 {
     return begin < end && end <= (uint64_t)1 << 48;
 }
 
-/* Of a whole run both numbers are 0. */
+/* Checks the numbers of a part: both are 0 for a whole run. */
 static bool is_part(struct cml_part part)
 {
     return part.count == 0 ? part.number == 0 : part.number >= 1 && part.number <= part.count;
@@ -275,10 +284,10 @@ static int compare_ranges(const void *a, const void *b)
     return (one > other) - (one < other);
 }
 
-/* Whether the open ranges are disjoint parts of the round, and all other indices have been flown. ranges:
- * sorted. */
-static bool are_open(const struct cml_range *ranges, uint64_t count, const struct head *head,
-                     const struct cml_summary *summary)
+/* True if the open ranges are disjoint parts of the round and all other indices of the round are in the
+ * summary. ranges: sorted by their first index. */
+static bool are_ranges_sound(const struct cml_range *ranges, uint64_t count, const struct head *head,
+                             const struct cml_summary *summary)
 {
     uint64_t from = head->begin, open = 0;
     for (uint64_t i = 0; i < count; i++) {
@@ -292,7 +301,8 @@ static bool are_open(const struct cml_range *ranges, uint64_t count, const struc
     return summary->count[CML_COUNT_PHOTONS] == head->end - before - open;
 }
 
-static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
+/* True if the indices of lost packets rise, and are below `end`. */
+static bool is_lost_list_sound(const struct cml_lost_list *lost, uint64_t end)
 {
     if (lost->count < 0 || lost->count > CML_LOST_LISTED) return false;
     for (int i = 0; i < lost->count; i++)
@@ -300,7 +310,7 @@ static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
     return true;
 }
 
-/* Checks ranges on a sorted copy: the order in which they are taken stays that of the file. */
+/* Checks the ranges on a sorted copy, because ranges are taken in the order in which the file lists them. */
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {
@@ -308,12 +318,12 @@ static cml_status check_ranges(const struct source *source, const struct cml_ran
     if (!sorted) return cml_fail_memory(err, (double)(open->count * sizeof *sorted), "a checkpoint's ranges");
     if (open->count > 0) memcpy(sorted, open->item, open->count * sizeof *sorted);
     qsort(sorted, open->count, sizeof *sorted, compare_ranges);
-    const bool good = are_open(sorted, open->count, &source->head, summary);
+    const bool good = are_ranges_sound(sorted, open->count, &source->head, summary);
     free(sorted);
     return good ? CML_OK : fail_damaged(source, "its ranges of photons", err);
 }
 
-/* Through cml_ranges_add, which counts the total anew. */
+/* Reads the open ranges through cml_ranges_add, which counts their total anew. */
 static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, struct cml_error *err)
 {
     for (uint64_t i = 0; i < source->head.num_ranges; i++) {
@@ -325,7 +335,8 @@ static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, 
     return CML_OK;
 }
 
-/* In the order of their indices, of which each is there once; of what was found, as many as may stay. */
+/* Reads the saved packets. They must come in rising order of index, none twice, and no more than the limit;
+ * else the file is damaged. */
 static cml_status read_saved(struct source *source, struct cml_saved *saved, struct cml_error *err)
 {
     const struct head *head = &source->head;
@@ -349,8 +360,8 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     return CML_OK;
 }
 
-/* The identity holds grid and photons, so another number of cells cannot come from a sound file of this
- * run. */
+/* Reads all that the tallies need. The identity fixes grid and photons, so a sound file of this run has the
+ * same number of cells. */
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {
@@ -370,21 +381,22 @@ static cml_status read_tallies(struct source *source, struct cml_run_state *stat
         return fail_damaged(source, "its grid", err);
     CML_TRY(read_saved(source, result->saved, err));
     if (source->left > 0) return fail_damaged(source, "its grid", err);
-    if (!are_lost(&result->summary.lost, head->end)) return fail_damaged(source, "its lost packets", err);
+    if (!is_lost_list_sound(&result->summary.lost, head->end))
+        return fail_damaged(source, "its lost packets", err);
     return check_ranges(source, &state->open, &result->summary, err);
 }
 
-/* What is asked of a checkpoint, and where it goes. */
+/* The run whose checkpoint is wanted, and where its contents go. */
 struct wanted {
     const char *identity;
     enum cml_checkpoint_kind *kind;
     struct cml_run_state *state;
     struct cml_result *result;
-    bool tallies; /* of a finished run, too */
+    bool tallies; /* read the tallies of a finished run, too */
     struct cml_record *record;
 };
 
-/* Reads the record, which is empty in the checkpoint of a run that is not finished. */
+/* Reads the record. It is empty in the checkpoint of a run that is not finished. */
 static cml_status read_record(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;
@@ -397,8 +409,8 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 
-/* In this order, because an identity is worth reading only where the checksum is right, and tallies only
- * where the identity is that of this run. */
+/* Reads one file: checksum, head, identity, record, tallies. The order matters: the identity means something
+ * only where the checksum is right, and the tallies only where the identity is that of this run. */
 static cml_status read_source(struct source *source, const struct wanted *wanted, struct cml_error *err)
 {
     const struct head *head = &source->head;
@@ -414,8 +426,8 @@ static cml_status read_source(struct source *source, const struct wanted *wanted
     return read_tallies(source, wanted->state, wanted->result, err);
 }
 
-/* A checkpoint is a regular file: of a pipe or a device nobody knows where it ends. Opening a pipe must not
- * wait for a writer. */
+/* Opens a checkpoint, which must be a regular file: a pipe or a device has no known end. O_NONBLOCK, because
+ * opening a pipe must not wait for a writer. */
 static cml_status open_source(struct source *source, struct cml_error *err)
 {
     struct stat about;
@@ -434,7 +446,8 @@ static cml_status open_source(struct source *source, struct cml_error *err)
     return source->stream ? CML_OK : cml_fail_memory(err, BUFSIZ, "a checkpoint");
 }
 
-/* CML_E_IO where the older one may help. */
+/* Reads one of the two files; *wanted->kind is CML_CHECKPOINT_NONE where it does not exist. CML_E_IO: the
+ * file is damaged or unreadable, and the older one may help. */
 static cml_status read_one(const char *path, const struct wanted *wanted, struct cml_error *err)
 {
     struct source source = {.path = path};
@@ -447,14 +460,15 @@ static cml_status read_one(const char *path, const struct wanted *wanted, struct
     return status;
 }
 
-/* `note` holds why the newer file was not taken, if there was one. It becomes the text that tells the user
- * what is continued, or the error when there is nothing to continue from. */
+/* Reads "PATH.old". `note` holds why the newer file was not used, or is empty. On success the note becomes
+ * the line that tells the user which file the run continues from; without an older file it becomes the error.
+ */
 static cml_status read_older(const char *path, const struct wanted *wanted, struct cml_error *note,
                              struct cml_error *err)
 {
     struct cml_error why = *note;
     const bool damaged = why.text[0] != '\0';
-    cml_ranges_clear(&wanted->state->open); /* what the damaged one may have left there */
+    cml_ranges_clear(&wanted->state->open); /* the damaged file may have left ranges there */
     CML_TRY(read_one(path, wanted, err));
     if (*wanted->kind != CML_CHECKPOINT_NONE)
         note->status = cml_fail(note, CML_OK, "%s%scontinuing from %s", why.text, damaged ? "; " : "", path);
@@ -499,6 +513,7 @@ struct cml_checkpoint_about cml_checkpoint_look(const char *path)
     return about;
 }
 
+/* Reads the head and the call of the file of a part. */
 static cml_status read_part(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;

@@ -6,14 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SLICE_CELLS ((size_t)1 << 18)  /* of a sum: 4 MiB, which keeps MPI's own buffers small */
-#define SLICE_BYTES ((size_t)64 << 20) /* of a block sent to all: counts of MPI are ints */
+/* cells of one slice of a sum: 4 MiB keep the buffers inside MPI small */
+#define SLICE_CELLS ((size_t)1 << 18)
+/* bytes of one slice of a block sent to all ranks: MPI counts with an int */
+#define SLICE_BYTES ((size_t)64 << 20)
 
 struct cml_ranks cml_ranks = {.size = 1, .timeout = 60, .lost_rank = -1, .lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* What is known of this machine's ranks. */
+/* This process among the ranks of its machine. */
 static struct {
-    int rank, size; /* among the ranks of this machine */
+    int rank, size; /* rank and number of ranks on this machine */
     int fair_cores;
 } local = {.size = 1};
 
@@ -24,13 +26,13 @@ static struct {
 
 /* ---- beginning and end ---- */
 
-/* MPI knows no integers of 128 bits: sums of cells and of summaries are operations of our own, on types that
- * are bytes to MPI. Both commute, as MPI_Op_create is told. */
+/* Sums of cells (128-bit integers) and of summaries are operations of our own, because MPI has no integers of
+ * 128 bits. To MPI their types are bytes. Both operations commute, as MPI_Op_create is told. */
 
 static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
-    for (size_t i = 0; i < (size_t)*count; i++) { /* copies, for MPI promises no alignment */
+    for (size_t i = 0; i < (size_t)*count; i++) { /* copied, because MPI promises no alignment */
         cml_u128 from, to;
         memcpy(&from, (const char *)in + i * sizeof from, sizeof from);
         memcpy(&to, (char *)inout + i * sizeof to, sizeof to);
@@ -51,7 +53,8 @@ static void add_summaries(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
-/* Types for whole cells, since MPI may cut a message between two elements, not within one. */
+/* Makes types of whole cells and whole summaries: MPI may cut a message between two elements, but not within
+ * one. */
 static void create_types(void)
 {
     MPI_Type_contiguous(sizeof(cml_u128), MPI_BYTE, &types.cell);
@@ -62,7 +65,8 @@ static void create_types(void)
     MPI_Op_create(add_summaries, 1, &types.add_summary);
 }
 
-/* The cores that any rank of the machine may run on, shared evenly, but not more than this one may run on. */
+/* Sets this rank's even share of the cores that the machine's ranks may run on together; no more than this
+ * rank may use itself. */
 static void share_cores(MPI_Comm machine)
 {
     struct cml_cores mine, all;
@@ -72,8 +76,8 @@ static void share_cores(MPI_Comm machine)
     local.fair_cores = share < 1 ? 1 : share < most ? share : most;
 }
 
-/* Which ranks share this machine, and the names of all hosts for messages. Before the service thread runs, so
- * these calls may block. */
+/* Finds the ranks that share this machine, and the names of all hosts, for messages. The service thread does
+ * not run yet, so these calls may block. */
 static void find_machine(void)
 {
     MPI_Comm machine;
@@ -89,8 +93,8 @@ static void find_machine(void)
     MPI_Allgather(host, sizeof host, MPI_BYTE, cml_ranks.host, sizeof host, MPI_BYTE, MPI_COMM_WORLD);
 }
 
-/* Errors return a code instead of ending the process, so that a message can be printed and no output is lost.
- */
+/* Sets up a cluster of several ranks. Errors of MPI return a code instead of ending the process, so that a
+ * message can be printed and no output is lost. */
 static cml_status join_world(struct cml_error *err)
 {
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
@@ -101,8 +105,7 @@ static cml_status join_world(struct cml_error *err)
     return cml_service_start(err);
 }
 
-/* Begins the cluster of ranks; without a launcher MPI is not even initialised. One rank under a launcher
- * needs no service thread. */
+/* Without a launcher MPI is not even initialised. A single rank under a launcher gets no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     if (!cml_launcher_found()) return cml_launcher_check(1, err);
@@ -117,9 +120,9 @@ cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
     return status == CML_OK && cml_ranks.size > 1 ? join_world(err) : status;
 }
 
-/* Why not abort at once: mpiexec that is told to end the ranks of a lost host, before it found out itself,
- * waits for that host's answer until TCP gives up, a quarter of an hour; so does its daemon there, when it
- * has something to say. */
+/* Waits before MPI_Abort. Aborting at once would be slower: when mpiexec is told to end the ranks of a lost
+ * host before it has noticed the loss itself, it waits for the host's answer until TCP gives up, a quarter of
+ * an hour. Its daemon on the lost host does the same. */
 void cml_cluster_await_launcher(void)
 {
     for (double waited = 0; waited < 2 * cml_ranks.timeout; waited += 0.1) cml_cluster_sleep(0.1);
@@ -138,7 +141,7 @@ void cml_cluster_end(cml_status status)
     MPI_Finalize();
 }
 
-/* Whether there is nobody to talk to. */
+/* True if this rank has no other rank to talk to. */
 static bool is_single(void)
 {
     return cml_ranks.size == 1 || atomic_load(&cml_ranks.alone);
@@ -181,8 +184,8 @@ bool cml_cluster_contact_lost(void)
 
 /* ---- together ---- */
 
-/* MPI_MAXLOC finds the worst status, of which the larger number is the worse, and the lowest rank that has
- * it; that rank then tells all its message. Without contact every rank is alone with what it knows. */
+/* MPI_MAXLOC finds the worst status (the largest number) and the lowest rank that has it; this rank then
+ * broadcasts its message. After contact is lost, every rank returns its own status. */
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     if (is_single()) return mine;
@@ -199,7 +202,7 @@ cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
     return (cml_status)worst.status;
 }
 
-/* Shares data in slices, as MPI counts with an int. */
+/* Sends the data in slices, because MPI counts with an int. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;
@@ -212,7 +215,7 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
     return CML_OK;
 }
 
-/* The size first; then all agree that each has the memory, before the block is sent. */
+/* Sends the size first. All ranks agree that each has the memory before the block follows. */
 cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error *err)
 {
     cml_status status = CML_OK;
@@ -226,7 +229,7 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return cml_cluster_share(*block, *size, err);
 }
 
-/* Blocks are small (a report per rank), so one call will do. */
+/* One call of MPI suffices: blocks are small (a report per rank). */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     if (is_single()) {
@@ -239,7 +242,8 @@ cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct c
         err);
 }
 
-/* Into rank 0's own elements: MPI wants it to say so, and the others to give theirs. */
+/* Adds elements of all ranks into those of rank 0. MPI wants MPI_IN_PLACE from rank 0, and a buffer from the
+ * others. */
 static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI_Op op, struct cml_error *err)
 {
     MPI_Request call;
@@ -247,7 +251,7 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
     return CML_COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &call), &call, err);
 }
 
-/* In slices: MPI would otherwise hold another copy of a result that may fill half of the memory. */
+/* Adds in slices: MPI would otherwise hold a second copy of the result, which may fill half of the memory. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (is_single()) return CML_OK;

@@ -1,5 +1,5 @@
-/* The cluster of a build without MPI: one rank, alone. All that is shared, gathered or summed is there
- * already; a synchronisation is over as soon as it is asked for. SPDX-License-Identifier: MIT */
+/* The cluster (cluster.h) of a build without MPI: one rank. Sharing, gathering and summing have nothing to
+ * do; a synchronisation is over as soon as it is requested. SPDX-License-Identifier: MIT */
 #include "run/cluster.h"
 
 #include "run/launcher.h"
@@ -7,9 +7,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static atomic_int sync_requested; /* 1, or 2: and a stop */
+static atomic_int sync_requested; /* bits: 1, a synchronisation is requested; 2, and then a stop */
 
-/* A launcher that started several of these would have each write the same files. */
+/* Fails if a launcher started several processes of this build: each would write the same files. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     (void)argc;

@@ -1,5 +1,5 @@
-/* How ranks wait for each other, know that they live, and ask rank 0 for work.
- * SPDX-License-Identifier: MIT */
+/* The service thread of a rank, and all waiting between ranks: heartbeats, requests for work,
+ * synchronisations. SPDX-License-Identifier: MIT */
 #include "run/cluster_parts.h"
 
 #include "base/clock.h"
@@ -10,22 +10,25 @@
 
 enum { TAG_HEARTBEAT = 1, TAG_REQUEST, TAG_REPLY };
 
-/* What a rank keeps about its peers: rank 0 about all others, the others about rank 0. */
+/* State of one peer. The peers of rank 0 are all other ranks; the only peer of another rank is rank 0. */
 struct peer {
-    double heard;          /* last, on the service clock */
-    double sent;           /* the last heartbeat, on the same clock */
-    uint64_t syncs_told;   /* syncs_requested as it said */
-    uint64_t message;      /* of the heartbeat under way: MPI reads it until that is complete */
-    MPI_Request heartbeat; /* MPI_REQUEST_NULL: none is under way */
+    double heard;          /* time of the last message from the peer, on the service clock */
+    double sent;           /* time of the last heartbeat to the peer, on the service clock */
+    uint64_t syncs_told;   /* value of syncs_requested in the last heartbeat to the peer */
+    uint64_t message;      /* content of the heartbeat under way; MPI reads it until the send is complete */
+    MPI_Request heartbeat; /* send of the heartbeat; MPI_REQUEST_NULL: none is under way */
 };
 
 static struct {
-    struct peer *peer; /* [size] on rank 0, [1] on others; the service thread's alone */
+    struct peer *peer; /* [size] on rank 0, [1] elsewhere; only the service thread uses it */
     pthread_t thread;
-    double clock; /* s, the service thread's: stands still while the process is stopped */
+    /* s; only the service thread advances it, and it stands still while the process is stopped */
+    double clock;
     atomic_bool leaving;
-    _Atomic uint64_t syncs_requested, syncs_done; /* numbers of the last ones */
-    pthread_mutex_t handler_lock; /* held while the handler runs, so that it can be taken away safely */
+    /* the last request (see raise_requested), and the number of synchronisations held */
+    _Atomic uint64_t syncs_requested, syncs_done;
+    /* held while the handler runs, so that the handler can be replaced safely */
+    pthread_mutex_t handler_lock;
     cml_cluster_handler *handler;
     void *handler_context;
 } service = {.handler_lock = PTHREAD_MUTEX_INITIALIZER};
@@ -55,8 +58,8 @@ cml_status cml_cluster_fail_contact_lost(struct cml_error *err)
                     rank, cml_ranks.host[rank], cml_ranks.timeout);
 }
 
-/* Waits for a nonblocking call to complete, but not for a lost rank. First without sleep, because most
- * replies come at once; then with short sleeps, which leave the core to those who compute. */
+/* Waits until a nonblocking call is complete, but not for a lost rank. At first without sleeping, because
+ * most replies come at once; then with short sleeps, which leave the core to threads that compute. */
 static cml_status wait_for(MPI_Request *call, struct cml_error *err)
 {
     for (int tries = 0;; tries++) {
@@ -74,7 +77,7 @@ static cml_status wait_for(MPI_Request *call, struct cml_error *err)
     }
 }
 
-/* A call that could not be started has nothing to wait for. */
+/* A call that failed to start returns its error, and nothing is waited for. */
 cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&cml_ranks.lock);
@@ -83,8 +86,9 @@ cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *e
 
 /* ---- the service thread ---- */
 
-/* Synchronisations are numbered, so that a request that arrives late, or twice, asks for nothing new. A
- * request is twice the number, and one more where the run is to stop. */
+/* Records a request for synchronisation. Synchronisations are numbered, so that a request that arrives late
+ * or twice has no effect. A request is twice the number of the synchronisation, plus one if the run is to
+ * stop there. */
 static void raise_requested(uint64_t number)
 {
     uint64_t known = atomic_load(&service.syncs_requested);
@@ -92,7 +96,8 @@ static void raise_requested(uint64_t number)
         continue;
 }
 
-/* The next message with this tag, if there is one. A blocking receive, because the message is there. */
+/* Receives the next message with this tag; false if there is none. The receive may block, because the message
+ * is known to be there. */
 static bool receive(int tag, void *data, int size, int *from)
 {
     int found = 0;
@@ -105,7 +110,8 @@ static bool receive(int tag, void *data, int size, int *from)
     return found != 0;
 }
 
-/* All that have come. Each carries the number of the last synchronisation that its sender knows of. */
+/* Receives all heartbeats that have come. Each carries the last request for synchronisation that its sender
+ * knows. */
 static void receive_heartbeats(void)
 {
     uint64_t number = 0;
@@ -116,7 +122,8 @@ static void receive_heartbeats(void)
     }
 }
 
-/* On rank 0. The reply is waited for, under the same watch for lost ranks as every other call. */
+/* Answers all requests, on rank 0. Each reply is waited for, with the same watch for lost ranks as every
+ * other call. */
 static void answer_requests(void)
 {
     struct cml_work_request request;
@@ -124,7 +131,7 @@ static void answer_requests(void)
     int from = 0;
     while (receive(TAG_REQUEST, &request, sizeof request, &from)) {
         MPI_Request call;
-        struct cml_error ignored; /* whoever else waits will see that contact is lost */
+        struct cml_error ignored; /* ignored: every thread that waits sees that contact is lost */
         reply = (struct cml_work_reply){0};
         service.peer[from].heard = service.clock;
         pthread_mutex_lock(&service.handler_lock);
@@ -136,8 +143,8 @@ static void answer_requests(void)
     }
 }
 
-/* Says that this rank lives, and which synchronisation was requested: four times per timeout, and at once
- * when there is news. Rank 0 passes requests on, because the others hear it alone. */
+/* Tells a peer that this rank lives, and the last request for synchronisation: four times per timeout, and at
+ * once when the request is new. Rank 0 passes requests on, because other ranks hear only rank 0. */
 static void send_heartbeat(struct peer *peer, int to)
 {
     const uint64_t requested = atomic_load(&service.syncs_requested);
@@ -152,7 +159,7 @@ static void send_heartbeat(struct peer *peer, int to)
     peer->sent = service.clock;
 }
 
-/* Peers: all other ranks on rank 0, rank 0 elsewhere. So messages grow with the number of ranks, not with
+/* Ranks exchange heartbeats with rank 0 only: the number of messages grows with the number of ranks, not with
  * its square. */
 static int first_peer(void)
 {
@@ -164,7 +171,7 @@ static int end_of_peers(void)
     return cml_ranks.rank == 0 ? cml_ranks.size : 1;
 }
 
-/* Once under the lock for all peers: starting a message does not wait. */
+/* Sends heartbeats to all peers under one lock: starting a message does not wait. */
 static void send_heartbeats(void)
 {
     pthread_mutex_lock(&cml_ranks.lock);
@@ -172,15 +179,16 @@ static void send_heartbeats(void)
     pthread_mutex_unlock(&cml_ranks.lock);
 }
 
-/* Requests count as signs of life, too. Whoever waits sees lost_rank, and fails. */
+/* Marks a rank as lost that has been silent for longer than the timeout (requests count as signs of life,
+ * too). All waits fail once lost_rank is set. */
 static void check_heartbeats(void)
 {
     for (int i = first_peer(); i < end_of_peers(); i++)
         if (service.clock - service.peer[i].heard > cml_ranks.timeout) atomic_store(&cml_ranks.lost_rank, i);
 }
 
-/* The service thread. A process that was stopped (SIGSTOP, a suspended machine) must not find on waking that
- * all others have been silent, so the clock counts at most 0.1 s a round. */
+/* The service thread. Its clock advances by at most 0.1 s a round: a process that was stopped (SIGSTOP, a
+ * suspended machine) must not find all others silent on waking. */
 static void *serve(void *unused)
 {
     double last = cml_now();
@@ -197,7 +205,7 @@ static void *serve(void *unused)
     return unused;
 }
 
-/* The peers are there before the thread, which alone uses them from here on. */
+/* Makes the peers before the thread, which alone uses them afterwards. */
 cml_status cml_service_start(struct cml_error *err)
 {
     const size_t peers = (size_t)end_of_peers();
@@ -210,7 +218,7 @@ cml_status cml_service_start(struct cml_error *err)
     return CML_OK;
 }
 
-/* Heartbeats that were under way when the others left: MPI_Finalize wants every message received. */
+/* Receives the heartbeats that were still under way: MPI_Finalize wants every message received. */
 static void drain(void)
 {
     uint64_t number = 0;
@@ -220,8 +228,8 @@ static void drain(void)
         MPI_Wait(&service.peer[i].heartbeat, MPI_STATUS_IGNORE);
 }
 
-/* By the thread's own look at `leaving`, within a few milliseconds; only then are messages drained, as two
- * threads must not receive them. */
+/* Ends the thread, which looks at `leaving` every few milliseconds. Messages are drained afterwards, because
+ * two threads must not receive at once. */
 void cml_service_stop(void)
 {
     atomic_store(&service.leaving, true);
@@ -232,7 +240,8 @@ void cml_service_stop(void)
 
 /* ---- synchronisations and requests ---- */
 
-/* One more than were held. Other ranks learn it by the next heartbeat, which goes out at once. */
+/* Requests the synchronisation after those held so far. Other ranks learn of it by the next heartbeat, which
+ * is sent at once. */
 void cml_cluster_request_sync(void)
 {
     if (atomic_load(&cml_ranks.alone))
@@ -246,6 +255,7 @@ void cml_cluster_recall(void)
     raise_requested(2 * (atomic_load(&service.syncs_done) + 1));
 }
 
+/* True if any rank has requested a synchronisation that was not held yet. */
 static bool all_requested(void)
 {
     return atomic_load(&service.syncs_requested) / 2 > atomic_load(&service.syncs_done);
@@ -281,9 +291,8 @@ bool cml_cluster_sync_requested(void)
     return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) != 0 : all_requested();
 }
 
-/* Waits until all ranks have come. A synchronisation counts as requested here as well, since another rank may
- * have asked without this one having heard. The barrier is the only wait; what follows is collective anyway.
- */
+/* Counts a synchronisation as requested on this rank first: another rank may have requested it without this
+ * rank having heard. The barrier is the only wait here; the calls that follow are collective anyway. */
 cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     MPI_Request call;
@@ -297,17 +306,18 @@ cml_status cml_cluster_synchronise(struct cml_error *err)
     return CML_OK;
 }
 
-/* Waits for a request that is being handled, so that what the handler uses may be freed afterwards. */
+/* Waits for a request that is being handled, so that the handler's data may be freed afterwards. */
 void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
-    if (atomic_load(&cml_ranks.alone)) return; /* nobody asks a rank that is alone, and rank 0's stays */
+    /* nobody asks a rank that is alone, and rank 0 keeps its handler */
+    if (atomic_load(&cml_ranks.alone)) return;
     pthread_mutex_lock(&service.handler_lock);
     service.handler = handler;
     service.handler_context = context;
     pthread_mutex_unlock(&service.handler_lock);
 }
 
-/* The receive is posted before the request is sent, so that the reply finds its place. */
+/* Posts the receive before the request is sent, so that the reply finds its buffer. */
 cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
                                struct cml_error *err)
 {

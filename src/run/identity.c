@@ -8,7 +8,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Only what changes bits: threads, ranks, chunks and devices do not, and a run may be resumed with others. */
+/* Takes only options that change bits. Threads, ranks, chunks and devices do not, so a run may be resumed
+ * with others. */
 struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat)
 {
@@ -20,7 +21,8 @@ struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
     return provenance;
 }
 
-/* By name without directories, so that a folder may be moved. */
+/* Writes name, size and checksum of a file. The name is without directories, so that the folder may be moved.
+ */
 static void write_input(FILE *out, const struct cml_input *input)
 {
     const char *path = cml_text_name(input->path), *slash = strrchr(path, '/');
@@ -28,8 +30,7 @@ static void write_input(FILE *out, const struct cml_input *input)
     fprintf(out, "input %s of %zu bytes, crc32 %08lx\n", slash ? slash + 1 : path, input->size, sum);
 }
 
-/* The identity of all files that were read, in the order in which they were: a mesh that was changed makes
- * another run. */
+/* Lists all input files in the order in which they were read: a changed mesh makes another run. */
 cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
 {
     size_t size = 0;
@@ -38,8 +39,8 @@ cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, str
     return cml_text_end(out, text, &size, "the run's identity", err);
 }
 
-/* The lines for options come first, because the first line that differs is shown, and an option says more
- * than a checksum. */
+/* Writes the lines of options first: messages show the first line that differs, and an option says more than
+ * a checksum. */
 cml_status cml_identity_of(const struct cml_provenance *provenance, const char *settings, const char *inputs,
                            char **identity, struct cml_error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
-/* Where files may be replaced. */
+/* Returns the intent of a run that may replace files. */
 static enum cml_run_intent intent_of(const struct cml_run_findings *found)
 {
     if (!found->resumes) return CML_RUN_FRESH;

@@ -9,7 +9,7 @@
 
 /* ---- files ---- */
 
-/* A lock, an older state or an unfinished file, which NAME.part* of a shell finds beside parts. */
+/* True for a lock, an older checkpoint or an unfinished file: a shell's NAME.part* also matches these. */
 static bool is_beside_part(const char *path)
 {
     return cml_file_ends_in(path, ".lock") || cml_file_ends_in(path, ".old") ||
@@ -54,17 +54,19 @@ cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status
 
 /* ---- which parts there are ---- */
 
-/* The turns of a file's part. */
+/* Returns the turns of the part in a file. */
 static struct cml_range turns_of(const struct cml_part_file *file)
 {
     return cml_part_turns(file->about.part, file->about.begin, file->about.end);
 }
 
-static bool is_of(const struct cml_part_file *file, const struct cml_run_setup *setup)
+/* True if the file holds a part of this run. */
+static bool is_part_of(const struct cml_part_file *file, const struct cml_run_setup *setup)
 {
     return strcmp(file->identity, setup->identity) == 0 && file->about.begin == setup->base;
 }
 
+/* Refuses a file that is not a part of this run. */
 static cml_status fail_other(const struct cml_run_setup *setup, const struct cml_part_file *file,
                              struct cml_error *err)
 {
@@ -75,8 +77,8 @@ static cml_status fail_other(const struct cml_run_setup *setup, const struct cml
                     file->about.begin, setup->base);
 }
 
-/* "2, 4 and 5": the parts of so many that are in no file, some of them where they are many. Returns how many.
- */
+/* Writes the numbers of missing parts into `list`, as "2, 4 and 5", cut off after 20 numbers. Returns how
+ * many of the `count` parts are missing. */
 static int list_missing(const struct cml_run_setup *setup, const struct cml_part_files *files, uint64_t count,
                         char list[200])
 {
@@ -85,7 +87,7 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     for (uint64_t number = 1; number <= count; number++) {
         int i = 0;
         while (i < files->count &&
-               !(is_of(&files->file[i], setup) && files->file[i].about.part.number == number))
+               !(is_part_of(&files->file[i], setup) && files->file[i].about.part.number == number))
             i++;
         if (i < files->count || ++missing > 20) continue;
         last = end;
@@ -99,13 +101,14 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     return missing;
 }
 
-/* The part of the run that begins with this turn, which is in no file; cut as the others are. */
+/* Fails with the number of the missing part, which is the one that begins with this turn. The parts in files
+ * tell how many parts the run has. */
 static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                uint64_t turn, struct cml_error *err)
 {
     const char *name = setup->scene->output;
     int first = 0;
-    while (first < files->count && !is_of(&files->file[first], setup)) first++;
+    while (first < files->count && !is_part_of(&files->file[first], setup)) first++;
     struct cml_part part = {1, 0};
     if (first < files->count) part.count = files->file[first].about.part.count;
     while (
@@ -123,30 +126,30 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
                     strpbrk(list, " ") ? "s" : "", list, part.count, strpbrk(list, " ") ? "are" : "is");
 }
 
-/* The file whose turns begin here; NULL: there is none. */
+/* Returns the file of this run whose turns begin with `turn`; NULL: no file. */
 static struct cml_part_file *find_at(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                      uint64_t turn)
 {
     for (int i = 0; i < files->count; i++) {
         struct cml_part_file *file = &files->file[i];
         const struct cml_range turns = turns_of(file);
-        if (is_of(file, setup) && turns.first == turn && turns.count > 0) return file;
+        if (is_part_of(file, setup) && turns.first == turn && turns.count > 0) return file;
     }
     return NULL;
 }
 
-/* Refuses a file of this run whose photons others have, too: all of them are joined. */
+/* Refuses a file of this run that has photons of another file, too. Marks all files of the run as joined. */
 static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part_files *files,
                               struct cml_error *err)
 {
     for (int i = 0; i < files->count; i++) {
         struct cml_part_file *file = &files->file[i];
         const struct cml_range turns = turns_of(file);
-        if (!is_of(file, setup) || file->joined) continue;
+        if (!is_part_of(file, setup) || file->joined) continue;
         file->joined = true;
         for (int k = 0; turns.count > 0 && k < files->count; k++) {
             const struct cml_range other = turns_of(&files->file[k]);
-            if (k == i || !is_of(&files->file[k], setup) || other.first >= turns.first + turns.count ||
+            if (k == i || !is_part_of(&files->file[k], setup) || other.first >= turns.first + turns.count ||
                 turns.first >= other.first + other.count)
                 continue;
             return cml_fail(err, CML_E_INPUT, "%s: has photons that %s has, too (expected each part once)",
@@ -158,6 +161,7 @@ static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part
 
 /* ---- sums ---- */
 
+/* Adds the saved packets of a part. */
 static void add_saved(struct cml_saved *to, struct cml_saved *from)
 {
     const struct cml_saved_sums sums = cml_saved_sort(from);
@@ -165,6 +169,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
     cml_saved_add_found(to, sums.found - sums.kept);
 }
 
+/* Adds the tallies of a part. */
 static void add_result(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;
@@ -175,7 +180,7 @@ static void add_result(struct cml_result *to, struct cml_result *from)
     if (to->saved) add_saved(to->saved, from->saved);
 }
 
-/* Whether all turns of the part are flown: none of them is open. */
+/* Refuses a part of which turns are still open. */
 static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
                                  struct cml_error *err)
 {
@@ -190,7 +195,8 @@ static cml_status check_finished(const struct cml_part_file *file, struct cml_ra
     return status;
 }
 
-/* one: an empty result of the run's grid, for the part alone. */
+/* Reads the file of a part and adds its tallies to *out. one: an empty result of the run's grid, as room for
+ * the part. */
 static cml_status add_part(const struct cml_run_setup *setup, const struct cml_part_file *file,
                            struct cml_result *one, struct cml_run_result *out, struct cml_error *err)
 {
@@ -208,6 +214,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     return status;
 }
 
+/* Adds up all parts in the order of their turns, and the run that they extend. */
 static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_files *files,
                             struct cml_run_result *out, struct cml_error *err)
 {
@@ -228,13 +235,13 @@ static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_f
     return check_twice(setup, files, err);
 }
 
-/* The time is that of all parts together. */
+/* The seconds of the result are those of all parts together. */
 cml_status cml_run_join(const struct cml_run_setup *setup, struct cml_part_files *files, bool alone,
                         struct cml_run_result *out, struct cml_error *err)
 {
     *out = (struct cml_run_result){.intent = setup->base > 0 ? CML_RUN_EXTEND : CML_RUN_FRESH};
     for (int i = 0; alone && i < files->count; i++)
-        if (!is_of(&files->file[i], setup)) CML_TRY(fail_other(setup, &files->file[i], err));
+        if (!is_part_of(&files->file[i], setup)) CML_TRY(fail_other(setup, &files->file[i], err));
     const cml_status status = add_parts(setup, files, out, err);
     out->result.photons = setup->photons;
     out->timing.seconds = out->state.seconds;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE /* sched_getaffinity */
+#define _GNU_SOURCE /* for sched_getaffinity */
 #include "run/launcher.h"
 
 #include "base/text.h"
@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* OMPI_COMM_WORLD_SIZE: Open MPI; PMI_RANK: MPICH, Intel MPI, srun --mpi=pmi2; PMIX_RANK: srun --mpi=pmix. */
+/* OMPI_COMM_WORLD_SIZE is set by Open MPI; PMI_RANK by MPICH, Intel MPI and srun --mpi=pmi2; PMIX_RANK by
+ * srun --mpi=pmix. */
 bool cml_launcher_found(void)
 {
     static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_RANK", "PMIX_RANK", NULL};
@@ -18,8 +19,9 @@ bool cml_launcher_found(void)
     return false;
 }
 
-/* How many processes the launcher says it started; 1 when it says nothing. Within a batch script, outside of
- * srun, Slurm sets SLURM_NTASKS but no SLURM_STEP_NUM_TASKS. */
+/* Returns how many processes the launcher says it started; 1 when it says nothing. *variable: the environment
+ * variable that said so. In a batch script, outside of srun, Slurm sets SLURM_NTASKS but not
+ * SLURM_STEP_NUM_TASKS. */
 static int number_started(const char **variable)
 {
     static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS", NULL};
@@ -32,8 +34,8 @@ static int number_started(const char **variable)
     return 1;
 }
 
-/* One process that was started alone, and a batch script that runs the program without srun, see one rank
- * by right. */
+/* A single rank is right for a process that was started alone, and for a batch script that runs the program
+ * without srun. */
 cml_status cml_launcher_check(int size, struct cml_error *err)
 {
     const char *variable = NULL;
@@ -50,15 +52,15 @@ cml_status cml_launcher_check(int size, struct cml_error *err)
 
 _Static_assert(sizeof(cpu_set_t) == sizeof(struct cml_cores), "a mask of 1024 cores");
 
-/* Cores beyond 1024 are left out: cpu_set_t has no place for them either. */
+/* Adds a core to the mask. Cores beyond 1024 are left out: cpu_set_t has no place for them either. */
 static void add_core(struct cml_cores *cores, int core)
 {
     const size_t bit = (size_t)core;
     if (core >= 0 && bit < 8 * sizeof cores->bits) cores->bits[bit / 8] |= (unsigned char)(1u << bit % 8);
 }
 
-/* A place is a set of cores to which OpenMP binds a thread. Without memory for their numbers the place
- * does not count. */
+/* Adds the cores of a place, the set of cores that OpenMP binds a thread to. Without memory for their numbers
+ * the place is left out. */
 static void add_place(struct cml_cores *cores, int place)
 {
     const int count = omp_get_place_num_procs(place);
@@ -69,8 +71,8 @@ static void add_place(struct cml_cores *cores, int place)
     free(ids);
 }
 
-/* Where OpenMP binds threads (OMP_PROC_BIND, OMP_PLACES) it has bound the main one before main() begins, and
- * only its places tell what the process may use. */
+/* Asks OpenMP's places, too: with OMP_PROC_BIND or OMP_PLACES the main thread is bound before main() begins,
+ * and only the places tell which cores the process may use. */
 void cml_cores_mine(struct cml_cores *cores)
 {
     cpu_set_t mask;

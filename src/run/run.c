@@ -17,62 +17,64 @@
 #include <string.h>
 #include <time.h>
 
-/* Processor time of all threads of this process, s. */
+/* Returns the processor time of all threads of this process, s. */
 static double processor_seconds(void)
 {
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* What rank 0 decides at a synchronisation. */
+/* Rank 0's decision at a synchronisation. */
 enum next_step { CONTINUE, FINISHED, STOPPED };
 
-/* The range in hand, and what else threads change when they take packets of it. */
+/* The range in hand: photons that this rank took from rank 0 and flies. Threads take pieces of it. */
 struct hand {
-    pthread_mutex_t lock;    /* around the range, `work` and `mine` of the flight while the engine runs */
-    struct cml_range range;  /* as it was taken; empty when rank 0 has been told that it is flown */
-    struct cml_range left;   /* of it, for threads to take */
-    double replied;          /* time when it was taken */
-    uint64_t room;           /* packets that the tallies of the engine can still take */
-    cml_status status;       /* of rank 0's replies */
-    struct cml_error *error; /* belongs to it */
+    /* held around the range, and `work` and `report` of the flight, while the engine runs */
+    pthread_mutex_t lock;
+    struct cml_range range;  /* the range as it was taken; empty when rank 0 knows that it is flown */
+    struct cml_range left;   /* the rest of the range, which threads have not taken yet */
+    double replied;          /* time when the range was taken */
+    uint64_t room;           /* packets that the engine's tallies can still take */
+    cml_status status;       /* status of rank 0's last reply */
+    struct cml_error *error; /* message that belongs to `status` */
 };
 
-/* One call of cml_run on this rank. */
+/* The state of one call of cml_run on this rank. */
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
-    pthread_mutex_t result_lock; /* around out->result while the engine runs */
+    pthread_mutex_t result_lock; /* held around out->result while the engine runs */
     struct hand hand;
     void *engine;
     struct cml_work_ranges work;
-    struct cml_run_state state; /* `open` is rank 0's */
-    struct cml_ranges others;   /* rank 0's: turns of the other parts */
-    struct cml_deal deal;       /* its photons to the beams */
-    struct cml_rank_report mine;
-    double begin; /* of this process' flight */
-    double due;   /* on rank 0: time of the next checkpoint */
+    struct cml_run_state state; /* `open` is used on rank 0 only */
+    struct cml_ranges others;   /* turns of the run's other parts, on rank 0 */
+    struct cml_deal deal;       /* the beam of each photon */
+    struct cml_rank_report report;
+    double begin; /* time when this process began to fly */
+    double due;   /* time of the next checkpoint, on rank 0 */
 };
 
 /* ---- flying ---- */
 
-/* A cell of a map gets each packet once, but a packet may cross a facet again and again, or leave many marks
- * in a cell of the fluence: so many packets may each do so 500 times before a cell of a tally overflows. */
+/* Limit of packets per call of the engine where one packet may count many times in a cell: a packet may cross
+ * a facet again and again, or leave many marks in a cell of the fluence. 2^24 packets may each do so 500
+ * times before a cell of a tally overflows. */
 #define MOST_AGAIN ((uint64_t)1 << 24)
 
-/* Packets of one call of the engine, which ends when its tallies are full. Between two calls threads wait for
- * each other, so there are few. */
+/* Returns the packets of one call of the engine, which ends when its tallies are full. Few calls are best,
+ * because all threads wait for each other between two. */
 static uint64_t room_of_tallies(const struct cml_tally_grid *grid)
 {
     return grid->facets || grid->marks > 0 ? MOST_AGAIN : CML_TALLY_MAX_PHOTONS;
 }
 
-/* How many photons of the range in hand are flown. */
+/* Returns how many photons of the range in hand are flown. */
 static uint64_t flown_of(const struct hand *hand)
 {
     return hand->range.count - hand->left.count;
 }
 
-/* Photons whose tallies are complete at the end. */
+/* Returns the photons whose tallies are complete at the end: of the run, or of the part. */
 static uint64_t all_photons(const struct flight *flight)
 {
     const struct cml_run_state *state = &flight->state;
@@ -80,7 +82,7 @@ static uint64_t all_photons(const struct flight *flight)
     return cml_part_turns(flight->setup->part, state->begin, state->end).count;
 }
 
-/* Rank 0 shows what it was told of, and what it has just flown itself. */
+/* Shows the progress that rank 0 knows, plus the photons it has just flown itself. */
 static void show_progress(struct flight *flight, uint64_t just_flown)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -89,7 +91,7 @@ static void show_progress(struct flight *flight, uint64_t just_flown)
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
 
-/* Ends with the range in hand, of which other threads may still fly their last packets. */
+/* Ends the range in hand. Other threads may still fly its last packets. */
 static void end_range(struct flight *flight)
 {
     const struct hand *hand = &flight->hand;
@@ -98,8 +100,7 @@ static void end_range(struct flight *flight)
     show_progress(flight, hand->range.count);
 }
 
-/* The next range from rank 0, which hears what was flown of the last one. Empty when a synchronisation is
- * requested. */
+/* Tells rank 0 how much was flown, and takes the next range: empty if a synchronisation is requested. */
 static cml_status take_range(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
@@ -109,12 +110,13 @@ static cml_status take_range(struct flight *flight, struct cml_error *err)
     CML_TRY(cml_work_take(&flight->work, flown_of(hand), &taken, err));
     hand->range = hand->left = taken;
     hand->replied = cml_now();
-    flight->mine.asking += hand->replied - begin;
-    if (taken.count > 0) flight->mine.ranges++;
+    flight->report.asking += hand->replied - begin;
+    if (taken.count > 0) flight->report.ranges++;
     return CML_OK;
 }
 
-/* What was flown goes into a checkpoint, and the run ends; or it takes longer than it may. */
+/* True if the run must stop: it has flown longer than most_seconds; or, where a checkpoint keeps its photons,
+ * a signal came or ranks are recalled (cluster.h). */
 static bool must_stop(const struct flight *flight)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -122,7 +124,7 @@ static bool must_stop(const struct flight *flight)
     return setup->checkpoint && (cml_stop_requested() || cml_cluster_recalled());
 }
 
-/* This rank requests a synchronisation when it got a signal and, on rank 0, when a checkpoint is due. */
+/* True if a synchronisation is requested, here after a signal or, on rank 0, for a checkpoint. */
 static bool must_synchronise(struct flight *flight)
 {
     if (must_stop(flight))
@@ -132,7 +134,7 @@ static bool must_synchronise(struct flight *flight)
     return cml_cluster_sync_requested();
 }
 
-/* For struct cml_work: this rank got a signal, or another one did. */
+/* For struct cml_work: true if this rank or another one got a signal. */
 static bool stops(void *context)
 {
     const struct flight *flight = context;
@@ -140,7 +142,7 @@ static bool stops(void *context)
     return cml_cluster_stop_requested();
 }
 
-/* Whether there are packets in hand for the engine to take. */
+/* True if there are packets in hand for the engine; takes the next range if the last one is used up. */
 static bool find_range(struct flight *flight)
 {
     struct hand *hand = &flight->hand;
@@ -150,11 +152,12 @@ static bool find_range(struct flight *flight)
     return hand->status == CML_OK && hand->left.count > 0;
 }
 
-/* A range is half a second's work of all threads: those that ask for little get no more than a quarter of
- * their share, so that a run of slow packets stops as soon as any other. But so many at least. */
+/* Least size of a limited piece, packets. A range is half a second's work of all threads. Threads that ask
+ * for few packets get at most a quarter of their share of the range, so that a run of slow packets stops as
+ * soon as any other; but never fewer than this number. */
 #define LEAST_SHARE 16
 
-/* A piece of the range in hand, within one batch. */
+/* Cuts a piece off the range in hand. All its photons are of one batch. */
 static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int takers)
 {
     struct hand *hand = &flight->hand;
@@ -171,12 +174,12 @@ static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int take
     hand->left.first += count;
     hand->left.count -= count;
     hand->room -= count;
-    flight->mine.photons += count;
+    flight->report.photons += count;
     return piece;
 }
 
-/* For struct cml_work. Whichever thread finds the range used up asks rank 0 for the next, and only those wait
- * for it that need packets, too. */
+/* For struct cml_work: gives a thread its next piece. The thread that finds the range used up asks rank 0 for
+ * another; only threads that need packets then wait. */
 static bool next_piece(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     struct flight *flight = context;
@@ -188,7 +191,8 @@ static bool next_piece(void *context, uint64_t most, int takers, struct cml_piec
     return found;
 }
 
-/* For struct cml_work. The sums are long, and the thread's own; only the profiles go into the result. */
+/* For struct cml_work: adds the profiles of a finished batch to the result. The sums over the thread's own
+ * tally take long, so they run outside of the lock. */
 static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     struct flight *flight = context;
@@ -203,7 +207,7 @@ static void end_batch(void *context, int batch, struct cml_tally *tally)
     pthread_mutex_unlock(&flight->hand.lock);
 }
 
-/* For struct cml_work. */
+/* For struct cml_work: adds a thread's tally to the result and clears the tally. */
 static void add_tally(void *context, struct cml_tally *tally)
 {
     struct flight *flight = context;
@@ -213,7 +217,7 @@ static void add_tally(void *context, struct cml_tally *tally)
     cml_tally_zero(tally);
 }
 
-/* Takes saved packets into the result, for struct cml_saved_taker. */
+/* For struct cml_saved_taker: takes saved packets into the result. */
 static void take_saved(void *context, const void *rows, size_t count)
 {
     struct flight *flight = context;
@@ -222,7 +226,7 @@ static void take_saved(void *context, const void *rows, size_t count)
     pthread_mutex_unlock(&flight->result_lock);
 }
 
-/* For struct cml_work. */
+/* For struct cml_work: notes that the system started fewer threads than asked for. */
 static void note_fewer_threads(void *context, int threads)
 {
     struct flight *flight = context;
@@ -234,6 +238,7 @@ static void note_fewer_threads(void *context, int threads)
     flight->out->timing.threads = threads;
 }
 
+/* Fails with CML_E_STOPPED: the flight took longer than most_seconds. */
 static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error *err)
 {
     return cml_fail(err, CML_E_STOPPED,
@@ -241,8 +246,8 @@ static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error 
                     setup->scene->output, (unsigned long long)setup->photons, setup->most_seconds);
 }
 
-/* No tally knows which part of it is of packets that were given up: nothing of this flight counts, and the
- * checkpoint stays as it is. */
+/* Fails with CML_E_STOPPED after the engine gave up packets. No tally knows which part of it belongs to these
+ * packets, so nothing of this flight counts, and the checkpoint stays unchanged. */
 static cml_status fail_given_up(const struct flight *flight, struct cml_error *err)
 {
     if (!flight->setup->checkpoint) return fail_late(flight->setup, err);
@@ -252,13 +257,13 @@ static cml_status fail_given_up(const struct flight *flight, struct cml_error *e
                     flight->setup->scene->output, flight->setup->checkpoint);
 }
 
-/* The engine flies until a synchronisation is requested; it is called again only when its tallies were full.
- * hand.left is then what was not flown of the last range. */
+/* Lets the engine fly until a synchronisation is requested; calls it again only when its tallies were full.
+ * hand.left is then the rest of the last range. */
 static cml_status fly(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
     const struct cml_work work = {flight, next_piece, end_batch, add_tally, note_fewer_threads, stops};
-    const double begin = cml_now(), asking = flight->mine.asking;
+    const double begin = cml_now(), asking = flight->report.asking;
     hand->status = CML_OK;
     hand->error = err;
     do {
@@ -267,13 +272,14 @@ static cml_status fly(struct flight *flight, struct cml_error *err)
         if (status == CML_E_STOPPED) return fail_given_up(flight, err);
         CML_TRY(status);
     } while (hand->status == CML_OK && hand->room == 0);
-    flight->mine.flying += cml_now() - begin - (flight->mine.asking - asking);
+    flight->report.flying += cml_now() - begin - (flight->report.asking - asking);
     return hand->status;
 }
 
 /* ---- synchronisations ---- */
 
-/* Turns of other parts are as open as those of this one. */
+/* Writes a checkpoint. The turns of other parts are stored as open, like those of this part that are not
+ * flown. */
 static cml_status write_state(const struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -290,8 +296,8 @@ static cml_status write_state(const struct flight *flight, struct cml_error *err
     return status;
 }
 
-/* A failure ends a run that needs the file; otherwise the photons fly on, and the next attempt may succeed.
- */
+/* Writes a checkpoint, and sets when the next is due. needed: a failure ends the run; otherwise it is only
+ * noted, since the next attempt may succeed. */
 static cml_status write_checkpoint(struct flight *flight, bool needed, double begin, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -304,7 +310,7 @@ static cml_status write_checkpoint(struct flight *flight, bool needed, double be
     return status;
 }
 
-/* The next round of --target-error where one is needed: as long as all before it together. */
+/* Begins the next round of --target-error if one is needed: as many photons as all rounds before together. */
 static cml_status begin_round(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -319,7 +325,7 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
     return cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err);
 }
 
-/* What rank 0 decides when it has everything. */
+/* Decides on rank 0, with the sums of all ranks, how the run goes on; writes a due checkpoint. */
 static cml_status decide(struct flight *flight, bool stop, double begin, enum next_step *next,
                          struct cml_error *err)
 {
@@ -333,7 +339,7 @@ static cml_status decide(struct flight *flight, bool stop, double begin, enum ne
     return CML_OK;
 }
 
-/* Rank 0's round and decision become everyone's. */
+/* Sends rank 0's round and decision to all ranks. */
 static cml_status share_decision(struct flight *flight, enum next_step *next, struct cml_error *err)
 {
     uint64_t word[3] = {flight->state.begin, flight->state.end, (uint64_t)*next};
@@ -344,8 +350,8 @@ static cml_status share_decision(struct flight *flight, enum next_step *next, st
     return cml_deal_round(&flight->deal, word[0], word[1], err);
 }
 
-/* All ranks come together: what they did not fly goes back, their results are summed, rank 0 decides how it
- * goes on. `mine` is how this rank fared; a failure of any ends the run on all. */
+/* Brings all ranks together: photons not flown go back, the results are summed, and rank 0 decides how to go
+ * on. mine: the status of this rank; a failure of any rank ends the run on all. */
 static cml_status synchronise(struct flight *flight, cml_status mine, enum next_step *next,
                               struct cml_error *err)
 {
@@ -353,7 +359,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     const double begin = cml_now();
     CML_TRY(cml_cluster_synchronise(err));
     const double all_here = cml_now();
-    flight->mine.waiting += all_here - begin;
+    flight->report.waiting += all_here - begin;
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = must_stop(flight);
     CML_TRY(cml_work_return(&flight->work, hand->left, flown_of(hand), &stop, err));
@@ -363,11 +369,11 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     const bool decides = cml_cluster_rank() == 0;
     CML_TRY(cml_cluster_agree(decides ? decide(flight, stop, all_here, next, err) : CML_OK, err));
     CML_TRY(share_decision(flight, next, err));
-    flight->mine.summing += cml_now() - all_here;
+    flight->report.summing += cml_now() - all_here;
     return CML_OK;
 }
 
-/* From synchronisation to synchronisation until rank 0 says that it is enough. */
+/* Flies from synchronisation to synchronisation until rank 0 ends the run. */
 static cml_status fly_all(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -387,14 +393,14 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
 
 /* ---- beginning and end ---- */
 
-/* Photons of the first round. */
+/* Returns the photons of the first round: `photons`, rounded up to whole batches with --target-error. */
 static uint64_t first_round(const struct cml_run_setup *setup)
 {
     if (setup->target_error <= 0) return setup->photons;
     return (setup->photons + CML_NUM_BATCHES - 1) / CML_NUM_BATCHES * CML_NUM_BATCHES;
 }
 
-/* Whether rounds of this run end there. */
+/* True if a round of this run ends with photon end - 1. */
 static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
 {
     uint64_t end_of_round = first_round(setup);
@@ -402,7 +408,7 @@ static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
     return end_of_round == end;
 }
 
-/* A checkpoint says that the run is finished, but somebody took a file of its result away. */
+/* Notes that the checkpoint is of a finished run, but a file of its result was taken away. */
 static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_intent intent)
 {
     const char *slash = strrchr(setup->gone, '/');
@@ -414,7 +420,7 @@ static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_int
     setup->on_note(setup->context, text);
 }
 
-/* Whether a checkpoint of this identity is of this part, or like this run of no part. */
+/* True if a checkpoint of the run's identity is of the same part, or neither is of a part. */
 static bool is_same_part(const struct cml_run_setup *setup, const struct cml_run_state *state)
 {
     const struct cml_part *part = &setup->part;
@@ -422,7 +428,7 @@ static bool is_same_part(const struct cml_run_setup *setup, const struct cml_run
            (part->count == 0 || state->begin == setup->base);
 }
 
-/* On rank 0: what there is to do, and the state of a checkpoint where --resume asks for it. */
+/* Decides on rank 0 what the run has to do, and reads the checkpoint where --resume asks for one. */
 static cml_status restore(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -466,9 +472,9 @@ cml_status cml_run_read_base(const struct cml_run_setup *setup, struct cml_run_s
     return CML_OK;
 }
 
-/* On rank 0: the finished run as the first round, and what is to follow as the next. Which photon is which
- * point of which batch does not depend on their number (kernels/balance.h), so nothing is left to be
- * repaired. The checkpoint follows at once: --resume then knows that this was begun. */
+/* On rank 0, for --more: takes the finished run as the first round, and the new photons as the next. A
+ * photon's point within its batch does not depend on the number of photons (kernels/balance.h), so the old
+ * tallies stay valid. The checkpoint is written at once: --resume then knows that the extension has begun. */
 static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -482,7 +488,7 @@ static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
     return cml_checkpoint_write(setup->checkpoint, setup->identity, NULL, state, result, err);
 }
 
-/* On rank 0: where the flight begins. */
+/* Sets on rank 0 which photons there are to fly. */
 static cml_status begin_state(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -490,7 +496,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     if (flight->out->intent == CML_RUN_EXTEND) return begin_after_base(flight, err);
     struct cml_run_state *state = &flight->state;
     if (flight->out->intent == CML_RUN_FRESH) {
-        state->begin = setup->base; /* of a part; else 0 */
+        state->begin = setup->base; /* photons of the run that a part extends; else 0 */
         state->end = flight->out->result.photons = first_round(setup);
         CML_TRY(
             cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
@@ -502,7 +508,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     return CML_OK;
 }
 
-/* What may fail on one rank alone; run_flight makes all ranks agree on it before the first photon. */
+/* Does all that may fail on one rank alone. All ranks agree on the outcome in run_flight. */
 static cml_status open_flight(struct flight *flight, const struct cml_tally_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -516,7 +522,7 @@ static cml_status open_flight(struct flight *flight, const struct cml_tally_grid
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
 
-/* How each rank spent its time, for --verbose and --json. */
+/* Gathers how each rank spent its time, for --verbose and --json. */
 static cml_status gather_reports(struct flight *flight, struct cml_error *err)
 {
     struct cml_run_result *out = flight->out;
@@ -527,28 +533,29 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
         timing->rank ? CML_OK
                      : cml_fail_memory(err, timing->ranks * (double)sizeof *timing->rank, "the ranks");
     CML_TRY(cml_cluster_agree(status, err));
-    flight->mine.elapsed = cml_now() - flight->begin;
-    flight->mine.processor = processor_seconds() - flight->mine.processor;
-    timing->seconds = flight->state.seconds + flight->mine.elapsed;
+    flight->report.elapsed = cml_now() - flight->begin;
+    flight->report.processor = processor_seconds() - flight->report.processor;
+    timing->seconds = flight->state.seconds + flight->report.elapsed;
     out->state = (struct cml_run_state){
         .begin = flight->state.begin, .end = flight->state.end, .seconds = timing->seconds};
-    return cml_cluster_gather(&flight->mine, sizeof flight->mine, timing->rank, err);
+    return cml_cluster_gather(&flight->report, sizeof flight->report, timing->rank, err);
 }
 
-/* Between the agreement that everyone is ready and the last synchronisation nobody may leave: the others
- * would wait for it. So failures are carried there, and agreed on. */
+/* Flies, if all ranks are ready. No rank may leave between the agreement on `ready` and the last
+ * synchronisation: the others would wait for it. Failures are therefore carried to the next synchronisation
+ * and agreed on there. */
 static cml_status run_flight(struct flight *flight, cml_status ready, struct cml_error *err)
 {
     enum next_step next = flight->out->intent == CML_RUN_NOTHING_LEFT ? FINISHED : CONTINUE;
     CML_TRY(cml_cluster_agree(ready, err));
     CML_TRY(share_decision(flight, &next, err));
     if (next == FINISHED) {
-        flight->out->intent = CML_RUN_NOTHING_LEFT; /* other ranks have not looked */
+        flight->out->intent = CML_RUN_NOTHING_LEFT; /* other ranks did not know */
         return CML_OK;
     }
     flight->work.flown = all_photons(flight) - flight->state.open.total;
     flight->begin = cml_now();
-    flight->mine.processor = processor_seconds();
+    flight->report.processor = processor_seconds();
     flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint && flight->setup->interval > 0
                       ? flight->begin + flight->setup->interval
                       : INFINITY;
@@ -563,7 +570,7 @@ struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
     return grid;
 }
 
-/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
+/* Clears all members first, so that every step may fail: closing what is zero does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_run_grid(setup);

@@ -6,15 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BLOCK_BYTES ((size_t)1 << 18) /* of rows that a rank sends at a time, but one row at least */
+#define BLOCK_BYTES ((size_t)1 << 18) /* bytes of rows that a rank sends at a time; at least one row */
 
-/* What a rank sends at a time: rows stand behind it. */
+/* Head of the message with which a rank sends saved packets; the rows stand behind it. */
 struct block {
-    uint64_t count, left; /* rows here, and after these */
-    uint64_t unkept;      /* packets whose rows do not stay, with the first block */
+    uint64_t count, left; /* rows in this message, and rows still to come */
+    uint64_t unkept;      /* packets found whose rows are not kept; counted in the first message only */
 };
 
-/* Rows from `*sent` on into the block. */
+/* Fills the block with the next rows, from `*sent` on. */
 static void fill(struct cml_saved *saved, size_t kept, size_t most, size_t *sent, struct block *block)
 {
     const size_t size = cml_saved_row_bytes(cml_saved_media(saved));
@@ -24,7 +24,7 @@ static void fill(struct cml_saved *saved, size_t kept, size_t most, size_t *sent
     block->left = kept - *sent;
 }
 
-/* On rank 0: the blocks of all others. Returns whether any rank has more. */
+/* Adds the blocks of all other ranks, on rank 0. Returns nonzero if any rank has more rows. */
 static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
 {
     uint64_t left = 0;
@@ -37,7 +37,8 @@ static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
     return left;
 }
 
-/* blocks: room for one of every rank on rank 0, and for one on the others. */
+/* Moves all rows to rank 0, block by block. blocks: room for one block of each rank on rank 0, unused
+ * elsewhere. mine: room for this rank's block. */
 static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, char *blocks, char *mine,
                            struct cml_error *err)
 {

@@ -12,18 +12,19 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-/* Written by a signal handler, which any thread may be interrupted for, and read by all threads between two
- * pieces: such an object must be atomic, and without a lock (C11, 5.1.2.3 and 7.14.1.1). */
+/* True while photons fly. `flying` and `requested` are written by a signal handler, which may interrupt any
+ * thread, and read by all threads between two pieces: they must be atomic and lock-free (C11, 5.1.2.3 and
+ * 7.14.1.1). */
 static atomic_int flying;
-static atomic_llong requested; /* when, ms */
+static atomic_llong requested; /* time of the first signal, ms; 0: none */
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2 && ATOMIC_LLONG_LOCK_FREE == 2,
                "a signal handler cannot wait for a lock");
 
-/* A signal that comes more than a second after the first ends the process as if it had not been caught: exit
- * code 128 + number, as shells report it. _exit, because exit is not safe in a handler; clock_gettime is.
- * Sooner it is the same wish: launchers and batch systems send one to the process and once more to its group.
- * Ctrl-C is no exception: a run that was asked to stop does so within a second, and hours of it are worth
- * more than a third press of the key. */
+/* The signal handler. A signal more than a second after the first ends the process as if it were not caught,
+ * with exit code 128 + number, as shells report it. An earlier one is the same wish: launchers and batch
+ * systems send a signal to the process and again to its group. Ctrl-C is no exception: a run stops within a
+ * second of the first press, and hours of results are worth a third press. _exit and clock_gettime are safe
+ * in a handler; exit is not. */
 static void remember(int signal)
 {
     static const char early[] = "clustermcml: stopped before the flight: nothing was written\n";
@@ -48,7 +49,7 @@ void cml_stop_without_reader(void)
     raise(SIGPIPE);
 }
 
-/* A parent that ended before prctl sends no signal. */
+/* Tests the parent again after prctl: no signal comes from a parent that ended before. */
 void cml_stop_with_parent(void)
 {
     const char *text = getenv("CLUSTERMCML_PARENT");
@@ -58,8 +59,8 @@ void cml_stop_with_parent(void)
     if (getppid() != parent) raise(SIGTERM);
 }
 
-/* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
- * nohup and the like set signals to be ignored, and mean it. */
+/* SA_RESTART: calls of file and MPI functions under way must not fail for a signal that is only remembered.
+ * Signals that are ignored stay ignored, because nohup and its like set them so on purpose. */
 void cml_stop_before_flight(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};

@@ -1,9 +1,9 @@
-/* What there is to say of a run beside its flight: may its result be trusted, how much memory does it take?
+/* Two questions about a run beside its flight: may its result be trusted, and how much memory does it take?
  * SPDX-License-Identifier: MIT */
 #include "run/run.h"
 
-/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
- * allowed as long as it is rarer than the noise of any run. */
+/* Tests the imbalance first, because it is a fault of the program. Lost packets are a numerical failure that
+ * is allowed while it is rarer than the noise of any run. */
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {
@@ -20,8 +20,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
     return CML_OK;
 }
 
-/* The result, the tally that has what threads share, and the tally of each thread; what the engine itself
- * takes is counted where its surfaces are made. */
+/* Counts the result, the tally that threads share, and the tally of each thread. Memory of the engine itself
+ * is counted where its surfaces are made. */
 double cml_run_bytes(const struct cml_tally_grid *grid, int threads)
 {
     const struct cml_tally_grid of_thread = cml_tally_grid_of_thread(grid);

@@ -6,18 +6,20 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define FIRST_WANT 1024  /* packets of a rank's first range, whose speed nobody knows yet */
-#define LEAST_PIECE 4096 /* packets: fewer leave threads and vectors without work */
+#define FIRST_WANT 1024  /* packets of a rank's first range, when its speed is not known yet */
+#define LEAST_PIECE 4096 /* packets: smaller pieces leave threads and vector lanes without work */
 
-/* Seconds that a range shall take. Rank 0 can answer some 1e5 requests per second; at this pace 1e4 ranks
- * send 1e4. A piece shall take 25 times its overhead, a range two pieces at least. */
+/* Returns the seconds that a range shall take. Rank 0 can answer some 1e5 requests per second; at this pace
+ * 1e4 ranks send 1e4 per second. A piece shall take 25 times its overhead, and a range at least two pieces.
+ */
 static double target_seconds(const struct cml_work_ranges *work)
 {
     return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * work->overhead));
 }
 
-/* Half of the rank's share of what is left, by what ranks last wanted, which is as their speeds; but not
- * below a sixteenth of what was asked for: that would cost more in requests than it saves in waiting. */
+/* Returns half of the rank's share of the photons left, but no more than it wants. Shares are in proportion
+ * to what ranks last wanted, and hence to their speeds. A range is not smaller than a sixteenth of what was
+ * wanted: the requests would cost more than they save in waiting. */
 static uint64_t fair_count(struct cml_work_ranges *work, int rank, uint64_t want)
 {
     if (cml_cluster_size() == 1) return want;
@@ -29,7 +31,8 @@ static uint64_t fair_count(struct cml_work_ranges *work, int rank, uint64_t want
     return fair > least ? fair : least;
 }
 
-/* On rank 0, for any rank. Once nothing is left all must synchronise: ranks may still bring indices back. */
+/* Takes a range for any rank, on rank 0. Once no photon is left all ranks must synchronise, since some may
+ * still give indices back. */
 static struct cml_range take(struct cml_work_ranges *work, int rank, uint64_t want, uint64_t flown)
 {
     struct cml_range range = {0};
@@ -52,8 +55,8 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = range.count;
 }
 
-/* All ranks begin with the same small range, because their speeds are not known: all_wants is their sum
- * then. */
+/* Gives all ranks the same small first range, because their speeds are not known yet; all_wants is the sum of
+ * these. */
 cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, struct cml_error *err)
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
@@ -88,21 +91,21 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
     return CML_OK;
 }
 
-/* The least that was seen: the others were held up. */
+/* Keeps the least overhead seen: longer ones were held up by other work. */
 void cml_work_batch_ended(struct cml_work_ranges *work, double seconds)
 {
-    const double overhead = 2 * seconds; /* clearing the tally, or gathering it, costs about as much again */
+    const double overhead = 2 * seconds; /* clearing or gathering the tally costs about as much again */
     if (work->overhead <= 0 || overhead < work->overhead) work->overhead = overhead;
 }
 
-/* At most a quarter of a range, but not below 25 times the overhead of a piece. */
+/* Returns the packets of a piece: a quarter of a range at most, but not less than 25 times the overhead. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
     const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));
     return (uint64_t)fmax(LEAST_PIECE, (double)work->want / pieces);
 }
 
-/* Others may take what is open, so several ranks know of what they have in hand only. */
+/* Returns 0 for several ranks: others may take what is open, so a rank is sure only of its range in hand. */
 uint64_t cml_work_open_count(const struct cml_work_ranges *work)
 {
     if (cml_cluster_size() > 1) return 0;
@@ -117,25 +120,26 @@ uint64_t cml_work_flown(struct cml_work_ranges *work)
     return flown;
 }
 
-/* Times within two thirds and twice the target change nothing, and no step is larger than a factor of 4 down
- * or 8 up: a single range that was disturbed must not upset the next. */
+/* Times between a half and three halves of the target change nothing. A step is at most a factor of 4 down or
+ * 8 up, so that a single disturbed range does not upset the next. */
 void cml_work_timed(struct cml_work_ranges *work, struct cml_range range, double seconds)
 {
     const double ratio = target_seconds(work) / fmax(seconds, 1e-9);
-    if (range.count < work->want) return; /* cut short: says little of the speed */
+    if (range.count < work->want) return; /* cut short: says little about the speed */
     if (ratio > 0.67 && ratio < 2) return;
     const double want = (double)work->want * fmin(8, fmax(0.25, ratio));
     work->want = (uint64_t)fmin((double)CML_TALLY_MAX_PHOTONS, fmax(1, want));
 }
 
-/* What a rank brings to a synchronisation. */
+/* One rank's message to rank 0 at a synchronisation. */
 struct returned {
     struct cml_range left;
     uint64_t flown;
     uint64_t stop;
 };
 
-/* On rank 0. What a rank did not fly is open again; ranges need no order. */
+/* Adds up the messages of all ranks, on rank 0. Photons that a rank did not fly are open again, in any order.
+ */
 static cml_status collect(struct cml_work_ranges *work, const struct returned *all, bool *stop,
                           struct cml_error *err)
 {
@@ -147,8 +151,8 @@ static cml_status collect(struct cml_work_ranges *work, const struct returned *a
     return CML_OK;
 }
 
-/* Both ends agree on their status, because a rank that failed to get memory must not leave the others in
- * the gather. */
+/* Agrees on the status before and after the gather: a rank without memory must not leave the others waiting
+ * in it. */
 cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, uint64_t flown, bool *stop,
                            struct cml_error *err)
 {

@@ -1,10 +1,10 @@
-# Fills a template of the manual page or of the completion with what `clustermcml help` says, so that neither can say
-# anything else: awk -v version=V -v date=D -v datadir=DIR -f help.awk HELP TEMPLATE
-# HELP is what help.cmake writes. A line of the template that is one of the keys of `block` gives way to that block;
-# @VERSION@, @DATE@ and @DATADIR@ to the values.
+# Fills the template of the manual page, or of the completion, with the text of `clustermcml help`, so that all three
+# agree: awk -v version=V -v date=D -v datadir=DIR -f help.awk HELP TEMPLATE
+# HELP is the file that help.cmake writes. A line of the template that is a key of `block` is replaced by that block;
+# @VERSION@, @DATE@ and @DATADIR@ are replaced by the values.
 # SPDX-License-Identifier: MIT
 
-# Text of the manual page: the characters that roff would read as its own, and `words` and **words** in bold.
+# Returns text for roff: its special characters are escaped, `words` and **words** are bold.
 function roff(text) {
     gsub(/\\/, "\\e", text)
     gsub(/-/, "\\-", text)
@@ -15,18 +15,18 @@ function roff(text) {
     return text
 }
 
-# What match found, without its marks.
+# Returns the text that match found, without its marks.
 function bold(text, marks) {
     return substr(text, 1, RSTART - 1) "\\fB" substr(text, RSTART + marks, RLENGTH - 2 * marks) "\\fR" \
            substr(text, RSTART + RLENGTH)
 }
 
-# A line that begins like a request would be one.
+# Escapes a line that roff would read as a request.
 function guarded(line) {
     return line ~ /^[.']/ ? "\\&" line : line
 }
 
-# Running text, in lines of at most 80 bytes.
+# Adds running text, in lines of at most 80 bytes.
 function prose(text,    count, words, i, line, lines) {
     count = split(roff(text), words, " ")
     line = words[1]
@@ -39,7 +39,7 @@ function prose(text,    count, words, i, line, lines) {
     return lines guarded(line)
 }
 
-# What is typed as it stands in bold, what the user fills in in italics, brackets and dots as they are.
+# Marks up a command line: literal words bold, words that the user replaces in italics, brackets and dots plain.
 function typed(text, fixed,    count, words, i, word, line) {
     count = split(text, words, " ")
     for (i = 1; i <= count; i++) {
@@ -56,7 +56,7 @@ function add(key, line) {
     block[key] = block[key] line "\n"
 }
 
-# ---- lists of items: what is typed, two or more spaces, what it does; further lines are indented ----
+# ---- lists of items: the words to type, two or more spaces, the description; further lines are indented ----
 
 function item(line) {
     end_item()
@@ -80,7 +80,7 @@ function end_item() {
     left = right = ""
 }
 
-# "-o, --output-dir DIR" gives -o and --output-dir.
+# Finds the options of an item: "-o, --output-dir DIR" gives -o and --output-dir.
 function names(text, between,    count, parts, i, list) {
     count = split(text, parts, /[ ,]+/)
     for (i = 1; i <= count; i++)
@@ -88,7 +88,7 @@ function names(text, between,    count, parts, i, list) {
     return list
 }
 
-# To the manual page, and to the completion with the words that it takes.
+# Adds an option to the manual page and, with the words that it takes, to the completion.
 function option(    count, parts, list) {
     add("@OPTIONS@", ".TP\n" typed(left, 0) "\n" prose(right))
     count = split(left, parts, " ")
@@ -97,7 +97,7 @@ function option(    count, parts, list) {
     add("@VALUES@", "    " names(left, "|") ") takes_value=1 words=\"" list "\" ;;")
 }
 
-# "auto (default), plane, cone or mesh" gives auto plane cone mesh.
+# Finds the words that an option takes: "auto (default), plane, cone or mesh" gives auto plane cone mesh.
 function choices(text,    count, parts, i, list) {
     gsub(/ *\([^)]*\)/, "", text)
     sub(/^.*: /, "", text)
@@ -155,7 +155,7 @@ function text_line(line) {
     paragraph = paragraph " " line
 }
 
-# As it stands.
+# Adds lines without changes.
 function code_line(line) {
     end_paragraph()
     if (!code) add(key, (fresh ? "" : ".PP\n") ".RS 4\n.nf")
@@ -174,7 +174,7 @@ function end_code() {
     code = 0
 }
 
-# The first row names the columns, the second is a rule.
+# Adds a row of a table: the first row names the columns, the second is a rule.
 function row(line,    count, cells, i, rest) {
     end_paragraph()
     if (++rows <= 2) return

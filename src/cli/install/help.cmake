@@ -1,8 +1,8 @@
-# All that `clustermcml help` can print, in one file: cmake -D PROGRAM=COMMAND -D OUTPUT=FILE -P help.cmake
-# Before each part stands a line: @list, @options, @command NAME or @text NAME.
+# Writes all that `clustermcml help` can print into one file: cmake -D PROGRAM=COMMAND -D OUTPUT=FILE -P help.cmake
+# A line stands before each part: @list, @options, @command NAME or @text NAME.
 # SPDX-License-Identifier: MIT
 cmake_policy(VERSION 3.22)
-# a program under the address sanitizer may not fail for a library's leak
+# a program under the address sanitizer must not fail because a library leaks memory
 set(ENV{ASAN_OPTIONS} detect_leaks=0)
 
 function(cml_ask part)
@@ -14,7 +14,7 @@ function(cml_ask part)
     set(answer "${answer}" PARENT_SCOPE)
 endfunction()
 
-# The names of the items below a heading of the list.
+# Finds the names of the items below a heading of the list.
 function(cml_items heading result)
     string(REGEX REPLACE ".*\n${heading}\n" "" items "${list}")
     string(REGEX REPLACE "\n\n.*" "" items "\n${items}")

@@ -1,10 +1,10 @@
-# What `cmake --install` copies. The manual page and the completion are written by the program's own help, so their
-# texts stand here, beside the command line they describe; package.cmake makes a Debian package of it all.
+# The files that `cmake --install` copies. The manual page and the completion come from the program's own help;
+# their templates stand in this folder. package.cmake makes a Debian package of these files.
 # SPDX-License-Identifier: MIT
 set(here ${CMAKE_CURRENT_LIST_DIR})
 set(pages ${CMAKE_CURRENT_BINARY_DIR}/pages)
 
-# The day of the commit, so that the same source gives the same bytes.
+# The date is that of the commit, so that the same source gives the same bytes.
 execute_process(COMMAND git -C ${CMAKE_CURRENT_SOURCE_DIR} log -1 --date=format:%Y-%m-%d --format=%cd
                 OUTPUT_VARIABLE CLUSTERMCML_DATE OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 execute_process(COMMAND git -C ${CMAKE_CURRENT_SOURCE_DIR} log -1 --format=%cD
@@ -14,7 +14,7 @@ if(NOT CLUSTERMCML_DATE)
     string(TIMESTAMP CLUSTERMCML_TIME "%a, %d %b %Y %H:%M:%S +0000" UTC)
 endif()
 
-# A program for another machine cannot be asked, unless an emulator runs it.
+# A program built for another machine cannot print its help, unless an emulator runs it.
 set(CLUSTERMCML_PAGES ON)
 if(CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
     set(CLUSTERMCML_PAGES OFF)
@@ -31,11 +31,11 @@ endfunction()
 install(TARGETS clustermcml RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES README.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
-# without the scripts that build from source, and those that make what is here
+# without the scripts that build from source, and those that make the samples
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
         FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md" PATTERN "*.png"
         PATTERN "*.txt" PATTERN "*.csv" PATTERN "*.ipynb")
-# The package, for plot, compare and view; a wheel has it above its program.
+# The Python package, for plot, compare and view; in a wheel it lies above the program.
 if(NOT SKBUILD)
     install(DIRECTORY src/python/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/python
             FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)

@@ -6,7 +6,7 @@ if(NOT GZIP OR NOT CLUSTERMCML_PAGES)
     return()
 endif()
 
-# Who makes a package is its maintainer: DEBFULLNAME and DEBEMAIL, as for Debian's own tools.
+# The maintainer is the one who makes the package: DEBFULLNAME and DEBEMAIL, as for Debian's own tools.
 set(maintainer "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 if(NOT maintainer MATCHES "^[^ ].* <.+>$")
     set(maintainer "clustermcml authors <authors@clustermcml.invalid>")
@@ -20,7 +20,7 @@ file(WRITE ${debian}/changelog "clustermcml (${PROJECT_VERSION}) unstable; urgen
 
  -- ${maintainer}  ${CLUSTERMCML_TIME}
 ")
-# LICENSE is a title, the copyright line and the text; an empty line of the text is a dot there.
+# LICENSE has a title, the copyright line and the text. In a copyright file a dot stands for an empty line.
 file(READ LICENSE license)
 string(REGEX MATCH "Copyright \\(c\\) ([^\n]*)\n\n(.*)$" matched "${license}")
 set(holder "${CMAKE_MATCH_1}")
@@ -40,7 +40,7 @@ add_custom_command(OUTPUT ${debian}/changelog.gz ${debian}/clustermcml.1.gz
     COMMAND ${GZIP} -9nc ${debian}/changelog > ${debian}/changelog.gz
     COMMAND ${GZIP} -9nc ${pages}/clustermcml.1 > ${debian}/clustermcml.1.gz)
 add_custom_target(debian ALL DEPENDS ${debian}/changelog.gz ${debian}/clustermcml.1.gz)
-# else both targets would write the page at the same time
+# otherwise both targets would write the manual page at the same time
 add_dependencies(debian pages)
 install(FILES ${debian}/changelog.gz ${debian}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}
         COMPONENT debian EXCLUDE_FROM_ALL)

@@ -1,5 +1,5 @@
-# A recipe for Spack, of the checkout that it stands in: in an environment,
-# `spack develop --path CHECKOUT clustermcml@main` builds it. A repository of Spack wants it as
+# Recipe for Spack, which builds the checkout that it stands in: `spack develop --path CHECKOUT
+# clustermcml@main` in an environment. In a repository of Spack its name must be
 # packages/clustermcml/package.py.
 # SPDX-License-Identifier: MIT
 from spack.package import *

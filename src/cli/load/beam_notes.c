@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* line: of the .mci. */
+/* Shows a note on a line of the .mci file. */
 CML_PRINTF(3, 4)
 static void note_line(const struct cml_scene *scene, int line, const char *format, ...)
 {
@@ -26,8 +26,9 @@ static void note_line(const struct cml_scene *scene, int line, const char *forma
 
 #define note(scene, b, ...) note_line(scene, (scene)->boundaries[b].line, __VA_ARGS__)
 
-/* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the
- * plane in which the boundary goes on, which may or may not be meant. */
+/* Notes beams and maps that reach beyond a mesh. Light there meets the plane in which the boundary continues,
+ * which may not be meant. The beam's axis is taken as straight, without refraction, down to the depth of the
+ * mesh's border. */
 static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -50,8 +51,8 @@ static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_er
     return CML_OK;
 }
 
-/* The first boundary with a shape of its own that all light of a pencil meets on one straight line: nothing
- * above it scatters, and no plane above it refracts. -1: there is none. */
+/* Returns the first boundary with a shape that all light of a pencil meets on one straight line: no medium
+ * above it scatters, and no plane above it refracts. -1: none. */
 static int first_shape(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
@@ -62,8 +63,8 @@ static int first_shape(const struct cml_scene *scene)
     return -1;
 }
 
-/* What a pencil shows of a rough surface is the point that it meets. Rings about the axis are different: who
- * lights them by a pencil means their middle. */
+/* Notes a pencil on a rough surface: its results are those of the one point it meets. Rings about the axis
+ * are left out, because a pencil on them is meant for their middle. */
 static void note_pencil(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_beam *beam = &scene->beams[0];
@@ -88,8 +89,9 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
          hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]), advice);
 }
 
-/* Notes a rectangle that lights no whole number of periods of a tile along its own x and y: then part of the
- * tile has more light than the rest. On a level plane the rectangle is 1 / cos(angle) times as long. */
+/* Notes a rectangle that does not light a whole number of periods of a tile along x and y: one part of the
+ * tile then gets more light than the rest. On a level plane an oblique rectangle is longer by 1 / cos(angle).
+ */
 static void note_periods(const struct cml_scene *scene, int k, int b)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -113,7 +115,7 @@ static void note_periods(const struct cml_scene *scene, int k, int b)
                   k + 1, beam->azimuth * to, b);
 }
 
-/* Rectangles from above that were meant to light a tile evenly. */
+/* Notes rectangles from above that light a tile unevenly. */
 static void note_rectangles(const struct cml_scene *scene)
 {
     int b = 0;
@@ -122,15 +124,15 @@ static void note_rectangles(const struct cml_scene *scene)
         if (scene->beams[k].shape == CML_BEAM_RECTANGLE && !scene->beams[k].inside) note_periods(scene, k, b);
 }
 
-/* Whether light about the axis has rays between the angles t and pi - t to the vertical, on either side. */
-static bool is_flat(const struct cml_beam *beam, double n, double t)
+/* True if light about the axis has rays with an angle between t and pi - t to the vertical. */
+static bool has_flat_rays(const struct cml_beam *beam, double n, double t)
 {
     const double widest = cml_light_widest(&beam->light, n);
     return beam->angle + widest > t && beam->angle - widest < CML_PI - t;
 }
 
-/* Light of a clear layer that both neighbours reflect totally runs round for ever, at least between planes.
- * A rough boundary on either side turns it until it leaves. */
+/* Notes light that starts in a clear layer with total reflection at both neighbours: it stays there for ever,
+ * at least between planes. A rough boundary on either side would turn it until it leaves. */
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -140,7 +142,8 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
         if (cml_is_rough(&scene->boundaries[b].rough)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);
-    if (cml_medium_mut(own) > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;
+    if (cml_medium_mut(own) > 0 || most >= own->n || !has_flat_rays(beam, own->n, asin(most / own->n)))
+        return;
     note_line(
         scene, beam->line,
         "beam %d starts in layer %d, which is clear and has a larger n than both its neighbours: what planes "
@@ -148,7 +151,8 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
         k + 1, medium, asin(most / own->n) * 180 / CML_PI);
 }
 
-/* Beyond all heights of the first or last surface, and on its way further out with all its light. */
+/* Notes a beam that starts beyond all heights of the first or last surface, and leads away from it with all
+ * its light. */
 static void note_lost(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];

@@ -19,14 +19,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* What is checked is what will fly. */
+/* Checks the shapes of all scenes, just as they will be flown. */
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
     for (int i = 0; i < list->count; i++) CML_TRY(cml_scene_check_shapes(&list->scenes[i], err));
     return CML_OK;
 }
 
-/* KiB. All samples and commands, with the compiler of PoCL, did with 192 (x86-64, gcc 12). */
+/* KiB; all samples and commands, with the compiler of PoCL, ran with 192 (x86-64, gcc 12) */
 enum { LEAST_STACK = 256 };
 
 cml_status cml_check_stack(struct cml_error *err)
@@ -46,18 +46,19 @@ void cml_show_note(void *context, const char *text)
     cml_print_line(stderr, text);
 }
 
-/* Shows a note of the reader on rank 0 alone, as all ranks read the same. */
+/* Shows a note of the reader on rank 0 only, because all ranks read the same files. */
 static void note_input(void *context, const char *text)
 {
     if (cml_cluster_rank() == 0) cml_show_note(context, text);
 }
 
+/* True if the options make planes of all boundaries. */
 static bool is_flat(const struct cml_options *options)
 {
     return options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
 }
 
-/* The table of --sweep is an input like others: it is checked now, and read again by all ranks. */
+/* Checks the table of --sweep. The table is an input like others, which all ranks read again later. */
 static cml_status read_sweep(const struct cml_options *options, const struct cml_text_source *source,
                              struct cml_error *err)
 {
@@ -68,7 +69,7 @@ static cml_status read_sweep(const struct cml_options *options, const struct cml
     return CML_OK;
 }
 
-/* Two numbers, of which one would not be looked at. */
+/* Refuses a setting of photons beside --photons: one of them would be ignored. */
 static cml_status check_photons(const struct cml_options *options, const struct cml_settings *settings,
                                 struct cml_error *err)
 {
@@ -96,7 +97,7 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
     return status;
 }
 
-/* What was found to lie apart does so still. */
+/* True if all boundaries have the same shape and depth, so that those found not to cross still do not. */
 static bool lies_alike(const struct cml_scene *one, const struct cml_scene *other)
 {
     for (int b = 0; b <= one->num_layers; b++)
@@ -124,8 +125,8 @@ cml_status cml_copy_scene(const struct cml_options *options, const struct cml_se
     return status;
 }
 
-/* On a terminal the line is of use at once, in a log only where the wait is as long as that for the first
- * line of a run's progress. Rank 0 speaks for all. */
+/* Shows that a large mesh is being made: on a terminal at once; in a log only if the wait is as long as that
+ * for the first line of progress. Only rank 0 shows it. */
 static void show_large_mesh(void *context, const char *text, double seconds)
 {
     const struct cml_options *options = context;
@@ -155,6 +156,7 @@ cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_
     return status;
 }
 
+/* Sends the bytes of the files that rank 0 read to all ranks. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
     char *block = NULL;
@@ -169,6 +171,7 @@ static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
     return status;
 }
 
+/* Reads the scenes on rank 0, and on the other ranks from the same bytes. */
 static cml_status load_shared(const struct cml_options *options, struct cml_scene_list *list,
                               struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -225,15 +228,15 @@ cml_status cml_output_path(const struct cml_options *options, const char *name, 
 }
 
 struct memory {
-    double most, tallies, output; /* bytes on this machine: ever, by the photons' flight, by writing the
-                                   * results */
+    /* Bytes on this machine: the most at any time, the tallies in flight, writing the results. */
+    double most, tallies, output;
 };
 
-/* Bytes that this process holds, and the most that it has held. Not getrusage: that begins with what the
+/* Sets the bytes that this process holds now, and the most it has held. getrusage would also count what the
  * process held that started this one. */
 static void find_held(double *now, double *most)
 {
-    FILE *file = fopen("/proc/self/status", "r"); /* proc(5): kB */
+    FILE *file = fopen("/proc/self/status", "r"); /* proc(5): sizes in kB */
     char line[256];
     double kibibytes;
     *now = *most = 0;
@@ -244,15 +247,15 @@ static void find_held(double *now, double *most)
     if (file) fclose(file);
 }
 
-/* The most photons that fly. Photons that a run had flown before --more are not known here. */
+/* Returns the most photons of a run. Photons flown before --more are not known here. */
 static uint64_t most_photons(const struct cml_options *options, const struct cml_scene *scene)
 {
     if (options->target_error > 0) return UINT64_MAX;
     return (options->photons ? options->photons : scene->photons) + options->more;
 }
 
-/* What reading took for a while is given back before the flight, and what the engine took before results are
- * written. */
+/* Estimates the memory of a run. Memory that reading needs for a while is free again before the flight, and
+ * the engine's before results are written. */
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
 {
@@ -268,8 +271,9 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     struct memory memory = {.tallies = cml_run_bytes(&grid, threads) * ranks,
                             .output = cml_report_bytes(scene, &grid)};
     const double flight =
-        ranks * (world + mib * (4 + threads));  /* stacks and bundles of threads, libraries */
-    const double counted = mib * (1 + threads); /* or not yet: each thread adds up some pages first */
+        ranks * (world + mib * (4 + threads)); /* threads' stacks and bundles of packets, libraries */
+    /* the kernel counts late: each thread adds up some pages first */
+    const double counted = mib * (1 + threads);
     memory.most =
         fmax((so_far + counted) * ranks, now * ranks + memory.tallies + fmax(flight, memory.output));
     return memory;
@@ -318,8 +322,8 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }
 
-/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake,
- * and rank 0 speaks for all. */
+/* Notes more threads than cores, which take turns and are slow; the usual mistake under mpiexec. Only rank 0
+ * notes it. */
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Begins the last sentence of compare, plot, view, brdf and profile. */
+/* Begins the last sentence of the texts of compare, plot, view, brdf and profile. */
 #define OF_PACKAGE "The Python package does it: needs python3, h5py, matplotlib and xarray; clustermcml "
 
 const struct cml_command_def cml_commands[] = {

@@ -1,12 +1,12 @@
-/* The commands of the program: their names, operands and texts. What they do stands in cli/command_NAME.c.
+/* The commands of the program: names, operands and texts. cli/command_NAME.c has their functions.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <stdbool.h>
 
-/* In the order of the help: enumerator, function cml_command_NAME, and whether all ranks work; else rank 0
- * alone does, and the others wait for its status. PYTHON: a command of the Python package, with no
- * function here. */
+/* All commands in the order of the help: enumerator, function cml_command_NAME, and true if all ranks work;
+ * else rank 0 alone works, and the others wait for its status. PYTHON: a command of the Python package,
+ * without a function here. */
 #define CML_COMMANDS(C, PYTHON)                                                                              \
     C(RUN, run, true)                                                                                        \
     C(PLAN, plan, true)                                                                                      \
@@ -31,19 +31,19 @@ enum cml_command { CML_COMMANDS(CML_ENUMERATOR, CML_ENUMERATOR) CML_NUM_COMMANDS
 
 struct cml_command_def {
     const char *name;
-    const char *operands; /* as the help shows them, "" where there are none */
-    int least, most;      /* how many */
-    const char *summary;  /* half a line */
-    const char *text;     /* what it does, as one paragraph */
-    const char *example;  /* one line each, each ended by a line feed */
+    const char *operands; /* operands as the help shows them; "" for none */
+    int least, most;      /* numbers of operands allowed */
+    const char *summary;  /* summary of half a line */
+    const char *text;     /* description, one paragraph */
+    const char *example;  /* examples, each ended by a line feed */
 };
 
-/* [CML_NUM_COMMANDS] */
+/* [CML_NUM_COMMANDS] table of all commands */
 extern const struct cml_command_def cml_commands[];
 
-/* The command of that name, CML_NUM_COMMANDS when there is none. */
+/* Returns the command of that name, or CML_NUM_COMMANDS. */
 enum cml_command cml_command_find(const char *name);
 
-/* The name that was probably meant: one that begins with the word and is the only one that does, else the one
- * that is at most two letters away. NULL: none. */
+/* Returns the name that was probably meant: the only one that begins with the word, else the one that differs
+ * by at most two letters. NULL: none. */
 const char *cml_command_guess(const char *word);

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Columns: of the text, and of what an item does. */
+/* Columns of the text, and column where the description of an item begins. */
 enum { WIDTH = 80, INDENT = 26 };
 
 static const char usage[] = "usage: clustermcml [COMMAND] OPERANDS [OPTIONS]\n";
@@ -28,7 +28,7 @@ static const struct {
     {141, "who read standard output went away; files are written all the same"},
 };
 
-/* Broken at blanks, from `column` on; further lines begin at `indent`. */
+/* Prints a text broken at blanks; it begins in column `column`, further lines at `indent`. */
 static void print_wrapped(FILE *stream, const char *text, size_t column, size_t indent)
 {
     while (*text) {
@@ -47,7 +47,7 @@ static void print_wrapped(FILE *stream, const char *text, size_t column, size_t 
     fputc('\n', stream);
 }
 
-/* What is typed, and what it does beside it, or below where there is no room. */
+/* Prints an item: the words to type, and the description beside them, or below if there is no room. */
 static void print_item(FILE *stream, const char *typed, const char *text)
 {
     fprintf(stream, "  %-*s", INDENT - 2, typed);
@@ -66,7 +66,7 @@ static void print_option(FILE *stream, const struct cml_option *option, bool own
     print_item(stream, typed, text);
 }
 
-/* Prints the options of one command, or those of all with the names of their commands. */
+/* Prints the options of one command; or all options, with the names of their commands. */
 static void print_options(FILE *stream, enum cml_command command)
 {
     const bool all = command == CML_NUM_COMMANDS;
@@ -81,14 +81,14 @@ static void print_options(FILE *stream, enum cml_command command)
     }
 }
 
-/* The last part of a page's name; an index has the name of its folder. */
+/* Returns the last part of a page's name; an index has the name of its folder. */
 static const char *short_name(const struct cml_manual_page *page)
 {
     const char *slash = strrchr(page->name, '/');
     return slash && strcmp(slash, "/index") != 0 ? slash + 1 : page->name;
 }
 
-/* The pages of a folder. */
+/* Prints the names of the pages in a folder. */
 static void print_pages(FILE *stream, const char *folder)
 {
     char names[640] = "";
@@ -126,7 +126,7 @@ static void print_topics(FILE *stream)
     }
 }
 
-/* A table for each line of a scene. The pages of the manual on these lines show the same rows. */
+/* Prints a table of keys for each line of a scene. The pages of samples/manual/input have the same rows. */
 static void print_keys(FILE *stream)
 {
     char range[CML_KEY_TEXT];

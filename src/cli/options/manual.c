@@ -30,8 +30,8 @@ const struct cml_manual_page *cml_manual_find(const char *name)
     return NULL;
 }
 
-/* True if the word stands between grave accents in the first `length` letters of a text, alone or before a
- * blank or "=". */
+/* True if the word stands in backquotes within the first `length` letters of a text, alone or before a blank
+ * or "=". */
 static bool is_quoted(const char *text, size_t length, const char *word)
 {
     const size_t own = strlen(word);
@@ -43,15 +43,16 @@ static bool is_quoted(const char *text, size_t length, const char *word)
     return false;
 }
 
-/* Number of '#' before a heading; 0: no heading. *fenced says whether the line stands in a block of code, and
- * follows the lines. */
+/* Returns the number of '#' of a heading; 0: no heading. *fenced, kept from line to line: the line is inside
+ * a block of code. */
 static size_t heading_level(const char *line, bool *fenced)
 {
     if (strncmp(line, "```", 3) == 0) *fenced = !*fenced;
     return *fenced ? 0 : strspn(line, "#");
 }
 
-/* Prints from a heading to the next one that is not below it, without pictures. Returns the line behind. */
+/* Prints a section, up to the next heading that is not below its own, without pictures. Returns the line
+ * behind. */
 static const char *print_section(FILE *stream, const char *line)
 {
     bool fenced = false;
@@ -65,6 +66,7 @@ static const char *print_section(FILE *stream, const char *line)
     return line;
 }
 
+/* Prints all sections of a page whose heading has the word in backquotes. Returns how many there are. */
 static int print_headed(FILE *stream, const char *text, const char *word)
 {
     int count = 0;
@@ -80,8 +82,8 @@ static int print_headed(FILE *stream, const char *text, const char *word)
     return count;
 }
 
-/* True if a row's first cell names the word. "layer12.mua" is named by a cell with `layer1.mua`: the numbers
- * of layers, boundaries, beams and detectors do not count. */
+/* True if the first cell of a row names the word. Numbers of layers, boundaries, beams and detectors do not
+ * count: a cell with `layer1.mua` names "layer12.mua". */
 static bool is_row_of(const char *row, const char *word)
 {
     const size_t group = strcspn(word, ".0123456789"), cell = 1 + strcspn(row + 1, "|\n");
@@ -97,7 +99,7 @@ static bool is_row_of(const char *row, const char *word)
     return false;
 }
 
-/* Rows under the heads of their tables. */
+/* Prints the rows that name a word, under the heads of their tables. Returns how many there are. */
 static int print_rows(FILE *stream, const char *text, const char *word)
 {
     int count = 0;
@@ -120,7 +122,7 @@ static int print_rows(FILE *stream, const char *text, const char *word)
     return count;
 }
 
-/* True if a heading's id is the anchor: the site makes ids of small letters, digits and "_", and "-" for
+/* True if a heading has the id `anchor`. The site makes ids of small letters, digits and "_", with "-" for
  * blanks. */
 static bool has_id(const char *heading, const char *anchor, size_t length)
 {
@@ -135,7 +137,8 @@ static bool has_id(const char *heading, const char *anchor, size_t length)
     return i == length;
 }
 
-/* target: "input/beams.md#beam)", behind which the row goes on. Without "#" the page to its first section. */
+/* Prints the section that a link leads to; without "#" the page up to its first section. target:
+ * "input/beams.md#beam)" and the rest of the row. */
 static void print_target(FILE *stream, const char *target)
 {
     char name[64];
@@ -156,7 +159,8 @@ static void print_target(FILE *stream, const char *target)
     }
 }
 
-/* True if the word is one of those with commas in the first cell of the row "| fibre, probe | ...". */
+/* True if the word is one of those, separated by commas, in the first cell of a row "| fibre, probe | ...".
+ */
 static bool is_listed(const char *row, const char *word)
 {
     const size_t own = strlen(word), cell = 1 + strcspn(row + 1, "|\n");
@@ -170,6 +174,8 @@ static bool is_listed(const char *row, const char *word)
     return false;
 }
 
+/* Prints the rows of the glossary with the word, and the sections they lead to. Returns how many rows there
+ * are. */
 static int print_glossary(FILE *stream, const char *word)
 {
     const struct cml_manual_page *page = cml_manual_find("glossary");

@@ -1,4 +1,4 @@
-/* What an option is: one row of the table. SPDX-License-Identifier: MIT */
+/* An option of the command line: one row of the table (option_table.c). SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -9,25 +9,27 @@
 struct cml_options;
 
 struct cml_option {
-    const char *name; /* without the two dashes */
-    char letter;      /* behind one dash, 0: none; several options may share one, each of other commands */
-    const char *argument; /* as the help shows it; NULL: it takes none */
-    unsigned commands;    /* 1u << enum cml_command of those it belongs to */
-    const char *engine;   /* the only one that it means something to; NULL: any */
+    const char *name; /* name without the two dashes */
+    /* Letter behind one dash; 0: none. Options of different commands may share a letter. */
+    char letter;
+    const char *argument; /* name of the value in the help; NULL: the option takes none */
+    unsigned commands;    /* bits 1u << enum cml_command of the commands that it belongs to */
+    const char *engine;   /* the only engine that the option has a meaning for; NULL: all */
     const char *help;
-    /* Takes the value. `value` is borrowed for as long as the options live; NULL where the option takes none.
+    /* Reads the value. The value is borrowed for as long as the options live; NULL if the option takes none.
      */
     cml_status (*read)(const struct cml_option *option, const char *value, struct cml_options *options,
                        struct cml_error *err);
-    /* For `read`, where it is one that several options share (option_values.h): */
-    size_t member, size; /* offset in struct cml_options of what is set, and its bytes */
-    double least, most;  /* a number's limits, both among the values; of a flag its value */
-    const char *words;   /* the values that there are, in the order of their numbers, parted by blanks; or
-                            what is expected of a number */
-    const char *title;   /* of the group of options that begins with this one; NULL: it goes on */
+    /* The members below are for functions `read` that several options share (option_values.h). */
+    size_t member, size; /* offset of the member of struct cml_options that is set, and its size in bytes */
+    double least, most;  /* range of a number, both ends included; `least` is the value of a flag */
+    /* Allowed words, separated by blanks, in the order of their numbers; or the text that describes the
+     * expected number. */
+    const char *words;
+    const char *title; /* title of the group of options that begins here; NULL: the group continues */
 };
 
-/* Whether an option may stand behind a command. */
+/* True if an option may stand behind a command. */
 static inline bool cml_option_belongs(const struct cml_option *option, enum cml_command command)
 {
     return option->commands >> command & 1;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Commands in one word each, and some that often stand together. */
+/* The commands as bits, and sets of commands that often share an option. */
 enum {
     RUN = 1 << CML_COMMAND_RUN,
     PLAN = 1 << CML_COMMAND_PLAN,
@@ -37,14 +37,15 @@ enum {
 #define NUMBER(name, low, high, expected)                                                                    \
     .read = cml_read_number, MEMBER(name), .least = (low), .most = (high), .words = (expected)
 
-/* The numbers beside 0 and 1. */
+/* Numbers next to 0 and 1, for ranges that exclude these. */
 #define ABOVE_0 DBL_TRUE_MIN
 #define BELOW_1 (1 - DBL_EPSILON / 2)
 
-/* Zero would mean for ever in one place and never in another, so it is refused. */
+/* Seconds of an option, above 0: zero would mean "always" for one option and "never" for another. */
 #define SECONDS(name) MEMBER(name), .least = ABOVE_0, .most = 1e9, .words = "seconds above 0, up to 1e9"
 
-/* 2^48 photons is what a result holds; a seed up to 2^53 survives as a number in JSON and HDF5. */
+/* The largest number of photons is that of a result, 2^48; a seed up to 2^53 stays exact as a number in JSON
+ * and HDF5. */
 const struct cml_option cml_option_table[] = {
     {"photons", 0, "N", RUN | PLAN | CROSSCHECK | FURNACE, NULL,
      "instead of the file's number; 1e7 reads as ten million; of plan: of the longest pilot",

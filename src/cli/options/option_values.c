@@ -15,14 +15,14 @@ static cml_status fail(struct cml_error *err, const struct cml_option *option, c
                     cml_number_hint(value, expected));
 }
 
-/* ---- shared by several options ---- */
+/* ---- functions that several options share ---- */
 
 static void *member_of(const struct cml_option *option, struct cml_options *options)
 {
     return (char *)options + option->member;
 }
 
-/* A bool, an enumerator or an int. */
+/* Sets a bool, an enumerator or an int. */
 static cml_status set(const struct cml_option *option, int number, struct cml_options *options)
 {
     if (option->size == sizeof(bool))
@@ -47,6 +47,7 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
     return CML_OK;
 }
 
+/* Reads a whole number within the option's range. */
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {
@@ -65,7 +66,7 @@ cml_status cml_read_count(const struct cml_option *option, const char *value, st
     return count(option, value, member_of(option, options), err);
 }
 
-/* A table of --sweep may have seeds, too. */
+/* Records that a seed was given, because a table of --sweep may have seeds, too. */
 cml_status cml_read_seed(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -105,7 +106,7 @@ cml_status cml_read_word(const struct cml_option *option, const char *value, str
     return fail(err, option, value, expected);
 }
 
-/* ---- what is flown, and until when ---- */
+/* ---- photons, engine and end of a run ---- */
 
 cml_status cml_read_set(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
@@ -145,7 +146,7 @@ cml_status cml_read_roulette(const struct cml_option *option, const char *value,
     return sound ? CML_OK : fail(err, option, value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
 }
 
-/* A name that ends here, or with a comma: of a detector, if nothing else. */
+/* True if a name, up to its end or a comma, may be an aim: any name may be that of a detector. */
 static bool is_aim(const char *name)
 {
     const size_t length = strcspn(name, ",");
@@ -199,9 +200,9 @@ cml_status cml_read_part(const struct cml_option *option, const char *value, str
     return fail(err, option, value, "K/N, part K of N, with 1 <= K <= N <= 4096");
 }
 
-/* ---- how boundaries are represented ---- */
+/* ---- surfaces of boundaries ---- */
 
-/* A tolerance that the user gives also allows a boundary to be taken for a plane where that is within it. */
+/* Records that a tolerance was given: a boundary may then become a plane, if this changes results by less. */
 cml_status cml_read_tolerance(const struct cml_option *option, const char *value, struct cml_options *options,
                               struct cml_error *err)
 {

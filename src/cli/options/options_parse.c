@@ -13,21 +13,22 @@
 
 enum word_kind { WORD_END, WORD_OPERAND, WORD_OPTION };
 
-/* Goes through argv. The last five members are the word read last. */
+/* State of going through argv. The last five members describe the word read last. */
 struct words {
     int argc, at;
     char **argv;
-    enum cml_command command; /* decides what a letter means that several options share */
-    const char *letters;      /* left of a group like -xh */
-    bool ended;               /* by --: operands are left */
+    enum cml_command command; /* chooses among options that share a letter */
+    const char *letters;      /* rest of a group of letters like -xh */
+    bool ended;               /* -- was read: only operands follow */
     char *operand;
-    const struct cml_option *option; /* NULL: unknown */
-    char typed[64];                  /* the option's name with its dashes; cut when longer */
-    const char *value;               /* NULL: none */
+    const struct cml_option *option; /* option of the last word; NULL: unknown */
+    char typed[64];                  /* name of the option with its dashes; cut off if longer */
+    const char *value;               /* value of the option; NULL: none */
     bool surplus;                    /* a value stands behind an option that takes none */
 };
 
-/* What stands behind it in the same word, or the next word, whatever that is: --seed -1. */
+/* Takes the value of an option: the text `behind` in the same word, or else the next word, whatever it is
+ * (--seed -1). */
 static void take_value(struct words *words, const char *behind)
 {
     words->value = NULL;
@@ -35,6 +36,7 @@ static void take_value(struct words *words, const char *behind)
     words->value = behind ? behind : words->at < words->argc ? words->argv[words->at++] : NULL;
 }
 
+/* Reads the next option of a group of letters like -xh. */
 static enum word_kind take_letter(struct words *words)
 {
     const char letter = *words->letters++;
@@ -48,6 +50,7 @@ static enum word_kind take_letter(struct words *words)
     return WORD_OPTION;
 }
 
+/* Reads a long option, --name or --name=value. */
 static enum word_kind take_name(struct words *words, const char *name)
 {
     const size_t length = strcspn(name, "=");
@@ -76,21 +79,21 @@ static enum word_kind next_word(struct words *words)
     return take_letter(words);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 static cml_status refuse_unknown(const struct words *words, struct cml_error *err)
 {
     const char *name = words->typed + 2, *meant = NULL, *whole = words->operand + 1;
     const struct cml_option *written = cml_option_find(whole, strcspn(whole, "="));
     if (words->typed[1] == '-') meant = cml_option_guess(name, strlen(name));
-    if (words->typed[1] != '-' && written) /* -photons */
+    if (words->typed[1] != '-' && written) /* a long option with a single dash, like -photons */
         return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->operand,
                         written->name);
     if (!meant) return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", words->typed);
     return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->typed, meant);
 }
 
-/* An option that nothing would look at was meant to do something. */
+/* Refuses an option that has no effect here: its writer expected one. */
 static cml_status check_belongs(const struct words *words, const struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -121,8 +124,8 @@ static cml_status check_option(const struct words *words, const struct cml_optio
     return CML_OK;
 }
 
-/* The command that the first operand was perhaps meant to be; NULL: none. Alone it is a scene if there is one
- * of that name. */
+/* Returns the command that the first operand was perhaps meant as; NULL: none. A single operand is a scene if
+ * such a file exists. */
 static const char *misspelt_command(const struct cml_options *options)
 {
     if (options->named || options->num_operands == 0) return NULL;
@@ -131,7 +134,7 @@ static const char *misspelt_command(const struct cml_options *options)
     return is_scene ? NULL : cml_command_guess(word);
 }
 
-/* Refuses operands that are too many: two scenes are the usual mistake. */
+/* Refuses too many operands; two scenes are the usual mistake. */
 static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
 {
     const struct cml_command_def *command = &cml_commands[options->which];
@@ -149,7 +152,7 @@ static cml_status refuse_operands(const struct cml_options *options, struct cml_
                     command->operands[0] ? " " : "", command->operands, command->name);
 }
 
-/* The program has no library for least squares. */
+/* Refuses `fit`: this program has no library for least squares, the Python package has. */
 static cml_status refuse_fit(int argc, char **argv, const struct cml_options *options, struct cml_error *err)
 {
     const bool fit = argc > 1 && strcmp(argv[1], "fit") == 0 && access(argv[1], F_OK) != 0;
@@ -161,20 +164,20 @@ static cml_status refuse_fit(int argc, char **argv, const struct cml_options *op
 
 /* ---- reading ---- */
 
-/* Sets options whose default is not zero. */
+/* Sets all options whose default is not zero. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};
-    /* a level of one false alarm in a hundred comparisons */
+    /* one false alarm in a hundred comparisons */
     options->alpha = 0.01;
-    /* a fixed seed, so that a run can be repeated by whoever has its file */
+    /* a fixed seed: whoever has the file can repeat the run */
     options->engine_options.seed = 1;
     options->run = 1;
     options->engine_options.lattice = true;
     options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
-    /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */
+    /* s: at most a minute of work is lost, and a busy host does not count as a lost one */
     options->checkpoint_interval = 60;
     options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;
@@ -183,7 +186,7 @@ static void set_defaults(struct cml_options *options)
     options->surface.budget.most = cml_mesh_budget_default();
 }
 
-/* Before operands are moved to the front. */
+/* Keeps the command line as typed; call it before operands are moved to the front. */
 static void keep_command(int argc, char **argv, struct cml_options *options)
 {
     size_t used = 0;
@@ -192,6 +195,8 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+/* Appends a word and a line feed to a text of `size` bytes; false if it does not fit, or has a line feed
+ * itself. */
 static bool append(char *text, size_t size, const char *word)
 {
     const size_t used = strlen(text);
@@ -200,7 +205,7 @@ static bool append(char *text, size_t size, const char *word)
     return true;
 }
 
-/* What a part of a run keeps, by which `merge` makes the run. */
+/* Keeps the call of a part of a run, which `merge` repeats. */
 static void keep_call(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
@@ -217,8 +222,8 @@ static void keep_call(int argc, char **argv, struct cml_options *options)
     options->call[0] = '\0';
 }
 
-/* What decides which options belong, wherever it stands: the command, the engine, and the flag --help. Flags
- * and the engine are read a second time later, which changes nothing; so are mistakes. */
+/* Reads the words that decide which options are allowed, wherever they stand: the command, the engine,
+ * --help. Flags and the engine are read again later, without a change; so are mistakes. */
 static void look_ahead(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv};
@@ -238,8 +243,8 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
     }
 }
 
-/* help --set, help -o: the option is what help is wanted on, and the next word not its value. A long option
- * that is not in the table may be one of the Python package's. */
+/* True for an option that help is wanted on (help --set, help -o): the next word is then not its value. A
+ * long option that is not in the table may be one of the Python package. */
 static bool is_topic(struct words *words, const struct cml_options *options)
 {
     const bool name = words->typed[1] == '-';
@@ -261,7 +266,8 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     int operands = 0;
     for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {
         if (kind == WORD_OPERAND || is_topic(&words, options)) {
-            argv[1 + operands++] = words.operand; /* behind `at`, so that no word is lost */
+            argv[1 + operands++] =
+                words.operand; /* the operand moves to a place before `at`, so no word is lost */
             continue;
         }
         CML_TRY(check_option(&words, options, err));

@@ -1,12 +1,12 @@
-/* Reads the command line. option_table.c says which options there are, command_table.c which commands.
+/* Reads the command line. option_table.c lists the options, command_table.c the commands.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "cli/options/options.h"
 
-/* Reads argv[1..]; options and operands may mix, and "--" ends the options. Long options are written out: no
- * abbreviations. CML_E_INPUT with one line for an option that is unknown, or does not belong to the command
- * or the engine, or has a wrong value, and for a wrong number of operands. argv is sorted: the operands come
- * to its front. With --help or --version only unknown options and wrong values are refused. */
+/* Reads argv[1..]. Options and operands may mix; "--" ends the options. Long options may not be abbreviated.
+ * CML_E_INPUT with one line: an unknown option, one that does not belong to the command or engine, a wrong
+ * value, or a wrong number of operands. Moves the operands to the front of argv. With --help or --version
+ * refuses only unknown options and wrong values. */
 CML_NODISCARD cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
                                            struct cml_error *err);

@@ -9,13 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What names ask for: expected values, and windows for light that comes out of so many layers, or that a
- * detector sees. */
+/* The names of an aim, taken together: expected values (tail); windows for light that passes `layers` layers,
+ * or that a detector sees. */
 struct wanted {
     bool tail;
-    int layers, detector, detectors; /* detector: the last one, from 1; detectors: how many */
+    /* detector: the last one named, from 1; detectors: how many different ones */
+    int layers, detector, detectors;
 };
 
+/* Returns the number, from 1, of the detector with this name; 0: none. */
 static int find_detector(const struct cml_scene *scene, const char *name, int length)
 {
     for (int k = 0; k < scene->num_detectors; k++)
@@ -37,7 +39,8 @@ static cml_status add_detector(const char *name, int length, const struct cml_sc
     return CML_OK;
 }
 
-/* What the tail does not reach is for windows. layer: above which, or whose, light is wanted. */
+/* Adds a layer in which, or above which, light is wanted. reached: the tail gives its expected value;
+ * otherwise windows are needed. */
 static void add_layer(int layer, bool reached, struct wanted *wanted)
 {
     if (reached)
@@ -61,7 +64,7 @@ static cml_status add_absorption(const char *name, int length, const struct cml_
     return CML_OK;
 }
 
-/* One of the names that the option's reader has let pass. */
+/* Adds one of the names that the reader of the option has accepted. */
 static cml_status add_name(const char *name, const struct cml_scene *scene, int level, struct wanted *wanted,
                            struct cml_error *err)
 {
@@ -76,8 +79,8 @@ static cml_status add_name(const char *name, const struct cml_scene *scene, int 
     return CML_OK;
 }
 
-/* Squares of packets are no squares of families, and a part of a packet is not to be told from others by its
- * photon. */
+/* True if the scene asks for results that parts of packets would spoil: errors from squares per packet, and
+ * saved packets, which are known by their photon alone. */
 static bool wants_packets(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_detectors; k++)
@@ -85,7 +88,7 @@ static bool wants_packets(const struct cml_scene *scene)
     return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
 }
 
-/* Makes the windows, which split packets, for the aim. */
+/* Makes the windows of an aim, which split packets. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                               const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                               struct wanted wanted, struct cml_window_table *windows, struct cml_error *err)
@@ -102,13 +105,14 @@ static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                                 : cml_windows_below(aim, scene, media, wanted.layers, windows, err);
 }
 
-/* The next of names that commas part. */
+/* Returns the next of the names, which commas separate. */
 static const char *after(const char *name)
 {
     name += strcspn(name, ",");
     return name + (*name == ',');
 }
 
+/* Refuses a name whose share of the light is too small for the tail's numbers. */
 static cml_status check_worth(const char *name, const struct cml_scene *scene, int level,
                               const struct cml_flat_tail *tail, struct cml_error *err)
 {
@@ -120,8 +124,8 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     return cml_aim_refuse(scene, name, length, expected, err);
 }
 
-/* media: of the flat scene. tail: it is wanted, too, which takes longest, and which no scene is refused for
- * but by its numbers. */
+/* Makes an aim. media: those of the flat scene. tail: make the tail, too, which takes longest; a scene is
+ * refused for it only because of its numbers. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                          bool tail, struct cml_aim *to, struct cml_error *err)
@@ -141,6 +145,7 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
+/* Makes an aim for the depths at which the surfaces really lie. */
 static cml_status create_of(const char *aim, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                             struct cml_error *err)
@@ -164,8 +169,8 @@ cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
     return create_of(aim, scene, surfaces, true, to, err);
 }
 
-/* Makes the aim of a run. Without adding-doubling's answer nothing flies, so it is the scene that is refused.
- */
+/* Makes the aim of a run. If adding-doubling has no answer, the scene is refused, because nothing flies
+ * without it. */
 static cml_status create_for(const struct cml_options *options, const struct cml_scene *scene,
                              const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                              struct cml_error *err)
@@ -228,7 +233,7 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_window_table_clear(&aim->windows);
 }
 
-/* A refusal is the answer: no. */
+/* True if aiming at detector k would pay. A refusal means no. */
 static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     struct cml_error refusal;

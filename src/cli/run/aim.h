@@ -1,5 +1,11 @@
-/* clustermcml run --aim: below all shapes, bodies and beams a scene is flat, and what becomes of light there
- * is known (P15); for what else is aimed at packets are split on their way (P19).
+/* The aims of `run --aim`. Below all shapes, bodies and beams (the "level") a scene is flat, and the fate of
+ * light there is known: its expected values need no photons (P15, the "tail"). For other aims packets are
+ * split on their way (P19, "windows"):
+ *
+ *     ~~~~~~~~~~~~~~~~   shapes, bodies, beams: packets fly, windows split them
+ *     ----------------   level
+ *     ================   flat layers: the tail gives Tt_expected and A_l_expected
+ *
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -10,40 +16,40 @@
 #include "surface/surface.h"
 #include "tally/result.h"
 
-/* The first detector, from 1, that has seen nothing and that --aim would send packets to, by computing its
- * windows; 0: none. */
+/* Returns the first detector, from 1, that has seen nothing and at which --aim would pay, found by computing
+ * its windows; 0: none. */
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result);
 
-/* What --aim asks for: expected values below the level, where scores is not 0, windows where cells is not. */
+/* An aim: expected values below the level if tail.scores > 0, windows if windows.cells > 0. */
 struct cml_aim {
     struct cml_flat_tail tail;
     struct cml_window_table windows;
 };
 
-/* The aim at NAME[,NAME...], of Tt, Tt_r, A_l:N and names of detectors: the tail is for what lies below the
- * level, windows for the rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)"; CML_E_NUMERIC:
+/* Makes the aim at NAME[,NAME...], which may be Tt, Tt_r, A_l:N and names of detectors: a tail for values
+ * below the level, windows for the rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)". CML_E_NUMERIC:
  * adding-doubling has no answer. On success the caller clears *to. */
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
                                         struct cml_error *err);
 
-/* The aim that --aim asks for, none without it. CML_E_INPUT also where adding-doubling has no answer, and for
- * windows beside an option that knows none. */
+/* Makes the aim of --aim; empty without the option. CML_E_INPUT as cml_aim_create, and if adding-doubling has
+ * no answer, or windows stand beside --derivatives. */
 CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
                                          const struct cml_surface_set *surfaces, struct cml_aim *to,
                                          struct cml_error *err);
 
-/* Flies what an engine opens with such options so. */
+/* Makes engines that are opened with these options use the aim. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options);
 
-/* What --error-of names, as struct cml_run_setup wants it; 0 without it. CML_E_INPUT. */
+/* Returns in *of the quantity that --error-of names, as struct cml_run_setup wants it; 0 without the option.
+ * CML_E_INPUT. */
 CML_NODISCARD cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene,
                                            int *of, struct cml_error *err);
 
-/* Whether that is refused, before anything flies, but for a tail without an answer, which is found in
- * flight. shared: as in cml_surface_options. With windows it costs their computing,
- * some 0.08 s. */
+/* Checks before any flight whether --aim is refused. Only a tail without an answer is found later, in flight.
+ * shared: as in cml_surface_options. Computing windows takes some 0.08 s. */
 CML_NODISCARD cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
                                        const struct cml_surface_set *shared, struct cml_error *err);
 

@@ -24,7 +24,7 @@ bool cml_has_checkpoint(const char *path)
     return access(path, F_OK) == 0 || access(older, F_OK) == 0;
 }
 
-/* ---- what is there ---- */
+/* ---- files on the disk ---- */
 
 cml_status cml_keep(const char *path, struct cml_error *err)
 {
@@ -32,6 +32,7 @@ cml_status cml_keep(const char *path, struct cml_error *err)
                     "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
 }
 
+/* Returns the photons of the result in a file; 0: there is none, or it is not a result. */
 static uint64_t photons_of(const char *path)
 {
     struct cml_head head;
@@ -49,8 +50,9 @@ cml_status cml_before_keep_better(const struct cml_options *options, const char 
                     path, (double)*found, (double)photons);
 }
 
-/* What is looked for: whole results of this run, or of the one that it extends, which need not be there, or
- * of either where an extension was stopped: perhaps while it wrote its own. */
+/* State of a look for complete result files. identity: that of this run, or of the run that it extends, whose
+ * files may be missing. or_identity: that of another run whose files count, too, because a stopped extension
+ * may have left files of both; else the same. */
 struct looking {
     const char *identity, *or_identity;
     bool resumes, extends;
@@ -59,7 +61,7 @@ struct looking {
 
 static const char of_another[] = "is of another run";
 
-/* What is wrong with a file that should say to be of this run; NULL: nothing. */
+/* Returns the fault of a file that should be a result of this run, as text; NULL: none. */
 static const char *fault_of_result(const struct looking *looking, const struct cml_report_file *file)
 {
     struct cml_head head;
@@ -75,7 +77,8 @@ static const char *fault_of_result(const struct looking *looking, const struct c
     return strcmp(head.identity, sum) == 0 || strcmp(head.identity, or_sum) == 0 ? NULL : of_another;
 }
 
-/* A directory, or a file that a full disk has left empty, is nothing that a run has written. */
+/* Returns the fault of a file; NULL: none. No run writes a directory, or an empty file such as a full disk
+ * leaves. */
 static const char *fault_of(const struct looking *looking, const struct cml_report_file *file)
 {
     struct stat about;
@@ -84,6 +87,7 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
+/* A cml_report_file_function: looks at one file of the run. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
@@ -102,6 +106,7 @@ struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup)
                                     setup->options.derivatives || setup->options.tail};
 }
 
+/* Looks at all files of a run. */
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              bool extends, struct cml_before *before, struct cml_error *err)
 {
@@ -115,7 +120,8 @@ static cml_status find_files(const struct cml_options *options, const struct cml
     return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, look, &looking, err);
 }
 
-/* A checkpoint, where there is one, knows all. JSON and a sweep's table have more digits than a result. */
+/* True if the existing result is that of this run, and needs no flight. Not used if there is a checkpoint,
+ * which knows more; nor for JSON and the table of a sweep, which have more digits than a result. */
 static bool result_stands(const struct cml_options *options, const struct cml_run_setup *setup,
                           const struct cml_before *before)
 {
@@ -123,8 +129,8 @@ static bool result_stands(const struct cml_options *options, const struct cml_ru
            !cml_has_checkpoint(setup->checkpoint);
 }
 
-/* With --no-clobber and --resume: what cml_outputs_claim could not tell, whether the files are of this run.
- */
+/* Refuses with --no-clobber and --resume to replace files that are not of this run; cml_outputs_claim could
+ * not tell yet. */
 static cml_status check_kept(const struct cml_run_setup *setup, const struct cml_before *before,
                              struct cml_error *err)
 {
@@ -144,7 +150,7 @@ static cml_status check_kept(const struct cml_run_setup *setup, const struct cml
         before->there, before->gone, before->how);
 }
 
-/* With --no-clobber alone: a checkpoint that would be overwritten may hold hours of flight. */
+/* Refuses with --no-clobber alone to overwrite a checkpoint, which may hold hours of flight. */
 static cml_status keep_checkpoint(const char *path, struct cml_error *err)
 {
     const struct cml_checkpoint_about about = cml_checkpoint_look(path);
@@ -155,6 +161,7 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
                             : "finished run with its tallies (expected --more or --resume, or none)");
 }
 
+/* Refuses to replace a result with more photons, if there is no checkpoint. */
 static cml_status keep_better(const struct cml_options *options, const struct cml_run_setup *setup,
                               struct cml_error *err)
 {
@@ -168,7 +175,7 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
-    if (setup->part.count > 0) /* it replaces no result */
+    if (setup->part.count > 0) /* a part replaces no result */
         return options->no_clobber && !options->resume && access(setup->checkpoint, F_OK) == 0
                    ? cml_keep(setup->checkpoint, err)
                    : CML_OK;
@@ -198,8 +205,8 @@ void cml_before_clear(struct cml_before *before)
 
 /* ---- notes ---- */
 
-/* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
- * have begun. */
+/* Notes that --resume finds no checkpoint: no run was stopped here, or its names differ. Not for rows of a
+ * sweep, most of which may not have begun. */
 static void note_no_checkpoint(const char *path, const struct cml_before *before)
 {
     char why[512] = "its files hold less than --json or --keep ask for", text[1200];
@@ -211,7 +218,7 @@ static void note_no_checkpoint(const char *path, const struct cml_before *before
     cml_show_note(NULL, text);
 }
 
-/* Notes a checkpoint that will be overwritten, which may not be what the user wants. */
+/* Notes a checkpoint that will be overwritten, which the user may not want. */
 static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind, bool tallies)
 {
     char text[512];
@@ -234,7 +241,7 @@ static void note_old_part(const char *path)
     cml_show_note(NULL, text);
 }
 
-/* Beams whose share is too small for one photon. */
+/* Notes beams whose share is too small for one photon. */
 static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
 {
     struct cml_error ignored;
@@ -250,7 +257,8 @@ static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
     free(number);
 }
 
-/* Gates of every layer and body would take too much memory. */
+/* Notes that absorption by medium and time is left out, because gates of every layer and body would take too
+ * much memory. */
 static void note_no_medium_times(const struct cml_scene *scene)
 {
     char text[160];
@@ -271,7 +279,8 @@ bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
     return true;
 }
 
-/* The file of saved packets has a name of its own, and may be another run's. */
+/* Notes files that will be replaced. The file of saved packets has a name of its own, and may belong to
+ * another run. */
 static void note_replaced(const struct cml_scene *scene, const char *there)
 {
     struct cml_error ignored;

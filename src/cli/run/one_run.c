@@ -20,8 +20,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where all boundaries are flown as planes, what would come out without noise: a little finer than the run's
- * own errors, and none where that takes longer than it is worth. It is in no file. */
+/* Computes the exact totals if all boundaries are flown as planes, with errors a little below the run's own.
+ * Gives up if it takes too long. They are printed, and in no file. */
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
@@ -49,7 +49,7 @@ static void print_summary(const struct cml_options *options, const struct cml_re
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
 }
 
-/* Says why derivatives by mua of clear media are NaN (P17). */
+/* Notes why derivatives by mua of clear media are NaN (P17). */
 static void note_trapped(const struct cml_report *report)
 {
     char text[512];
@@ -63,8 +63,8 @@ static void note_trapped(const struct cml_report *report)
     cml_show_note(NULL, text);
 }
 
-/* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
- * same, and its status comes last. */
+/* Writes the files before anything is printed, so that the printed text is true. A run with lost packets or
+ * an imbalance is written, too; its status is returned last. */
 static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
                           struct cml_record *record, struct cml_error *err)
 {
@@ -85,7 +85,7 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
     return status == CML_OK ? cml_run_verdict(report->scene, report->sums, err) : status;
 }
 
-/* The same options for a run of as many photons as this one has: with --more those flown before, too. */
+/* Returns the options for a run of all photons: with --more also those flown before. */
 static struct cml_options all_photons(const struct cml_options *options, const struct cml_run_setup *setup)
 {
     struct cml_options all = *options;
@@ -94,7 +94,7 @@ static struct cml_options all_photons(const struct cml_options *options, const s
     return all;
 }
 
-/* Before the run, so that a wrong input shows in its first second and not after hours. */
+/* Prints the scene before the flight, so that wrong input shows in the first second and not after hours. */
 static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
 {
     if (options->quiet || options->json || cml_cluster_rank() != 0) return;
@@ -112,7 +112,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     fflush(stdout);
 }
 
-/* Takes over the record of a run that was finished before. */
+/* Makes the record of a run that was finished before. */
 static cml_status take_record(const struct cml_run_call *call, const struct cml_record *before,
                               struct cml_record *record, struct cml_error *err)
 {
@@ -129,7 +129,7 @@ static cml_status print_path(void *context, const struct cml_report_file *file, 
     return CML_OK;
 }
 
-/* Of a run that was finished before: where its results are. */
+/* Prints the paths of the results of a run that was finished before. */
 static cml_status say_finished(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                struct cml_error *err)
 {
@@ -140,13 +140,14 @@ static cml_status say_finished(const struct cml_run_call *call, const struct cml
     return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, print_path, NULL, err);
 }
 
+/* True if the run could have an aim, but has none. */
 static bool may_aim(const struct cml_run_setup *setup)
 {
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
 }
 
-/* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
- * --keep it has the tallies, too, and must be written. */
+/* Publishes a run on rank 0. Its checkpoint then says that the run is finished, so that --resume skips it;
+ * with --keep the checkpoint also has the tallies, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
                               struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
@@ -154,7 +155,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->intent == CML_RUN_NOTHING_LEFT) {
         if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
-        cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
+        /* left by a process that was killed before it removed the file */
+        cml_checkpoint_remove_older(setup->checkpoint);
         const bool says = !options->quiet && !options->json && call->row == 0;
         return says ? say_finished(call, setup, err) : CML_OK;
     }
@@ -172,7 +174,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     cml_identity_sum(setup->identity, report.identity);
     if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !setup->options.derivatives)
         report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
-    const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
+    /* CML_RUN_REPUBLISH: the tallies of the checkpoint stay */
+    const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH;
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
     if (call->pending && !tallies)
@@ -181,15 +184,15 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
                                                     tallies ? &run->result : NULL, err);
     if (status == CML_OK || options->keep) return status;
     cml_show_note(NULL, err->text);
-    cml_checkpoint_remove(setup->checkpoint); /* the result is there, so it must not look stopped */
+    cml_checkpoint_remove(setup->checkpoint); /* the result is written, so the run must not look stopped */
     return CML_OK;
 }
 
-/* Rows in which a total that the flight has, or the sum of A_z, comes of so few packets that the error of its
- * error is no small part of it. */
+/* Rows of a sweep in which so few packets make up a total, or the sum of A_z, that its standard error is
+ * itself uncertain. */
 struct poor_rows {
-    int count, row; /* the poorest, from 0 */
-    double packets; /* of that */
+    int count, row; /* the row with the fewest packets, from 0 */
+    double packets; /* effective packets of this row */
 };
 #define LEAST_PACKETS 100
 enum { POOR_A_Z = CML_NUM_GOALS, NUM_POOR };
@@ -201,6 +204,7 @@ static void add_poor(double packets, int row, struct poor_rows *poor)
     poor->packets = packets;
 }
 
+/* Adds a row to the poor ones of each total. */
 static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
                       struct poor_rows poor[NUM_POOR])
 {
@@ -247,8 +251,8 @@ static cml_status publish_row(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-/* On rank 0: a row whose weight does not balance is written, and so are the others. The checkpoint of the
- * flight holds them all, where one is asked to stop. */
+/* Publishes all rows of a flight on rank 0, even if weights of a row do not balance. After a signal it stops
+ * if the checkpoint of the flight holds all rows. */
 static cml_status publish_rows(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                const struct cml_run_result *run, struct cml_error *err)
 {
@@ -269,17 +273,17 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     return worst;
 }
 
-/* What cml_run reads of a run, and what of it is owned here. */
+/* The setup of cml_run, and the memory that belongs to it. */
 struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
     struct cml_aim aim;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
-    struct cml_before before; /* rank 0's */
+    struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
-/* Of a part that is complete in its file. */
+/* Prints the time and the file of a complete part. */
 static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
                      const struct cml_run_result *run)
 {
@@ -294,13 +298,14 @@ static void say_part(const struct cml_run_call *call, const struct cml_run_setup
     printf("  -> %s\n", setup->checkpoint);
 }
 
-/* The files of one call of `merge` are of one run where the call has no other. */
+/* Joins the parts of a run. If the call has only one run, all files must be parts of it. */
 static cml_status join(const struct cml_run_call *call, const struct cml_run_setup *setup,
                        struct cml_run_result *run, struct cml_error *err)
 {
     return cml_run_join(setup, call->options->joined, call->only, run, err);
 }
 
+/* Reads and checks the parts of the run, and writes nothing. */
 static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                 struct cml_error *err)
 {
@@ -310,7 +315,8 @@ static cml_status look_at_parts(const struct cml_run_call *call, const struct cm
     return CML_OK;
 }
 
-/* On all ranks. Signals are remembered only where a checkpoint can follow them. */
+/* Flies or joins the run and publishes it, on all ranks. Signals are remembered only if a checkpoint can be
+ * written. */
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
@@ -334,7 +340,7 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
     return status;
 }
 
-/* Whether the run has checkpoints: of what is written to a device there is nothing to continue. */
+/* True if the run has checkpoints. Output to a device has none, because it cannot be continued. */
 static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
 {
     return (options->checkpoint_interval > 0 || options->resume || options->keep || options->parts > 0) &&
@@ -368,8 +374,8 @@ static cml_status fail_more(const char *path, const char *what, struct cml_error
     return cml_fail(err, CML_E_INPUT, "--more: %s %s", path, what);
 }
 
-/* On rank 0: from what stands in the checkpoint to how many photons there are to be. A run that was extended
- * by as many, and is called again with --resume, is the same run. */
+/* Finds on rank 0, from the checkpoint, how many photons --more makes. With --resume, an extension by the
+ * same number of photons is the same run, and goes on. */
 static cml_status plan_more(const struct cml_options *options, struct cml_run_setup *setup, const char *path,
                             struct cml_error *err)
 {
@@ -400,7 +406,7 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
     return CML_OK;
 }
 
-/* A part has a file of its own beside the checkpoint of the run that is extended. */
+/* Plans --more for the scene. A part has its own file beside the checkpoint of the run that is extended. */
 static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_setup *setup,
                                struct cml_error *err)
 {
@@ -410,7 +416,7 @@ static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_s
     return plan_more(call->options, setup, path, err);
 }
 
-/* On all ranks, before anything that may fail on one alone. */
+/* Plans the photons on all ranks, before any step that may fail on one rank alone. */
 static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -437,8 +443,9 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
     return CML_OK;
 }
 
-/* ---- all of it ---- */
+/* ---- the whole run ---- */
 
+/* Sets the provenance and the identity of the run, and with --more those of the run that it extends. */
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -457,7 +464,7 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     return CML_OK;
 }
 
-/* Everything that may fail on one rank alone happens before the ranks agree. */
+/* Does all that may fail on one rank alone, before the ranks agree. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     struct cml_options options = *call->options;
@@ -481,6 +488,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     return CML_OK;
 }
 
+/* Returns the setup of a run, as far as the call knows it. */
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;
@@ -501,8 +509,7 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
     return setup;
 }
 
-/* What prepare made is freed whether it was complete or not; nothing here may return before all ranks
- * agree. */
+/* Frees whatever prepare has made, complete or not. No rank may return before all agree. */
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;

@@ -1,4 +1,4 @@
-/* One run, from its surfaces to its files: what a run of a file and a row of a sweep have in common.
+/* One run, from its surfaces to its files: the part that runs of a file and rows of a sweep share.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -6,44 +6,46 @@
 #include "cli/run/pending.h"
 #include "run/run.h"
 
-/* Rows of a sweep that come of one flight (P16), each with a result of its own. */
+/* Rows of a sweep from one flight (P16); each row has its own result. */
 struct cml_run_rows {
     int count;
-    const int *number;                    /* [count] from 0 */
-    const struct cml_scene *const *scene; /* [count] */
-    struct cml_record *record;            /* [count] rank 0's, filled as that of cml_run_one */
+    const int *number;                    /* [count] numbers of the rows, from 0 */
+    const struct cml_scene *const *scene; /* [count] scenes of the rows */
+    struct cml_record *record;            /* [count] on rank 0, filled as that of cml_run_one */
 };
 
 struct cml_run_call {
     const struct cml_options *options;
     const struct cml_scene *scene;
-    const char *inputs; /* lines of the identity (run/identity.h) */
-    const struct cml_surface_set
-        *shared; /* of another scene, which shares its shapes with this one; NULL: none */
+    const char *inputs; /* lines of the identity for the input files (run/identity.h) */
+    /* Surfaces of another scene with the same shapes; NULL: none. */
+    const struct cml_surface_set *shared;
     uint64_t seed;
-    uint32_t run;                    /* of the file, from 0 */
-    int row;                         /* of a sweep, from 1: no summary; 0: of none */
-    const struct cml_run_rows *rows; /* are published in place of the scene, which only flies, with the rows
-                                      * of the options; NULL: none */
-    struct cml_pending *pending;     /* takes the checkpoints of finished runs without tallies; NULL: none */
-    bool only;                       /* the call of the program flies no other run */
-    bool stays;                      /* a checkpoint stays that says that the run is finished */
+    uint32_t run; /* number of the run in the file, from 0 */
+    int row;      /* row of a sweep, from 1, without a summary; 0: no sweep */
+    /* Rows to publish in place of the scene, which is only flown, with the rows of the options; NULL: none.
+     */
+    const struct cml_run_rows *rows;
+    /* Takes the checkpoints of finished runs without tallies; NULL: none. */
+    struct cml_pending *pending;
+    bool only;  /* no other run belongs to this call of the program */
+    bool stays; /* a checkpoint stays which says that the run is finished */
 };
 
-/* Flies the run on all ranks, writes its files and prints a summary for people. *record is rank 0's, the
- * caller's to clear: filled unless the flight or a file failed, also by a run that was finished before.
- * Collective. CML_E_NUMERIC: the result is written, and not to be trusted. */
+/* Flies a run on all ranks, writes its files and prints a summary. *record is rank 0's, and the caller clears
+ * it. It is filled unless the flight or a file failed, even if the run was finished before. Collective.
+ * CML_E_NUMERIC: the result is written, but cannot be trusted. */
 CML_NODISCARD cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record,
                                      struct cml_error *err);
 
-/* Whether checkpoints stay when all runs are done: whoever asks then finds that they are. */
+/* True if checkpoints stay when all runs are done, so that a later call finds these runs finished. */
 bool cml_run_leaves_checkpoints(const struct cml_options *options);
 
-/* The file in which a run whose result is `output` keeps its tallies: its checkpoint, or that of its part.
- * *path is the caller's to free. */
+/* Returns in *path the file that keeps the tallies of a run with the result `output`: its checkpoint, or the
+ * file of its part. The caller frees *path. */
 CML_NODISCARD cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
                                            struct cml_error *err);
 
-/* The checkpoint of a scene's run, beside its output; *path is the caller's to free. */
+/* Returns in *path the checkpoint of a scene's run, beside its output. The caller frees *path. */
 CML_NODISCARD cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene,
                                             char **path, struct cml_error *err);

@@ -23,8 +23,8 @@
 
 /* ---- names of files ---- */
 
-/* The name of a file: its directory without links and dots, then its own. A directory that is not there
- * leaves the name as it is; that it cannot be written to is found later. */
+/* Returns the path of a file with its directory free of links and dots. A directory that does not exist is
+ * left as it is; the failure to write there is found later. */
 static cml_status resolve_folder(const char *path, char **name, struct cml_error *err)
 {
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
@@ -35,15 +35,17 @@ static cml_status resolve_folder(const char *path, char **name, struct cml_error
     return cml_text_format(name, "a path", err, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
 }
 
-/* The name of a file without links and dots; where there is no such file, resolve_folder. */
+/* Returns the path of a file without links and dots; of a file that does not exist, as resolve_folder does.
+ */
 static cml_status resolve(const char *path, char **name, struct cml_error *err)
 {
     *name = realpath(path, NULL);
     return *name ? CML_OK : resolve_folder(path, name, err);
 }
 
-/* ---- what a run writes ---- */
+/* ---- files of a run ---- */
 
+/* Adds a file to the outputs of a run. */
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
@@ -60,9 +62,10 @@ static cml_status add(struct cml_outputs *outputs, const char *path, int run, en
 struct adding {
     struct cml_outputs *outputs;
     int run;
-    enum cml_output_kind kind; /* of the next */
+    enum cml_output_kind kind; /* kind of the next file */
 };
 
+/* A cml_report_file_function: the first file of a run is the main result. */
 static cml_status add_file(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     struct adding *adding = context;
@@ -71,7 +74,7 @@ static cml_status add_file(void *context, const struct cml_report_file *file, st
     return add(adding->outputs, file->path, adding->run, kind, err);
 }
 
-/* Results of one run, whether every one of them is written in the end or not. */
+/* Adds all files that one run may write. */
 static cml_status add_run(struct cml_outputs *outputs, const struct cml_options *options,
                           const struct cml_scene *scene, const char *path, int run, struct cml_error *err)
 {
@@ -88,7 +91,7 @@ static cml_status add_checkpoint(const struct cml_options *options, struct cml_o
     return add(outputs, checkpoint, run, CML_OUTPUT_CHECKPOINT, err);
 }
 
-/* Endings of scenes, and those that the program gives to files of its own. */
+/* Refuses names with endings of scenes, or with those that the program gives to its own files. */
 static cml_status check_name(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp", ".mci"};
@@ -102,10 +105,10 @@ static cml_status check_name(const struct cml_scene *scene, struct cml_error *er
     return CML_OK;
 }
 
-/* ---- can they be written? ---- */
+/* ---- can the files be written? ---- */
 
-/* By creating the temporary file beside it, which costs nothing and finds missing folders, rights and
- * read-only disks. */
+/* Checks that a file can be written by creating its temporary file. This takes no time, and finds missing
+ * folders, missing rights and read-only disks. */
 static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
 {
     char *name = NULL;
@@ -118,7 +121,7 @@ static cml_status check_writable(const char *path, const char *suffix, struct cm
     return CML_OK;
 }
 
-/* Without HDF5: refuses what only an .h5 file could hold. */
+/* Refuses, without HDF5, all that only an .h5 file could hold. */
 static cml_status check_format(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_error *err)
 {
@@ -147,8 +150,8 @@ static cml_status check_format(const struct cml_options *options, const struct c
     return options->aim ? cml_fail(err, CML_E_INPUT, no_option, "aim") : CML_OK;
 }
 
-/* The main file, and of the run's files, from number `first` on, the one with the longest name. Only these:
- * what a process that is killed here leaves has the name of an output, and remove_leftovers finds it. */
+/* Checks the main file, and the file with the longest name among those from number `first` on. A process
+ * killed here leaves only temporary files of outputs, which remove_leftovers finds. */
 static cml_status check_files(const struct cml_scene *scene, const char *path,
                               const struct cml_outputs *outputs, size_t first, struct cml_error *err)
 {
@@ -159,7 +162,7 @@ static cml_status check_files(const struct cml_scene *scene, const char *path,
     return outputs->count > first + 1 ? check_writable(longest, NULL, err) : CML_OK;
 }
 
-/* Two runs of one call that share a stem share its lock. */
+/* True if the lock is taken already: two runs of one call may share a stem. */
 static bool has_lock(const struct cml_outputs *outputs, const char *path)
 {
     for (size_t i = 0; i < outputs->num_locks; i++)
@@ -167,6 +170,7 @@ static bool has_lock(const struct cml_outputs *outputs, const char *path)
     return false;
 }
 
+/* Takes a lock, unless this call has it already. */
 static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
 {
     if (has_lock(outputs, path)) return CML_OK;
@@ -177,7 +181,7 @@ static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct
     return CML_OK;
 }
 
-/* Parts of a run are flown at the same time. */
+/* Locks the file of a part, not the whole run: parts are flown at the same time. */
 static cml_status lock_part(const struct cml_options *options, const char *path, struct cml_outputs *outputs,
                             struct cml_error *err)
 {
@@ -188,15 +192,17 @@ static cml_status lock_part(const struct cml_options *options, const char *path,
     return add_lock(outputs, name, err);
 }
 
+/* Locks the stem of a result: STEM.lock. */
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
     CML_FREED char *beside = NULL, *name = NULL;
     if (cml_file_is_device(path)) return CML_OK;
     CML_TRY(cml_report_path(path, ".lock", &beside, err));
-    CML_TRY(resolve_folder(beside, &name, err)); /* a link is no lock */
+    CML_TRY(resolve_folder(beside, &name, err)); /* not resolve: a lock must not be a link */
     return add_lock(outputs, name, err);
 }
 
+/* Locks the files of one run. */
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -212,8 +218,8 @@ static cml_status lock_run(const struct cml_options *options, const struct cml_s
     return CML_OK;
 }
 
-/* What stands in the place of a file beside the result, from number `first` on, and is none, would be met
- * only after the flight. */
+/* Refuses a directory or device in the place of a file beside the result, from number `first` on; the flight
+ * would find it too late. */
 static cml_status check_places(const struct cml_outputs *outputs, size_t first, struct cml_error *err)
 {
     struct stat about;
@@ -227,7 +233,7 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
     return CML_OK;
 }
 
-/* ---- do they destroy anything? ---- */
+/* ---- would files be destroyed? ---- */
 
 /* True if the path leads to a file of another program. An empty, cut or damaged file may be ours. */
 static bool is_strange(const struct cml_output_file *file)
@@ -246,7 +252,7 @@ static bool is_strange(const struct cml_output_file *file)
     return strange || (size > 0 && first > 0 && cml_hdf5_is_foreign(file->name));
 }
 
-/* Refuses to replace a file of other content, which --part and --resume take for an older state. */
+/* Refuses to replace a file of other content, which --part and --resume would take for an older state. */
 static cml_status check_strange(const struct cml_options *options, const struct cml_outputs *outputs,
                                 struct cml_error *err)
 {
@@ -269,6 +275,7 @@ static int compare_files(const void *a, const void *b)
     return names != 0 ? names : (one->run > other->run) - (one->run < other->run);
 }
 
+/* Refuses two runs that write the same file. */
 static cml_status check_distinct(const struct cml_outputs *outputs, const struct cml_scene_list *list,
                                  struct cml_error *err)
 {
@@ -296,6 +303,7 @@ static cml_status fail_input(const struct cml_options *options, const struct cml
                     scene->file, scene->line, scene->output, input);
 }
 
+/* Refuses an output that would overwrite an input. */
 static cml_status check_inputs(const struct cml_options *options, const struct cml_outputs *outputs,
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
@@ -314,14 +322,14 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
-/* Of a sweep: the table of all rows. */
+/* True for the table of a sweep. */
 static bool is_table(const struct cml_scene *scene)
 {
     return cml_file_ends_in(scene->output, ".sweep.csv") || cml_file_ends_in(scene->output, ".sweep.h5");
 }
 
-/* Whether a result that is there may stay. With --resume that of a finished run does, and --more goes on from
- * what is there. Without a checkpoint the result says of which run it is, when the run's identity is known
+/* True if an existing result may stay: that of a run which --resume finds finished, or which may prove to be
+ * of this run. A result without a checkpoint tells its run later, when the run's identity is known
  * (before.h). */
 static bool stays(const struct cml_options *options, const struct cml_scene *scene)
 {
@@ -336,7 +344,7 @@ static bool stays(const struct cml_options *options, const struct cml_scene *sce
     return may;
 }
 
-/* The tables of a sweep come of its rows, and are written again as they are when all of these stay. */
+/* True if all rows of a sweep stay: its tables are then written again, unchanged. */
 static bool all_stay(const struct cml_options *options, const struct cml_scene_list *list)
 {
     int run = 0;
@@ -351,6 +359,7 @@ static bool may_stay(const struct cml_options *options, const struct cml_scene_l
     return options->sweep && is_table(scene) ? all_stay(options, list) : stays(options, scene);
 }
 
+/* Refuses with --no-clobber to replace files that exist. */
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -363,7 +372,7 @@ static cml_status check_clobber(const struct cml_options *options, const struct 
     return CML_OK;
 }
 
-/* Names with a path of their own may leave the directory of -o. */
+/* Notes results that do not lie below the folder of -o, because their names have a path. */
 static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
                            void (*note)(void *context, const char *text))
 {
@@ -381,14 +390,15 @@ static void note_elsewhere(const struct cml_options *options, const struct cml_o
     free(folder);
 }
 
-/* ---- what killed processes left ---- */
+/* ---- files left by killed processes ---- */
 
 static int compare_names(const void *a, const void *b)
 {
     return strcmp(((const struct cml_output_file *)a)->name, ((const struct cml_output_file *)b)->name);
 }
 
-/* What our outputs leave belongs to nobody, because we hold the locks; of a part that of its own file. */
+/* True for a leftover of our outputs; no process owns it, because we hold the locks. For a part only
+ * leftovers of its own file count. */
 static bool is_ours(const void *context, const char *name, const char *left)
 {
     const struct cml_outputs *outputs = context;
@@ -399,7 +409,8 @@ static bool is_ours(const void *context, const char *name, const char *left)
     return file && (!outputs->of_part || file->kind == CML_OUTPUT_CHECKPOINT);
 }
 
-/* Directory by directory: the outputs are sorted, so those of one mostly follow each other. */
+/* Removes leftovers, directory by directory. The outputs are sorted, so files of one directory mostly follow
+ * each other. */
 static void remove_leftovers(const struct cml_outputs *outputs)
 {
     size_t before = SIZE_MAX;
@@ -413,6 +424,7 @@ static void remove_leftovers(const struct cml_outputs *outputs)
     }
 }
 
+/* Checks and adds the files of one run. */
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {

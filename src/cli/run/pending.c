@@ -51,7 +51,7 @@ cml_status cml_pending_add(struct cml_pending *pending, const char *checkpoint, 
     return CML_OK;
 }
 
-/* A row that cannot be marked will be flown again. */
+/* Marks the run of a row as finished in its checkpoint. A row that cannot be marked will be flown again. */
 static void mark(const struct cml_pending_row *row)
 {
     struct cml_error why;
@@ -62,7 +62,7 @@ static void mark(const struct cml_pending_row *row)
     cml_checkpoint_remove(row->checkpoint);
 }
 
-/* The results are on the disk before anything says so. */
+/* Syncs the results before any checkpoint says that they are finished. */
 cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_error *err)
 {
     struct cml_error why;

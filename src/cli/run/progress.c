@@ -6,10 +6,10 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-/* Columns: of a terminal that does not tell, and of a bar that still says something or is long enough. */
+/* Columns of a terminal of unknown width, and limits of the bar's length. */
 enum { USUAL_WIDTH = 80, SHORTEST_BAR = 4, LONGEST_BAR = 60 };
 
-/* In the unit in which it is a number of two or three digits. */
+/* Writes a time in the unit that gives two or three digits. */
 static void write_time(double seconds, char text[16])
 {
     if (seconds < 120)
@@ -33,9 +33,9 @@ static int terminal_width(void)
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL_WIDTH;
 }
 
-/* The line is written over itself, and cleared at the end: results follow it. One column stays free, because
- * a terminal may go to the next line behind the last. What does not fit is left out: the bar first, then the
- * speed. */
+/* Draws the bar over the last one, and clears it at the end, because results follow. One column stays free,
+ * because some terminals go to the next line behind the last. If the line is too long, the bar is left out
+ * first, then the speed. */
 static void draw_bar(const struct cml_progress *p)
 {
     char elapsed[16], left[16], text[96], bar[LONGEST_BAR + 4] = "";
@@ -59,7 +59,7 @@ static void draw_bar(const struct cml_progress *p)
     fflush(stderr);
 }
 
-/* Nothing in the first ten seconds where a log would keep it. */
+/* Outside a terminal prints nothing in the first ten seconds, because a log would keep it. */
 void cml_progress_show(void *context, const struct cml_progress *p)
 {
     struct cml_display *display = context;

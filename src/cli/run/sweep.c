@@ -23,7 +23,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* "NAME.sweep.csv" and the like, in the directory of results. */
+/* Returns the path of a table of the sweep, "NAME.sweep.csv" and the like. */
 static cml_status table_path(const struct cml_sweep_run *sweep, const char *suffix, char **path,
                              struct cml_error *err)
 {
@@ -34,7 +34,7 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 /* ---- before the first row flies ---- */
 
-/* The number of the row whose checkpoint speaks for a row: its own, or that of its flight. */
+/* Returns the row whose checkpoint stands for a row: itself, or the first row of its flight. */
 static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
 {
     int first = 0;
@@ -43,9 +43,9 @@ static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
     return first;
 }
 
-/* A row whose result has no checkpoint is flown anew, though --resume was given: the sweep that left the
- * result was flown without. A result with more photons than the row would have stays, and ends the sweep; of
- * --target-error nobody knows the photons before. */
+/* Looks at the existing result of a row, for --resume. Without a checkpoint the row is flown again: the sweep
+ * that left the result had no --resume. A result with more photons than the row is kept, and ends the sweep;
+ * with --target-error the photons are not known before, so nothing is refused. */
 static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const struct cml_scene *scene,
                                  struct cml_error *err)
 {
@@ -67,6 +67,7 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
     return CML_OK;
 }
 
+/* Reads the scene of a row and checks it: memory, starts of beams, aim, existing result. */
 static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
     struct cml_scene scene;
@@ -84,13 +85,14 @@ static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_err
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
-/* Outputs are claimed as those of a file whose runs are the tables and the rows, without their shapes. */
+/* Claims the outputs of the tables and rows, as those of a file that had them as runs, without shapes. */
 static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, struct cml_error *err)
 {
     static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
+    /* a part has no tables */
     const int rows = sweep->table.num_rows, tables = sweep->options->parts > 0 ? 0
                                                      : cml_hdf5_available()    ? 2
-                                                                               : 1; /* a part has none */
+                                                                               : 1;
     const struct cml_scene_list list = {rows + tables, scenes};
     cml_status status = CML_OK;
     for (int i = 0; i < list.count; i++) {
@@ -119,7 +121,7 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     return status;
 }
 
-/* On rank 0. */
+/* Checks all rows and claims the outputs, on rank 0. */
 static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_engine_options ignored = sweep->options->engine_options;
@@ -131,7 +133,7 @@ static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     return claim(sweep, scenes, err);
 }
 
-/* The table is no part of what a row's result depends on: its cells are. */
+/* Makes the identity without the table: the result of a row depends on its own cells only. */
 static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_inputs files = *sweep->inputs;
@@ -139,7 +141,7 @@ static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_identity_inputs(&files, &sweep->identity, err);
 }
 
-/* Whether a column before this one has the name in the .h5. */
+/* True if a column before this one has the same name in the .h5. */
 static bool is_taken(const struct cml_sweep_table *table, int column, const char *name)
 {
     char other[CML_SETTING_NAME];
@@ -151,7 +153,8 @@ static bool is_taken(const struct cml_sweep_table *table, int column, const char
     return false;
 }
 
-/* Their columns in the results have names of their own, and in the .h5, where . is the file itself. */
+/* Refuses labels whose names are in use in the tables of results, or impossible in the .h5, where "." is the
+ * file itself. */
 static cml_status check_labels(const struct cml_sweep_table *table, struct cml_error *err)
 {
     char name[CML_SETTING_NAME];
@@ -171,7 +174,7 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
     return CML_OK;
 }
 
-/* ---- which columns are set, and which are labels ---- */
+/* ---- columns that are set, and labels ---- */
 
 static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
 {
@@ -182,9 +185,10 @@ static cml_status fail_label(const struct cml_sweep_table *table, int column, st
                           "nothing in the scene has");
 }
 
-/* A name in quotation marks is a label, and must be no name of the scene's. Programs that write tables leave
- * the marks out: a name that is far from all that could be set is a label, too, beside columns that are meant
- * to set something. Any other is left as it is, and the reader of the rows refuses it. */
+/* Finds the columns that are labels. A quoted name is a label, and must not be a name of the scene. Programs
+ * that write tables may leave the quotation marks out: a name that resembles no name of the scene is then a
+ * label, too, if other columns set something. Any other name is left to the reader of the rows, which refuses
+ * it. */
 static cml_status find_labels(struct cml_sweep_run *sweep, const struct cml_scene *scene,
                               struct cml_error *err)
 {
@@ -204,15 +208,15 @@ static cml_status find_labels(struct cml_sweep_run *sweep, const struct cml_scen
     return CML_OK;
 }
 
-/* The layer whose number a column sets; 0: of none. */
+/* Returns the layer that a column sets a number of; 0: none. */
 static int layer_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
 {
     return table->label[column] ? 0 : cml_mci_layer_of(scene, table->name[column]);
 }
 
-/* A number is that of another layer once a layer is put above, and bodies have numbers of their own. Said
- * where a table sets a layer without a name by its number, and the scene has bodies or more layers than the
- * table. */
+/* Notes a table that sets a layer by its number although the scene has bodies, or more layers than the table
+ * sets: a layer's number changes when a layer is added above, and bodies have numbers of their own. Layers
+ * with names are not noted. */
 static void note_numbers(const struct cml_sweep_table *table, const struct cml_scene *scene)
 {
     int count = 0, numbered = 0;
@@ -234,7 +238,7 @@ static void note_numbers(const struct cml_sweep_table *table, const struct cml_s
     cml_show_note(NULL, text);
 }
 
-/* On rank 0, when all rows are found to be good. */
+/* Notes labels without quotation marks and numbered layers, on rank 0 when all rows are valid. */
 static void note_columns(const struct cml_sweep_run *sweep)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -249,7 +253,7 @@ static void note_columns(const struct cml_sweep_run *sweep)
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
-/* The medium whose number a column sets; -1: of none. */
+/* Returns the medium that a column sets a number of; -1: none. */
 static int medium_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
 {
     const int layer = layer_of(table, column, scene);
@@ -261,7 +265,7 @@ static int medium_of(const struct cml_sweep_table *table, int column, const stru
     return cml_body_medium(scene, body - 1);
 }
 
-/* The column that sets what scatters in a medium; -1: there is none. */
+/* Returns the column that sets mus of a medium; -1: none. */
 static int scattering_column(const struct cml_sweep_table *table, int medium, const struct cml_scene *scene)
 {
     for (int c = 0; c < table->num_columns; c++) {
@@ -271,6 +275,7 @@ static int scattering_column(const struct cml_sweep_table *table, int medium, co
     return -1;
 }
 
+/* Finds the rows that may share a flight. */
 static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -288,7 +293,7 @@ static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_sweep_group(table, media, &sweep->group, &sweep->num_groups, err);
 }
 
-/* All that can be said of the table before its rows are read as scenes. */
+/* Reads and checks the table as far as possible before its rows are read as scenes. */
 static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
@@ -314,6 +319,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
+/* Reads the table and checks all rows. */
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
@@ -328,7 +334,7 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 
 /* ---- flying ---- */
 
-/* Flies and publishes one row: a cml_sweep_fly_function. */
+/* A cml_sweep_fly_function: flies and publishes one row. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
@@ -355,7 +361,7 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     return status;
 }
 
-/* Of `merge`: the parts of all rows are read before the first result is written. */
+/* For `merge`: reads the parts of all rows before the first result is written. */
 static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_part_files *files = sweep->options->joined;
@@ -369,7 +375,7 @@ static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *e
     return cml_part_files_looked(files, status, err);
 }
 
-/* ---- what comes of it ---- */
+/* ---- results of the sweep ---- */
 
 static cml_status write_tables(const struct cml_sweep_run *sweep, const struct cml_sweep_results *results,
                                struct cml_error *err)
@@ -386,7 +392,7 @@ static cml_status write_tables(const struct cml_sweep_run *sweep, const struct c
     return CML_OK;
 }
 
-/* On rank 0. */
+/* Writes the tables of the sweep, on rank 0. */
 static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_scene *base = &sweep->base->scenes[0];
@@ -425,7 +431,7 @@ static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *e
     return status;
 }
 
-/* On rank 0, of all rows, unless they are to stay. */
+/* Removes the checkpoints of all rows, on rank 0, unless they are to stay. */
 static void remove_checkpoints(const struct cml_sweep_run *sweep)
 {
     const struct cml_options *options = sweep->options;
@@ -440,6 +446,8 @@ static void remove_checkpoints(const struct cml_sweep_run *sweep)
     }
 }
 
+/* Ends a sweep on rank 0: writes the tables and removes checkpoints. Returns the status `flown`, or a
+ * failure. */
 static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, struct cml_error *err)
 {
     if (flown == CML_E_STOPPED)
@@ -461,7 +469,7 @@ static void announce(const struct cml_sweep_run *sweep)
     printf("\n");
 }
 
-/* The rows' own results are as many, and go with it. */
+/* Notes that the table is replaced. The results of its rows are replaced with it. */
 static void note_replaced(const struct cml_sweep_run *sweep)
 {
     char *csv = NULL, text[CML_REPLACED];

@@ -41,14 +41,16 @@ cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_
         scene->output, has);
 }
 
-/* Rows that come of one flight. */
+/* The rows that share a flight. */
 struct group {
-    int count, *row;                /* in rising order */
-    struct cml_scene *own;          /* [count] their scenes */
-    struct cml_scene flown;         /* in which each medium absorbs as in the palest of them */
-    const struct cml_scene **scene; /* [count] in `own` */
-    struct cml_record *record;      /* [count] */
-    double *more;                   /* as in struct cml_engine_rows */
+    int count, *row;       /* numbers of the rows, rising */
+    struct cml_scene *own; /* [count] scenes of the rows */
+    /* The scene that is flown: each medium has the least absorption of all rows. */
+    struct cml_scene flown;
+    const struct cml_scene **scene; /* [count] pointers into `own` */
+    struct cml_record *record;      /* [count] records of the rows */
+    /* mua of each row above that of the scene flown, as in struct cml_engine_rows */
+    double *more;
     char *identity;
 };
 
@@ -65,6 +67,7 @@ static void clear_group(struct group *group)
     free(group->identity);
 }
 
+/* Finds the rows of a group, and makes room for their scenes and records. */
 static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struct group *group,
                             struct cml_error *err)
 {
@@ -80,31 +83,32 @@ static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struc
     return CML_OK;
 }
 
-/* The cell of a column with the least number. */
-static struct cml_setting palest_cell(const struct cml_sweep_run *sweep, const struct group *group,
-                                      int column)
+/* Returns the cell with the least number among the rows of a group, in one column. */
+static struct cml_setting least_cell(const struct cml_sweep_run *sweep, const struct group *group, int column)
 {
-    struct cml_setting palest = cml_sweep_cell(&sweep->table, group->row[0], column);
+    struct cml_setting least = cml_sweep_cell(&sweep->table, group->row[0], column);
     for (int i = 1; i < group->count; i++) {
         const struct cml_setting cell = cml_sweep_cell(&sweep->table, group->row[i], column);
-        if (strtod(cell.value, NULL) < strtod(palest.value, NULL)) palest = cell;
+        if (strtod(cell.value, NULL) < strtod(least.value, NULL)) least = cell;
     }
-    return palest;
+    return least;
 }
 
+/* Reads the scene that is flown for a group: each medium has its least absorption. */
 static cml_status read_flown(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
 {
     struct cml_settings settings;
     CML_TRY(cml_sweep_row_settings(sweep, group->row[0], &settings, err));
     for (int c = 0; c < sweep->table.num_columns; c++) {
         if (sweep->table.label[c] || !cml_sweep_is_absorption(sweep->table.name[c])) continue;
-        const struct cml_setting palest = palest_cell(sweep, group, c);
+        const struct cml_setting least = least_cell(sweep, group, c);
         for (int s = 0; s < settings.count; s++)
-            if (strcmp(settings.item[s].name, palest.name) == 0) settings.item[s].value = palest.value;
+            if (strcmp(settings.item[s].name, least.name) == 0) settings.item[s].value = least.value;
     }
     return cml_sweep_read(sweep, group->row[0], &settings, &group->flown, err);
 }
 
+/* Reads the scenes of all rows of a group, and how much more they absorb than the scene flown. */
 static cml_status read_group(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
 {
     CML_TRY(read_flown(sweep, group, err));
@@ -122,7 +126,7 @@ static cml_status read_group(const struct cml_sweep_run *sweep, struct group *gr
     return CML_OK;
 }
 
-/* A flight's bits depend on all of its rows. */
+/* Makes the identity of a flight: its bits depend on all of its rows. */
 static cml_status identify_group(const struct cml_sweep_run *sweep, struct group *group,
                                  struct cml_error *err)
 {
@@ -143,10 +147,10 @@ static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, s
     CML_TRY(find_rows(sweep, number, group, err));
     CML_TRY(cml_sweep_row_seed(sweep, group->row[0], seed, err));
     CML_TRY(read_group(sweep, group, err));
-    return sweep->identity ? identify_group(sweep, group, err) : CML_OK; /* check needs none */
+    return sweep->identity ? identify_group(sweep, group, err) : CML_OK; /* `check` needs no identity */
 }
 
-/* The records are the sweep's from here on. */
+/* Moves the records of a group into those of the sweep. */
 static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 {
     for (int i = 0; i < group->count; i++) {
@@ -159,10 +163,10 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
     }
 }
 
-/* The most cells that A(r,z), or what means of detectors are made of, may have of all rows in a thread. */
+/* Most cells in a thread for A(r,z) of all rows together, or for the means of detectors. */
 #define MOST_CELLS 5e7
 
-/* Whether the rows have A(z); why they cannot is put into text. */
+/* True if the rows can have A(z) and A(r,z); else `text` says why not. */
 static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, char text[200])
 {
     const struct cml_scene *flown = &group->flown;
@@ -183,7 +187,7 @@ static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group
     return false;
 }
 
-/* Whether they have means of detectors, which take 64 batches; why they do not is put into text. */
+/* True if the rows have means of detectors, which take 64 batches; else `text` says why not. */
 static bool keeps_means(const struct group *group, char text[200])
 {
     const struct cml_scene *flown = &group->flown;
@@ -197,7 +201,7 @@ static bool keeps_means(const struct group *group, char text[200])
     return false;
 }
 
-/* What a flight of rows asks of the engine; `notes`: says what its rows go without. */
+/* Returns the engine options for a flight of rows. notes: shows which results the rows lack. */
 static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, const struct group *group,
                                             bool notes)
 {
@@ -237,6 +241,7 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
     return status;
 }
 
+/* Flies a group of rows and publishes them. */
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;

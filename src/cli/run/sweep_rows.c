@@ -26,7 +26,7 @@ void cml_sweep_rows_clear(struct cml_sweep_rows *rows)
     *rows = (struct cml_sweep_rows){0};
 }
 
-/* A row whose weight does not balance is written, and the others are flown all the same. */
+/* Flies one row. A row whose weights do not balance is written, and the other rows are still flown. */
 static cml_status fly_one(struct cml_sweep_rows *rows, int row, cml_sweep_fly_function *fly, void *context,
                           cml_status *worst, struct cml_error *err)
 {
@@ -64,15 +64,17 @@ static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep
     return worst;
 }
 
-/* ---- shared ---- */
+/* ---- rows shared among ranks ---- */
 
-/* Rows that nobody has taken yet: on rank 0, which asks itself, and in its service thread for others. */
+/* The rows that nobody has taken yet. Rank 0 takes rows itself, and its service thread gives them to other
+ * ranks. */
 struct row_queue {
     atomic_int next;
     atomic_bool closed;
     int count;
 };
 
+/* Returns the next row; -1: there are no more, or the rows are to end. */
 static int hand_out(struct row_queue *queue)
 {
     if (atomic_load(&queue->closed) || cml_cluster_recalled()) return -1;
@@ -80,6 +82,7 @@ static int hand_out(struct row_queue *queue)
     return row < queue->count ? row : -1;
 }
 
+/* A cml_cluster_handler: gives the next row to another rank. */
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
                      struct cml_work_reply *reply)
 {
@@ -89,7 +92,7 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = row >= 0;
 }
 
-/* *row: -1 when there are no more. */
+/* Takes the next row for a rank; *row is -1 when there are no more. */
 static cml_status take_row(struct row_queue *queue, int rank, int *row, struct cml_error *err)
 {
     const struct cml_work_request request = {1, 0};
@@ -104,7 +107,8 @@ static cml_status take_row(struct row_queue *queue, int rank, int *row, struct c
     return CML_OK;
 }
 
-/* Until there are no more; what goes wrong here, or a signal, brings the other ranks to an end, too. */
+/* Flies rows on this rank alone until there are no more. A failure or a signal here makes the other ranks
+ * end, too. */
 static cml_status fly_alone(struct cml_sweep_rows *rows, struct row_queue *queue, int rank,
                             cml_sweep_fly_function *fly, void *context, struct cml_error *err)
 {
@@ -121,12 +125,13 @@ static cml_status fly_alone(struct cml_sweep_rows *rows, struct row_queue *queue
     return status != CML_OK ? status : worst;
 }
 
-/* What rank 0 hears of a row, without pointers. */
+/* Report of a row to rank 0; it has no pointers. */
 struct row_report {
     uint64_t done, json_size;
     struct cml_record record;
 };
 
+/* Fills a report for every row, flown here or not. */
 static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *mine)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -136,7 +141,7 @@ static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *m
     }
 }
 
-/* The objects of one rank's rows in their order, each at most once. */
+/* Returns the bytes of the JSON objects of a rank's first `count` rows. */
 static size_t json_total(const struct row_report *report, int count)
 {
     size_t total = 0;
@@ -144,6 +149,7 @@ static size_t json_total(const struct row_report *report, int count)
     return total;
 }
 
+/* Joins the JSON objects of this rank's rows. */
 static void join_json(const struct cml_sweep_rows *rows, char *text)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -154,7 +160,8 @@ static void join_json(const struct cml_sweep_rows *rows, char *text)
     }
 }
 
-/* On rank 0: text is what each rank has joined, `size` bytes apart. */
+/* Prints the JSON objects of all rows, on rank 0, in the order of rows. text: the joined objects of each
+ * rank, `size` bytes apart. */
 static void print_all(const struct cml_sweep_rows *rows, const struct row_report *all, const char *text,
                       size_t size)
 {
@@ -169,6 +176,7 @@ static void print_all(const struct cml_sweep_rows *rows, const struct row_report
     fflush(stdout);
 }
 
+/* Gathers the JSON objects of all ranks on rank 0, and prints them. */
 static cml_status gather_json(const struct cml_sweep_rows *rows, const struct row_report *all,
                               struct cml_error *err)
 {
@@ -192,7 +200,7 @@ static cml_status gather_json(const struct cml_sweep_rows *rows, const struct ro
     return status;
 }
 
-/* Rank 0 takes over what others have flown. */
+/* Takes over the records of rows that other ranks have flown, on rank 0. */
 static void take_over(struct cml_sweep_rows *rows, const struct row_report *all)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -206,7 +214,8 @@ static void take_over(struct cml_sweep_rows *rows, const struct row_report *all)
     }
 }
 
-/* The gather is the first at which ranks wait for each other. */
+/* Gathers the rows of all ranks on rank 0. The gather is the first call in which ranks wait for each other.
+ */
 static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_error *err)
 {
     const size_t count = (size_t)rows->count;
@@ -226,6 +235,7 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
     return status;
 }
 
+/* Flies rows that ranks share: each takes the next when it has finished one. */
 static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                              void *context, struct cml_error *err)
 {

@@ -1,4 +1,4 @@
-/* ESRI ASCII grids: keywords in any order, then rows of numbers. SPDX-License-Identifier: MIT */
+/* Reader of ESRI ASCII grids: keywords in any order, then rows of heights. SPDX-License-Identifier: MIT */
 #include "input/mesh/esri.h"
 
 #include <ctype.h>
@@ -24,7 +24,7 @@ static cml_status fail(const struct grid *g, const char *name, const char *value
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);
 }
 
-/* Lines do not matter: some programs break rows after some numbers. */
+/* Returns the next word. Line ends do not matter, because some programs break rows after some numbers. */
 static char *next_word(struct grid *g)
 {
     for (;;) {
@@ -35,7 +35,7 @@ static char *next_word(struct grid *g)
     }
 }
 
-/* A height or NODATA_value, which some programs write as nan. */
+/* Parses a height or the value of NODATA_value, which some programs write as nan. */
 static bool parse_height(const char *word, double *value)
 {
     if (strcasecmp(word, "nan") != 0) return cml_parse_double(word, value);
@@ -43,7 +43,7 @@ static bool parse_height(const char *word, double *value)
     return true;
 }
 
-/* What is wrong with a value is said where it stands, not after the whole header. */
+/* Checks the value of a keyword at once, so that the message has its line. */
 static cml_status check_value(const struct grid *g, int key, const char *word)
 {
     const double value = g->value[key];
@@ -57,7 +57,7 @@ static cml_status check_value(const struct grid *g, int key, const char *word)
     return CML_OK;
 }
 
-/* Case does not matter, and every keyword may come once. */
+/* Reads a keyword and its value. Case does not matter; each keyword may come once. */
 static cml_status read_keyword(struct grid *g, const char *name)
 {
     int key = 0;
@@ -73,8 +73,8 @@ static cml_status read_keyword(struct grid *g, const char *name)
     return number ? check_value(g, key, word) : fail(g, keywords[key], word, "a number");
 }
 
-/* *height becomes the first word that is none of the header's; NULL at the end of the file. Some programs
- * write comments above the header or in it: from a # to the end of the line. */
+/* Reads the header. *height becomes the first word behind it; NULL: the file ends. Comments that some
+ * programs write above or in the header, from a # to the end of the line, are skipped. */
 static cml_status read_header(struct grid *g, char **height)
 {
     g->value[NODATA] = -9999;
@@ -89,8 +89,8 @@ static cml_status read_header(struct grid *g, char **height)
     }
 }
 
-/* Either square cells by cellsize, or dx and dy, as some programs write; both together would contradict each
- * other. */
+/* Checks that the header has ncols, nrows and either cellsize or both dx and dy, which would contradict each
+ * other together; and that a unit is given. */
 static cml_status check_header(const struct grid *g, double unit)
 {
     const char *path = g->text.path;
@@ -105,7 +105,8 @@ static cml_status check_header(const struct grid *g, double unit)
                     "%s: an ESRI grid has no units (expected units=cm, mm, um or m on the m line)", path);
 }
 
-/* A height takes two bytes at least, so that a header alone never asks for memory. */
+/* Checks the number of heights against the size of the file, at least two bytes each, so that a header alone
+ * never asks for memory. */
 static cml_status check_size(const struct grid *g)
 {
     const double cells = g->value[NCOLS] * g->value[NROWS], most = (double)g->text.size / 2;
@@ -115,8 +116,8 @@ static cml_status check_size(const struct grid *g)
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 
-/* Whether a height stands for a missing one. Some programs round NODATA_value and heights to different
- * numbers of digits: six of them, as printf's %g writes, must agree. */
+/* True if a height marks a missing one. Some programs round NODATA_value and heights to different numbers of
+ * digits, so six digits must agree, as many as printf's %g writes. */
 static bool is_missing(const struct grid *g, double height)
 {
     const double rounding = 5e-6, nodata = g->value[NODATA];

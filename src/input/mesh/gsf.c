@@ -1,4 +1,5 @@
-/* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
+/* Reader and writer of Gwyddion Simple Field files: a text header, then floats. SPDX-License-Identifier: MIT
+ */
 #include "input/mesh/gsf.h"
 
 #include "base/atomic_file.h"
@@ -10,11 +11,11 @@ static const char magic[] = "Gwyddion Simple Field 1.0\n";
 
 struct field {
     struct cml_text text;
-    size_t header; /* bytes before the first NUL */
+    size_t header; /* bytes before the first NUL byte */
     int xres, yres;
     double xreal, yreal;
-    double xy_unit, z_unit; /* cm; 0: not in the file */
-    bool pixels;            /* values have no unit, and who asks for them checks them */
+    double xy_unit, z_unit; /* cm per unit; 0: not in the file */
+    bool pixels;            /* the values are pixels: they have no unit, and the caller checks them */
     struct cml_error *err;
 };
 
@@ -23,12 +24,13 @@ static cml_status fail(const struct field *f, const char *name, const char *valu
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
 }
 
+/* Returns the word for the values of the file, for messages. */
 static const char *values_of(const struct field *f)
 {
     return f->pixels ? "pixels" : "heights";
 }
 
-/* Blanks around names and values do not count. */
+/* Removes the blanks around a name or a value. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -37,7 +39,7 @@ static char *trim(char *text)
     return text;
 }
 
-/* One row or column would have no slope along the other axis. */
+/* Reads XRes or YRes. At least 2: a single row or column has no slope along the other axis. */
 static cml_status read_resolution(const struct field *f, const char *name, const char *value, int *resolution)
 {
     if (*resolution != 0) return fail(f, name, value, "this line only once");
@@ -52,7 +54,7 @@ static cml_status read_size(const struct field *f, const char *name, const char 
     return fail(f, name, value, "a length of 1e-30..1e30");
 }
 
-/* The two bytes before the m are the micro sign and the Greek letter mu in UTF-8. */
+/* Reads a unit of length. The two bytes before the m are the micro sign and the Greek letter mu, in UTF-8. */
 static cml_status read_unit(const struct field *f, const char *name, const char *value, double *unit)
 {
     static const struct {
@@ -66,7 +68,7 @@ static cml_status read_unit(const struct field *f, const char *name, const char 
     return *unit > 0 ? CML_OK : fail(f, name, value, "a unit of length: m, dm, cm, mm, um, nm or pm");
 }
 
-/* Fields that this program does not need may have any name. */
+/* Reads a header line. Fields that are not needed here may have any name. */
 static cml_status read_line(struct field *f, char *line)
 {
     char *equals = strchr(line, '=');
@@ -82,7 +84,7 @@ static cml_status read_line(struct field *f, char *line)
     return CML_OK;
 }
 
-/* The header ends at the first NUL byte, before which it is text like any other. */
+/* Reads the header, which ends at the first NUL byte; all before it is text. */
 static cml_status read_header(struct field *f)
 {
     const size_t size = sizeof magic - 1;
@@ -100,7 +102,8 @@ static cml_status read_header(struct field *f)
     return CML_OK;
 }
 
-/* The format lets sizes be missing; slopes would then be a guess. */
+/* Checks that the header gives the size of the map. The format allows sizes to be missing, but slopes would
+ * then be a guess. */
 static cml_status check_header(const struct field *f)
 {
     const char *path = f->text.path, *without = f->pixels ? "" : ", without which slopes are unknown";
@@ -114,7 +117,7 @@ static cml_status check_header(const struct field *f)
     return CML_OK;
 }
 
-/* The file's units, or the one given for a file without any. */
+/* Takes the units of the file, or the given one for a file without units. */
 static cml_status choose_units(struct field *f, double unit)
 {
     const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
@@ -135,7 +138,8 @@ static cml_status choose_units(struct field *f, double unit)
     return CML_OK;
 }
 
-/* Where the heights begin: the next multiple of 4 behind the header, which is not one itself. */
+/* Finds the byte where the heights begin: the next multiple of 4 behind the header; at least one NUL byte
+ * lies between. */
 static cml_status find_heights(const struct field *f, size_t *begin)
 {
     const struct cml_text *text = &f->text;
@@ -152,8 +156,8 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     text->path, found, values_of(f), *begin, expected, f->xres, f->yres);
 }
 
-/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. reversed:
- * as if the byte with the highest digits came first. */
+/* Reads a float byte by byte, because the file's order of bytes is fixed while the machine's is not, and the
+ * address need not be aligned. reversed: takes the first byte as the highest. */
 static double float_at(const char *data, bool reversed)
 {
     const unsigned char *byte = (const unsigned char *)data;
@@ -164,14 +168,14 @@ static double float_at(const char *data, bool reversed)
     return (double)value;
 }
 
-/* Whether no length in any unit is so large or so small. */
+/* True for a value that no length has in any unit: above 1e30, or below 1e-18 but not 0. */
 static bool is_absurd(double value)
 {
     return fabs(value) > 1e30 || (value != 0 && fabs(value) < 1e-18);
 }
 
-/* Floats with their bytes reversed lie anywhere between 1e-45 and 1e38. Some of them are absurd, and none is
- * so once its bytes are put right. */
+/* Refuses floats in big-endian order. Read in the wrong order, floats lie anywhere between 1e-45 and 1e38:
+ * some values are absurd then, and none is with its bytes reversed. */
 static cml_status check_order(const struct field *f, const char *data, size_t count)
 {
     size_t first = count;
@@ -204,7 +208,7 @@ static cml_status check_heights(const struct field *f, const struct cml_heightma
     return CML_OK;
 }
 
-/* XReal is the width of XRes pixels, each of which has one height. */
+/* Reads the heights. XReal is the width of XRes pixels, each of which has one height. */
 static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
 {
     const size_t count = (size_t)f->xres * (size_t)f->yres;
@@ -248,7 +252,7 @@ cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char 
     return read_file(source, path, 0, true, map, err);
 }
 
-/* Least byte first, whatever the machine's order is. */
+/* Writes a float with the lowest byte first, whatever the machine's order. */
 static void write_float(FILE *stream, double value)
 {
     const float number = (float)value;
@@ -257,7 +261,7 @@ static void write_float(FILE *stream, double value)
     for (int i = 0; i < 4; i++) fputc((int)(word >> 8 * i & 255), stream);
 }
 
-/* The top row, which has the largest y, comes first. */
+/* Writes the row of the largest y first, as the format wants it. */
 cml_status cml_gsf_write(const char *path, const struct cml_heightmap *map, struct cml_error *err)
 {
     struct cml_file file;

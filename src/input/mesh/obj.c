@@ -1,4 +1,5 @@
-/* OBJ files in and out: faces become triangles, axes and units ours. SPDX-License-Identifier: MIT */
+/* Reads and writes OBJ files: cuts faces into triangles, and turns axes and units into those of the program.
+ * SPDX-License-Identifier: MIT */
 #include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
@@ -12,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* tinyobjloader resolves relative numbers; that they are in range is checked here, with the face's line. */
+/* Reads the corners of all faces through tinyobjloader, which resolves relative numbers. Their range is
+ * checked here, with the line of the face. */
 static cml_status read_corners(const struct cml_text *text, const struct cml_obj_scan *scan, uint32_t *corner,
                                struct cml_error *err)
 {
@@ -27,13 +29,13 @@ static cml_status read_corners(const struct cml_text *text, const struct cml_obj
     return CML_OK;
 }
 
-/* Faces that lie in no plane. */
+/* Faces whose corners do not lie in one plane. */
 struct bent_faces {
     size_t count;
-    double most; /* units of the file: largest distance of a corner from its face's mean plane */
+    double most; /* largest distance of a corner from its face's mean plane, in units of the file */
 };
 
-/* A triangle, the usual case, needs no look at its plane. */
+/* Splits a face into triangles. A triangle, the usual case, is copied. */
 static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
                              const uint32_t *corner, uint32_t (*triangle)[3], struct bent_faces *bent,
                              struct cml_error *err)
@@ -57,7 +59,8 @@ static cml_status split_face(const char *path, const struct cml_obj_scan *scan, 
         scan->face_line[face], why);
 }
 
-/* Triangles wound as in the frame with z down: the turn of the height's sign mirrors them. */
+/* Splits all faces. The two last corners of a triangle are exchanged, because turning heights into depths (z
+ * down) mirrors the mesh. */
 static cml_status split_faces(const char *path, const struct cml_obj_scan *scan, const uint32_t *corner,
                               struct cml_mesh *mesh, int *triangle_line, struct bent_faces *bent,
                               struct cml_error *err)
@@ -76,7 +79,7 @@ static cml_status split_faces(const char *path, const struct cml_obj_scan *scan,
     return CML_OK;
 }
 
-/* A polygon of n corners becomes n - 2 triangles: so many are there in all. */
+/* Makes the triangles of all faces: a polygon of n corners becomes n - 2 triangles. */
 static cml_status build_triangles(const struct cml_text *text, const struct cml_obj_scan *scan,
                                   struct cml_mesh *mesh, int **triangle_line, struct bent_faces *bent,
                                   struct cml_error *err)
@@ -94,7 +97,7 @@ static cml_status build_triangles(const struct cml_text *text, const struct cml_
     return status;
 }
 
-/* File axes to x, y, height: rotations, so that nothing is mirrored. */
+/* Turns the axes of the file to x, y, height. All turns are rotations, which mirror nothing. */
 static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
 {
     const double x = file[0], y = file[1], z = file[2];
@@ -105,7 +108,7 @@ static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
     memcpy(out, turned[up], sizeof turned[up]);
 }
 
-/* Cosine and sine of an angle in degrees, exact for quarter turns. */
+/* Returns cosine and sine of an angle in degrees, exact for multiples of 90. */
 static void find_turn(double degrees, double turn[2])
 {
     const double quarters = round(degrees / 90), rest = (degrees - 90 * quarters) * (CML_PI / 180);
@@ -115,7 +118,8 @@ static void find_turn(double degrees, double turn[2])
     memcpy(turn, turned[quarter], sizeof turned[quarter]);
 }
 
-/* Axes, turn, scale, shift, and then depth instead of height. */
+/* Moves the vertices into the boundary's frame: axes, rotation, scale, shift, then depth instead of height.
+ */
 static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
 {
     const double along = options->unit * options->scale;
@@ -133,7 +137,7 @@ static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *
     }
 }
 
-/* The vertices move from the scan into the mesh: large files are never in memory twice. */
+/* Makes the mesh. The vertices move from the scan into it, so that a large file is never in memory twice. */
 static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
                              const struct cml_obj_options *options, struct cml_mesh *mesh,
                              struct cml_mesh_notes *notes, struct cml_error *err)
@@ -163,7 +167,7 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
-/* The file's text is blanked by the scan, so that tinyobjloader reads nothing that was not checked. */
+/* The scan replaces by blanks all that it did not check, so that tinyobjloader cannot read it. */
 cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
                         const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)
@@ -179,7 +183,7 @@ cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
     return status;
 }
 
-/* Every line of the comment needs its own '#'. */
+/* Writes a comment, with a '#' before each of its lines. */
 static void write_comment(FILE *stream, const char *comment)
 {
     fputs("# ", stream);
@@ -190,14 +194,14 @@ static void write_comment(FILE *stream, const char *comment)
     fputc('\n', stream);
 }
 
-/* Writes a mesh as .obj; 17 digits give every double back. */
+/* Writes 17 digits, which give every double back. */
 cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                          struct cml_error *err)
 {
     struct cml_file file;
     CML_TRY(cml_file_create_alone(path, &file, err));
     if (comment && *comment) write_comment(file.stream, comment);
-    /* 0.0 - z, because -z would write a height of zero as -0. */
+    /* 0.0 - z, because -z would turn a height of zero into -0 */
     for (size_t i = 0; i < mesh->num_vertices; i++)
         fprintf(file.stream, "v %.17g %.17g %.17g\n", mesh->vertex[i][0], mesh->vertex[i][1],
                 0.0 - mesh->vertex[i][2]);

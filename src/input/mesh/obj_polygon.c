@@ -1,4 +1,11 @@
-/* Convex polygons cut into the fan whose smallest triangle is largest. SPDX-License-Identifier: MIT */
+/* Cuts convex polygons into the fan of triangles whose smallest triangle is the largest.
+ *
+ *     d-------c        A fan has its apex in one corner, and n - 2 triangles. With
+ *     |      /|        corners a, b, e on a straight side, apex a makes the triangle
+ *     |    /  |        a b e of no area; apex d does not.
+ *     a--b----e
+ *
+ * SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_polygon.h"
 
 #include "geometry/vec3.h"
@@ -10,17 +17,19 @@ struct polygon {
     const double (*vertex)[3];
     const uint32_t *corner;
     size_t size;
-    double normal[3]; /* unit */
-    double extent;    /* largest side of the box */
+    double normal[3]; /* unit vector */
+    double extent;    /* largest difference of a coordinate to the first corner */
     double center[3]; /* mean of the corners */
 };
 
+/* Returns the vertex of corner i; corners are counted round the polygon. */
 static const double *point(const struct polygon *p, size_t i)
 {
     return p->vertex[p->corner[i % p->size]];
 }
 
-/* Against the polygon's own normal: negative where the corner turns inwards. */
+/* Returns the area of a triangle, seen along the polygon's normal; negative where the corner turns inwards.
+ */
 static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
 {
     double area[3];
@@ -28,7 +37,8 @@ static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
     return cml_vec3_dot(area, p->normal);
 }
 
-/* The normal from the sum of all triangles of a fan [Newell's method]: it needs no corner that is convex. */
+/* Finds normal, mean and extent. The normal is that of the sum of the areas of all triangles of a fan
+ * [Newell's method], so no corner needs to be convex. False: the polygon has no area. */
 static bool find_plane(struct polygon *p)
 {
     for (size_t i = 1; i + 1 < p->size; i++) {
@@ -47,7 +57,8 @@ static bool find_plane(struct polygon *p)
     return true;
 }
 
-/* The largest distance of a corner from the mean plane; 0 where decimals alone may be to blame. */
+/* Returns the largest distance of a corner from the mean plane; 0 if decimals of the file alone may cause it.
+ */
 static double bend_of(const struct polygon *p)
 {
     double bend = 0;
@@ -59,8 +70,8 @@ static double bend_of(const struct polygon *p)
     return bend > 1e-9 * p->extent ? bend : 0;
 }
 
-/* Convex, seen along the normal: no corner turns right, and all turns together go round once (a star goes
- * round twice). */
+/* True if the polygon is convex, seen along its normal: no corner turns right, and all turns together make
+ * one full turn (those of a star make two). */
 static bool is_convex(const struct polygon *p)
 {
     double turned = 0;
@@ -72,10 +83,11 @@ static bool is_convex(const struct polygon *p)
         if (sine < -1e-12 * p->extent * p->extent) return false;
         turned += atan2(sine, cosine);
     }
-    return fabs(turned) < 9; /* 2 pi, not 4 pi */
+    return fabs(turned) < 9; /* one turn is 2 pi, two are 4 pi */
 }
 
-/* Corners on a straight side make triangles of no area with some apexes, and not with others. */
+/* Returns the area of the smallest triangle of the fan about an apex. It is 0 for some apexes if corners lie
+ * on a straight side. */
 static double smallest_triangle(const struct polygon *p, size_t apex)
 {
     double smallest = INFINITY;
@@ -84,7 +96,7 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
     return smallest;
 }
 
-/* All corners are tried: O(n^2) with at most CML_OBJ_MAX_CORNERS of them, and faces have few. */
+/* Tries all corners as apex: O(n^2) for at most CML_OBJ_MAX_CORNERS corners, and most faces have few. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
                           uint32_t (*triangle)[3], double *bend)
 {

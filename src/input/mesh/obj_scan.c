@@ -1,5 +1,5 @@
-/* The strict scan. It works in place: what is not needed becomes blanks, and the text keeps its length for
- * the next reader. SPDX-License-Identifier: MIT */
+/* The strict scan of an OBJ file. It works in place: text that is not needed becomes blanks, and the text
+ * keeps its length for tinyobjloader. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_scan.h"
 
 #include "base/array.h"
@@ -16,14 +16,14 @@ void cml_obj_scan_clear(struct cml_obj_scan *scan)
     *scan = (struct cml_obj_scan){0};
 }
 
-/* One logical line: with its continuations, and the number of its first physical line. */
+/* A logical line: a line with its continuations, and the number of its first physical line. */
 struct line {
     const char *path;
     int number;
     char *text, *end;
 };
 
-/* Like cml_text_word, for a line whose blanks are all spaces (make_plain). */
+/* Cuts the next word off, like cml_text_word, for a line whose blanks are all spaces (make_plain). */
 static char *cut_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, " ");
@@ -34,7 +34,7 @@ static char *cut_word(char **cursor)
     return word;
 }
 
-/* Behind x y z a weight or a colour may stand; both are checked, and not used. */
+/* Reads a vertex x y z. A weight or a colour may follow; both are checked, and not used. */
 static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                               struct cml_error *err)
 {
@@ -57,7 +57,7 @@ static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_
     return CML_OK;
 }
 
-/* Whether the word is v, v/t, v//n or v/t/n with whole numbers; *number becomes v. */
+/* True if the word is v, v/t, v//n or v/t/n with whole numbers; *number becomes v. */
 static bool parse_corner(const char *word, int *number)
 {
     char part[3][16] = {"", "", ""};
@@ -76,8 +76,8 @@ static bool parse_corner(const char *word, int *number)
     return count < 3 || cml_parse_int(part[2], &ignored);
 }
 
-/* Numbers may be relative to the vertices read so far (-1 is the last one); those that come later can be
- * known only at the end. */
+/* Checks the number of a corner. It may be relative to the vertices read so far (-1 is the last one); a
+ * number beyond these is checked at the end, because its vertex may follow. */
 static cml_status scan_corner(const struct line *line, const char *word, size_t num_vertices,
                               struct cml_error *err)
 {
@@ -95,7 +95,7 @@ static cml_status scan_corner(const struct line *line, const char *word, size_t 
     return CML_OK;
 }
 
-/* Only counts and checks corners: tinyobjloader hands out the numbers. */
+/* Counts and checks the corners of a face; tinyobjloader returns their numbers later. */
 static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {
@@ -115,8 +115,8 @@ static cml_status scan_face(const struct line *line, char *cursor, struct cml_ob
     return CML_OK;
 }
 
-/* A backslash at the end of a vertex or face joins the next line to it. The characters between become blanks,
- * so that the text stays one line for the next reader too. */
+/* Joins the next line to a vertex or face that ends in a backslash. The characters between become blanks, so
+ * that the text is one line for the next reader, too. */
 static void join_continuations(struct cml_text *text, struct line *line)
 {
     while (line->end > line->text && line->end[-1] == '\\') {
@@ -128,7 +128,7 @@ static void join_continuations(struct cml_text *text, struct line *line)
     }
 }
 
-/* Comments and all kinds of blanks become spaces. */
+/* Turns the comment and all kinds of blanks into spaces. */
 static void make_plain(struct line *line)
 {
     char *comment = strchr(line->text, '#');
@@ -137,7 +137,7 @@ static void make_plain(struct line *line)
         if (strchr("\t\v\f\r", *c)) *c = ' ';
 }
 
-/* Undoes what cutting into lines and words did, for the next reader. */
+/* Undoes the cuts into lines and words in the text, for the next reader. */
 static void restore_line(const struct cml_text *text, const struct line *line)
 {
     char *stop = text->data + (text->cursor < text->size ? text->cursor : text->size);
@@ -146,7 +146,7 @@ static void restore_line(const struct cml_text *text, const struct line *line)
     if (text->cursor <= text->size) text->data[text->cursor - 1] = '\n';
 }
 
-/* Only lines `v` and `f` are left; what else OBJ knows (normals, groups, materials) becomes blanks. */
+/* Scans a line. Only lines `v` and `f` are left; others (normals, groups, materials) become blanks. */
 static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {
@@ -168,7 +168,7 @@ static cml_status scan_line(struct cml_text *text, struct line *line, struct cml
     return CML_OK;
 }
 
-/* Words up to the end of the line or its comment, which is where *at is left. A backslash joins the next
+/* Counts the words up to the end of the line or its comment, and leaves *at there. A backslash joins the next
  * line. */
 static size_t count_words(const char **at, const char *end)
 {

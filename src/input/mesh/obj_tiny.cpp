@@ -1,7 +1,7 @@
-/* tinyobjloader reads the faces through its callbacks, so nothing is stored twice. Its coordinates are not
- * taken: its number parser adds up digit times power of ten, so that half of all numbers with 6 digits and
- * two thirds of those with 17 differ from strtod's correctly rounded ones, by up to 5 units in the last
- * place. SPDX-License-Identifier: MIT */
+/* Reads the faces of an OBJ text with tinyobjloader, through its callbacks, so that nothing is stored twice.
+ * Coordinates are not taken from it: its number parser adds up digit times power of ten, so half of all
+ * numbers with 6 digits, and two thirds of those with 17, differ from strtod's correctly rounded ones, by up
+ * to 5 units in the last place. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_tiny.h"
 
 #define TINYOBJLOADER_USE_DOUBLE
@@ -17,7 +17,7 @@ namespace
 struct memory_buffer : std::streambuf {
     memory_buffer(const char *text, size_t size)
     {
-        char *begin = const_cast<char *>(text); /* streambuf's type; nothing is written */
+        char *begin = const_cast<char *>(text); /* the type of streambuf; nothing is written */
         setg(begin, begin, begin + size);
     }
 };
@@ -33,7 +33,7 @@ void take_vertex(void *user, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t, 
     static_cast<collector *>(user)->num_vertices++;
 }
 
-/* The callback interface hands indices on as they are written: from 1, or negative from the last vertex. */
+/* Takes a face. The callback gets indices as they are written: from 1, or negative from the last vertex. */
 void take_face(void *user, tinyobj::index_t *indices, int num_indices)
 {
     collector *faces = static_cast<collector *>(user);

@@ -10,15 +10,16 @@ bool cml_sweep_is_absorption(const char *name)
     return dot && strcmp(dot, ".mua") == 0;
 }
 
-/* What scatters in the medium of a column, in a row. */
+/* Returns mus of the medium of a column in a row, 1/cm. */
 static double scattering(const struct cml_sweep_table *table, int row, const struct cml_sweep_medium *medium)
 {
     const int column = medium->scattering;
     return column < 0 ? medium->mus : strtod(cml_sweep_cell(table, row, column).value, NULL);
 }
 
-static bool fit_in(const struct cml_sweep_table *table, int column, const struct cml_sweep_medium *medium,
-                   int a, int b)
+/* True if the cells of one column allow rows a and b to share a flight. */
+static bool may_share_in(const struct cml_sweep_table *table, int column,
+                         const struct cml_sweep_medium *medium, int a, int b)
 {
     const char *cell_a = cml_sweep_cell(table, a, column).value,
                *cell_b = cml_sweep_cell(table, b, column).value;
@@ -28,10 +29,11 @@ static bool fit_in(const struct cml_sweep_table *table, int column, const struct
     return !medium->is_first_layer && scattering(table, a, medium) > 0;
 }
 
-static bool fit(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
+/* True if rows a and b may share a flight. */
+static bool may_share(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)
-        if (!fit_in(table, c, &media[c], a, b)) return false;
+        if (!may_share_in(table, c, &media[c], a, b)) return false;
     return true;
 }
 
@@ -39,7 +41,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
                            int **group, int *num_groups, struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
-    int *first = calloc(rows, sizeof *first), count = 0; /* row of each group */
+    int *first = calloc(rows, sizeof *first), count = 0; /* first row of each group */
     *group = calloc(rows, sizeof **group);
     if (!*group || !first) {
         free(first);
@@ -49,7 +51,7 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
     }
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
-        while (number < count && !fit(table, media, first[number], row)) number++;
+        while (number < count && !may_share(table, media, first[number], row)) number++;
         if (number == count) first[count++] = row;
         (*group)[row] = number;
     }

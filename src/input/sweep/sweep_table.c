@@ -9,7 +9,7 @@
 enum { MOST_ROWS = 1000000 };
 static const char blanks[] = " \t\r";
 
-/* The text without the blanks around it; its end is cut. */
+/* Returns the text without the blanks around it; cuts its end. */
 static char *trim(char *text)
 {
     text += strspn(text, blanks);
@@ -18,7 +18,7 @@ static char *trim(char *text)
     return text;
 }
 
-/* Where a comment begins, or the line ends: at a # outside of quotation marks. */
+/* Returns the place where a comment begins (a # outside quotation marks), or the end of the line. */
 static char *find_comment(char *line)
 {
     bool quoted = false;
@@ -26,7 +26,7 @@ static char *find_comment(char *line)
     return line;
 }
 
-/* The next line with anything in it; NULL: none. */
+/* Returns the next line that is not empty; NULL: none. */
 static char *next_line(struct cml_text *text)
 {
     for (char *line; (line = cml_text_next(text));) {
@@ -40,11 +40,11 @@ static char *next_line(struct cml_text *text)
 struct cell {
     char *text;
     bool quoted;
-    char *behind; /* what stands behind the closing quotation mark, which should be nothing; NULL: it is
-                     missing */
+    char *behind; /* text behind the closing quotation mark, "" in a good cell; NULL: the mark is missing */
 };
 
-/* Takes the marks off, and returns what stands behind; NULL, and the cell as it was, where none closes. */
+/* Takes the quotation marks off a cell and returns the text behind them. Returns NULL and leaves the cell
+ * unchanged if the closing mark is missing. */
 static char *unquote(char *cell)
 {
     char *end = cell + 1, *to = cell;
@@ -56,7 +56,7 @@ static char *unquote(char *cell)
     return end + 1;
 }
 
-/* Cuts the next cell off; false behind the last one. */
+/* Cuts the next cell off the line; false behind the last one. */
 static bool next_cell(char **line, struct cell *cell)
 {
     if (!*line) return false;
@@ -76,6 +76,7 @@ static cml_status fail_at(const struct cml_text *text, const char *field, const 
     return cml_fail_field(err, text->path, text->line, field, value, expected);
 }
 
+/* Refuses a quoted cell without its closing mark, or with text behind it. */
 static cml_status check_quotes(const struct cml_sweep_table *table, const struct cell *cell, int column,
                                struct cml_error *err)
 {
@@ -111,7 +112,7 @@ static cml_status read_name(struct cml_sweep_table *table, const struct cell *ce
     return CML_OK;
 }
 
-/* Programs that put all texts in quotation marks would have labels only. */
+/* Refuses a table of labels only: programs that quote every text would make one. */
 static cml_status check_labels(const struct cml_sweep_table *table, struct cml_error *err)
 {
     for (int i = 0; i < table->num_columns; i++)

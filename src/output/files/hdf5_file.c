@@ -10,36 +10,41 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
-#define CHUNK ((size_t)1 << 17)  /* values: what is there as doubles at a time */
-#define GROWTH ((size_t)1 << 20) /* bytes by which the file grows in memory */
-#define NOWHERE "/dev/null/none" /* HDF5 tries to open a file of the name first: there can be none */
+#define CHUNK ((size_t)1 << 17)  /* values that are in memory as doubles at a time */
+#define GROWTH ((size_t)1 << 20) /* bytes by which the file in memory grows */
+/* name of the file for HDF5, which first tries to open it: no such file can exist */
+#define NOWHERE "/dev/null/none"
 
-/* The file is made in memory, where nothing but memory can fail, and is written like all other files: HDF5
- * keeps what it cannot write, says so at some later call, and writes other bytes then. The library's calls
- * return a negative number when they fail. The first failure is remembered, and the calls after it fail too,
- * or do nothing, on the invalid handles that it left: so code runs straight on, and looks once at the end. */
+/* State of writing one file. The file is made in memory, where only memory can run out, and then written like
+ * any other file: HDF5 itself would keep what it cannot write, report it at some later call, and write other
+ * bytes then. Calls of the library return a negative number when they fail. The first failure is remembered;
+ * later calls fail on the invalid handles it left, or do nothing. The code therefore runs straight on, and
+ * tests for a failure once, at the end. */
 struct writer {
     hid_t file;
     bool failed;
-    double *buffer;       /* [CHUNK] */
-    float *narrow;        /* [CHUNK] the same in single precision */
-    unsigned char *image; /* the file's bytes, which stay when the library closes it */
-    size_t size, room;    /* bytes of it; that there is memory for */
-    size_t refused;       /* bytes that there was no memory for; 0: none */
+    double *buffer;       /* [CHUNK] values of the current chunk */
+    float *narrow;        /* [CHUNK] the values in single precision */
+    unsigned char *image; /* bytes of the file, which stay when the library closes it */
+    size_t size, room;    /* bytes of the file, and bytes allocated */
+    size_t refused;       /* bytes that could not be allocated; 0: none */
 };
 
+/* Remembers that a call of the library has failed. */
 static void check(struct writer *w, int64_t returned)
 {
     if (returned < 0) w->failed = true;
 }
 
+/* Returns a handle, and remembers if making it has failed. */
 static hid_t made(struct writer *w, hid_t handle)
 {
     check(w, handle);
     return handle;
 }
 
-/* Attributes of the file or of a data set. UTF-8, because names of files may be. */
+/* Writes a text as an attribute of the file or of a data set. UTF-8, because names of files may have any
+ * letters. */
 static void put_text(struct writer *w, hid_t object, const char *name, const char *text)
 {
     const hid_t type = made(w, H5Tcopy(H5T_C_S1)), space = made(w, H5Screate(H5S_SCALAR));
@@ -52,7 +57,8 @@ static void put_text(struct writer *w, hid_t object, const char *name, const cha
     check(w, H5Tclose(type));
 }
 
-/* Numbers are doubles throughout: 2^53 is enough for seeds and photons, and every reader has them. */
+/* Writes a number as an attribute. All numbers are doubles: their 2^53 is enough for seeds and photons, and
+ * every reader has doubles. */
 static void put_number(struct writer *w, hid_t object, const char *name, double number)
 {
     const hid_t space = made(w, H5Screate(H5S_SCALAR));
@@ -63,21 +69,21 @@ static void put_number(struct writer *w, hid_t object, const char *name, double 
     check(w, H5Sclose(space));
 }
 
-/* The last axes whole, as far as they fit into a chunk, then part of one axis: so a chunk holds successive
- * values, and is written, filtered and forgotten at once. */
+/* Chooses the size of chunks: the last axes as a whole, as many as fit, then a part of the next axis. A chunk
+ * then holds successive values, and is computed, compressed and forgotten at once. */
 static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
 {
     size_t room = CHUNK;
     for (int i = field->num_axes - 1; i >= 0; i--) {
         chunk[i] = field->axis[i]->n < room ? field->axis[i]->n : room;
-        if (chunk[i] == 0) chunk[i] = 1; /* an empty array has none */
+        if (chunk[i] == 0) chunk[i] = 1; /* an empty array still needs a chunk of one */
         room = chunk[i] < field->axis[i]->n ? 1 : room / (size_t)chunk[i];
     }
 }
 
-/* Creates a data set without times, so that the same fields give the same bytes. Shuffled (all first bytes,
- * all second bytes, ...) before deflate, which then finds what neighbouring numbers have in common; at level
- * 1, the fastest. A single number stands in the header of its data set, which has a checksum. */
+/* Creates a data set without times, so that the same fields give the same bytes. Data are shuffled (all first
+ * bytes, all second bytes, ...) before deflate, which then finds the digits that neighbours share; level 1 is
+ * the fastest. A single number stands in the header of its data set, which has a checksum. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];
@@ -86,9 +92,11 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
         made(w, field->num_axes ? H5Screate_simple(field->num_axes, size, NULL) : H5Screate(H5S_SCALAR));
     const hid_t properties = made(w, H5Pcreate(H5P_DATASET_CREATE));
     check(w, H5Pset_obj_track_times(properties, false));
-    if (field->plain) check(w, H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER)); /* all is written */
+    /* every value is written */
+    if (field->plain) check(w, H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER));
     if (field->num_axes == 0) check(w, H5Pset_layout(properties, H5D_COMPACT));
-    if (cml_field_size(field) > 0 && field->num_axes > 0 && !field->plain) { /* chunks are not empty */
+    /* an empty array has no chunks */
+    if (cml_field_size(field) > 0 && field->num_axes > 0 && !field->plain) {
         check(w, H5Pset_chunk(properties, field->num_axes, chunk));
         check(w, H5Pset_shuffle(properties));
         check(w, H5Pset_deflate(properties, 1));
@@ -101,7 +109,7 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
     return dataset;
 }
 
-/* Returns where they are: rounded here, which is quicker than the library. */
+/* Returns `count` values in the field's precision. Rounding to floats here is faster than in the library. */
 static const void *get_values(struct writer *w, const struct cml_field *field, size_t begin, size_t count)
 {
     field->values(field->context, begin, count, w->buffer);
@@ -111,12 +119,13 @@ static const void *get_values(struct writer *w, const struct cml_field *field, s
     return w->narrow;
 }
 
+/* Returns the type of the field's values in memory. */
 static hid_t type_here(const struct cml_field *field)
 {
     return field->single ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
-/* One chunk, cut off at the end of the array. Returns how many values that was. */
+/* Writes one chunk, cut off at the end of the array. Returns how many values it has. */
 static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_field *field,
                           const hsize_t *start, const hsize_t *chunk, size_t begin)
 {
@@ -137,15 +146,15 @@ static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_fiel
     return count;
 }
 
-/* Chunk after chunk, each filled when it is written: a volume of 1e9 voxels is never in memory as doubles.
- * Once a call has failed nothing more is tried. */
+/* Writes an array chunk by chunk. Each chunk is computed when it is written, so a volume of 1e9 voxels is
+ * never in memory as doubles. Stops after the first failure. */
 static void write_values(struct writer *w, hid_t dataset, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t start[CML_FIELD_AXES] = {0};
     for (size_t begin = 0; !w->failed && begin < cml_field_size(field);) {
         begin += write_chunk(w, dataset, field, start, chunk, begin);
         int axis = field->num_axes - 1;
-        for (; axis >= 0; axis--) { /* the next chunk, like an odometer */
+        for (; axis >= 0; axis--) { /* steps to the next chunk like an odometer */
             start[axis] += chunk[axis];
             if (start[axis] < field->axis[axis]->n) break;
             start[axis] = 0;
@@ -153,7 +162,8 @@ static void write_values(struct writer *w, hid_t dataset, const struct cml_field
     }
 }
 
-/* Bin middles, computed from their numbers and not summed, so that errors do not add up. */
+/* Computes the middles of bins from their numbers rather than by adding steps, so that rounding errors do not
+ * add up. */
 static void axis_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_axis *axis = context;
@@ -161,7 +171,8 @@ static void axis_values(const void *context, size_t begin, size_t count, double 
         *out++ = axis->values ? axis->values[i] : axis->first + (double)i * axis->step;
 }
 
-/* Names of attributes as in the CF conventions, which xarray shows and plots with. */
+/* Writes long name, units and errors under the names of the CF conventions, which xarray uses for display and
+ * plots. */
 static void describe(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     put_text(w, dataset, "long_name", field->long_name);
@@ -176,7 +187,7 @@ static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field
     check(w, H5Dwrite(dataset, type_here(field), H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
 }
 
-/* After a failure the data set is returned all the same: the caller closes it. */
+/* Returns the open data set even after a failure, because the caller closes it. */
 static hid_t write_dataset(struct writer *w, const struct cml_field *field)
 {
     hsize_t chunk[CML_FIELD_AXES] = {1};
@@ -191,7 +202,7 @@ static hid_t write_dataset(struct writer *w, const struct cml_field *field)
     return dataset;
 }
 
-/* The axis as a dimension scale, opened; made when no field before needed it. */
+/* Opens the dimension scale of an axis; creates it if no field before had this axis. */
 static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
 {
     const htri_t there = H5Lexists(w->file, axis->name, H5P_DEFAULT);
@@ -209,12 +220,13 @@ static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
     return dataset;
 }
 
+/* True if a field is its own axis. */
 static bool is_axis(const struct cml_field *field)
 {
     return field->num_axes == 1 && strcmp(field->name, field->axis[0]->name) == 0;
 }
 
-/* Axes are attached as dimension scales, which xarray and MATLAB take for coordinates. */
+/* Writes a field and attaches its axes as dimension scales, which xarray and MATLAB use as coordinates. */
 static void write_field(struct writer *w, const struct cml_field *field)
 {
     const hid_t dataset = is_axis(field) ? open_axis(w, field->axis[0]) : write_dataset(w, field);
@@ -226,7 +238,8 @@ static void write_field(struct writer *w, const struct cml_field *field)
     check(w, H5Dclose(dataset));
 }
 
-/* Contiguous data, unlike an attribute, stand in the file without a checksum that would differ, too. */
+/* Writes a text of the call as contiguous data of fixed length. An attribute would have a checksum, which
+ * would differ from call to call, too. */
 static void write_call_text(struct writer *w, hid_t group, const char *name, const char *long_name,
                             const char *text)
 {
@@ -248,6 +261,7 @@ static void write_call_text(struct writer *w, hid_t group, const char *name, con
     check(w, H5Tclose(type));
 }
 
+/* Writes the group `call`. */
 static void write_call(struct writer *w, const struct cml_hdf5_call *call)
 {
     const hid_t properties = made(w, H5Pcreate(H5P_GROUP_CREATE));
@@ -277,7 +291,8 @@ bool cml_hdf5_available(void)
     return true;
 }
 
-/* What the driver calls in place of realloc, free, and copies of what they are told. */
+/* Replaces realloc in HDF5's driver for files in memory: the functions below keep the memory of the file, and
+ * count its size. */
 static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *writer)
 {
     struct writer *w = writer;
@@ -287,12 +302,14 @@ static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *
         w->refused = size;
         return NULL;
     }
-    if (size > w->room) memset(larger + w->room, 0, size - w->room); /* the library writes not all of it */
+    /* the library does not write every byte */
+    if (size > w->room) memset(larger + w->room, 0, size - w->room);
     w->image = larger;
     w->room = size;
     return larger;
 }
 
+/* Replaces free in HDF5's driver: the memory of the file stays. */
 static herr_t keep_image(void *image, H5FD_file_image_op_t why, void *writer)
 {
     (void)image, (void)why, (void)writer;
@@ -310,7 +327,8 @@ static herr_t keep_writer(void *writer)
     return 0;
 }
 
-/* The format of HDF5 1.8, where an attribute (the input text) may be longer than 64 KiB. */
+/* Creates the file in the format of HDF5 1.8, in which an attribute (the input text) may be longer than 64
+ * KiB. */
 static void create_file(struct writer *w)
 {
     H5FD_file_image_callbacks_t calls = {.image_realloc = grow_image,
@@ -329,8 +347,8 @@ static void create_file(struct writer *w)
     check(w, H5Pclose(access));
 }
 
-/* The address of the file's end in its superblock, version 2 as all files of HDF5 1.8 have it (HDF5 File
- * Format Specification, II.A). 0: it is not closed. */
+/* Returns the end of the file from its superblock, version 2 in all files of HDF5 1.8 (HDF5 File Format
+ * Specification, II.A). 0: the file was not closed properly. */
 static size_t end_of_file(const struct writer *w)
 {
     enum { VERSION = 8, OFFSETS = 9, WRITERS = 11, END = 28, SIZE = 48 };
@@ -341,7 +359,8 @@ static size_t end_of_file(const struct writer *w)
     return end <= w->room ? (size_t)end : 0;
 }
 
-/* Only then it says where it ends, and that nobody writes to it any more. */
+/* Closes the file. Only afterwards does the superblock have the end of the file, and no mark of an open
+ * writer. */
 static void close_file(struct writer *w)
 {
     check(w, H5Fclose(w->file));
@@ -349,6 +368,7 @@ static void close_file(struct writer *w)
     if (w->size == 0) w->failed = true;
 }
 
+/* Writes the finished file to the disk. */
 static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
 {
     struct cml_file file;

@@ -9,8 +9,8 @@
 #include <hdf5.h>
 #include <zlib.h>
 
-/* H5Fopen without a lock: the file is only read, and some file systems know no locks (NFS). HDF5
- * before 1.10.7 and 1.12.0 lock always. The library prints nothing and loads no filters from other places. */
+/* Opens a file without a lock: it is only read, and some file systems have no locks (NFS). HDF5 before
+ * 1.10.7, and 1.12.0, lock always. The library prints nothing, and loads no filters from elsewhere. */
 static hid_t open_unlocked(const char *path)
 {
     (void)H5dont_atexit();
@@ -25,7 +25,7 @@ static hid_t open_unlocked(const char *path)
     return file;
 }
 
-/* Reads an attribute of one number, or of one text of fixed length, that is no longer than `wanted`. */
+/* Reads an attribute that is one number, or one text of fixed length, not longer than the type `wanted`. */
 static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *value)
 {
     const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
@@ -52,6 +52,7 @@ static bool read_text(hid_t file, const char *name, size_t size, char *value)
     return good;
 }
 
+/* Reads the identity, if the file has one. False: the attribute is damaged. */
 static bool read_identity(hid_t file, struct cml_hdf5_head *head)
 {
     return H5Aexists(file, "identity") <= 0 ||
@@ -60,9 +61,10 @@ static bool read_identity(hid_t file, struct cml_hdf5_head *head)
 
 /* ---- chunks ---- */
 
-/* Bytes of a chunk of cml_hdf5_write, inflated and deflated. */
+/* Bytes of a chunk of cml_hdf5_write, inflated and deflated, at most. */
 enum { MOST_BYTES = 1 << 20, MOST_STORED = MOST_BYTES + (1 << 12) };
 
+/* True if chunk i of a data set can be inflated. stored, bytes: room for the chunk. */
 static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char *stored, unsigned char *bytes)
 {
     hsize_t start[H5S_MAX_RANK], size = 0;
@@ -74,7 +76,7 @@ static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char 
            uncompress(bytes, &inflated, stored, (uLong)size) == Z_OK;
 }
 
-/* zlib compares the checksum of every chunk. */
+/* Inflates every chunk of a data set: zlib then compares its checksum. */
 static bool are_chunks_sound(hid_t dataset)
 {
     unsigned char *stored = malloc(MOST_STORED + MOST_BYTES);
@@ -88,8 +90,8 @@ static bool are_chunks_sound(hid_t dataset)
     return sound;
 }
 
-/* A file need not have an array of this name. Arrays are found by name: HDF5 1.10 frees what it never got
- * when it lists the links of a damaged file. */
+/* True if the array NAME + ENDING is sound, or the file has no such array. Arrays are looked up by name,
+ * because HDF5 1.10 frees memory that it does not own when it lists the links of a damaged file. */
 static bool is_array_sound(hid_t file, const char *name, const char *ending)
 {
     char path[64];

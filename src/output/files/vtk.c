@@ -1,6 +1,13 @@
-/* VTK's XML formats: a header that says where in the file each array stands, then all arrays as they lie in
- * memory, each behind its size in bytes. Offsets count from the underscore that begins them (VTK file
- * formats, "XML file formats", appended raw data). SPDX-License-Identifier: MIT */
+/* Writer of VTK's XML formats with appended raw data (VTK file formats, "XML file formats"). A text header
+ * says where each array stands; then all arrays follow as they lie in memory:
+ *
+ *     <VTKFile ...> <DataArray ... offset="0"/> <DataArray ... offset="808"/> ...
+ *     <AppendedData encoding="raw">
+ *     _ [size in bytes, 8 bytes][array 1] [size][array 2] ...
+ *     </AppendedData> </VTKFile>
+ *
+ * Offsets count from the byte behind the underscore.
+ * SPDX-License-Identifier: MIT */
 #include "output/files/vtk.h"
 
 #include "base/atomic_file.h"
@@ -11,13 +18,14 @@
 #define LAST_LINE "</VTKFile>\n"
 #define COMMENT CML_VTK_RUN "%s -->\n"
 
-/* One array of the appended data: its description goes into the header, with the place of its bytes. */
+/* State of the header: where the next array will stand in the appended data. */
 struct layout {
     FILE *out;
-    uint64_t offset; /* of the next array behind the underscore */
+    uint64_t offset; /* offset of the next array, from the byte behind the underscore */
 };
 
-/* An array's size in bytes comes before it, and counts in the offset of the next. */
+/* Describes an array in the header. Its size in bytes stands before the array, and counts in the offset of
+ * the next. */
 static void describe(struct layout *layout, const char *type, const char *name, size_t components,
                      uint64_t bytes)
 {
@@ -28,8 +36,8 @@ static void describe(struct layout *layout, const char *type, const char *name, 
     layout->offset += sizeof bytes + bytes;
 }
 
-/* All on cells: a pixel, a voxel or a face has one value, not its corners. More values than cells are
- * components, such as the angle bins of a pixel. */
+/* Describes fields as data of cells: a pixel, a voxel or a face has one value, its corners have none. If a
+ * field has more values than cells, they are components, such as the angle bins of a pixel. */
 static void describe_fields(struct layout *layout, const struct cml_field *fields, int num_fields,
                             size_t cells)
 {
@@ -46,7 +54,7 @@ static void put_size(FILE *out, uint64_t bytes)
     fwrite(&bytes, sizeof bytes, 1, out);
 }
 
-/* Block by block, so that an array is never in memory as a whole. */
+/* Writes a field in blocks, so that it is never in memory as a whole. */
 static void put_field(FILE *out, const struct cml_field *field)
 {
     enum { BLOCK = 1024 };
@@ -62,7 +70,7 @@ static void put_field(FILE *out, const struct cml_field *field)
     }
 }
 
-/* Numbers are in this machine's byte order, and the header says which that is. */
+/* Writes the first lines. Numbers are in this machine's byte order, which the header names. */
 static void begin_file(FILE *out, const char *type, const char *comment)
 {
     const uint16_t one = 1;
@@ -86,8 +94,8 @@ static cml_status end_file(struct cml_file *file, struct cml_error *err)
     return cml_file_commit(file, err);
 }
 
-/* The extent counts points between cells: n cells from 0 to n. An extent of 0 in z is a flat image, whose
- * cells are pixels. */
+/* An extent counts points between cells: n cells have the points 0 to n. An extent of 0 in z makes a flat
+ * image, whose cells are pixels. */
 cml_status cml_vti_write(const char *path, const char *comment, const struct cml_image *image,
                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
@@ -119,7 +127,8 @@ static void describe_faces(struct layout *layout, const struct cml_faces *faces)
     fprintf(layout->out, "      </Polys>\n");
 }
 
-/* `offsets` are the ends of the faces in `connectivity`, as VTK wants them. */
+/* Writes the points, the corners of faces (`connectivity`), and the end of each face in the list of corners
+ * (`offsets`). */
 static void put_faces(FILE *out, const struct cml_faces *faces)
 {
     const size_t corners = faces->num_faces * (size_t)faces->corners;
@@ -134,7 +143,7 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
     }
 }
 
-/* Points in 64 bits: a small facet far from the axis would lose its shape in 32. */
+/* Points have 64 bits: in 32 bits a small facet far from the axis would lose its shape. */
 cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {

@@ -13,24 +13,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether this is the name of a number that every row has anyway. */
+/* True if this names a number that every row of a sweep has. */
 static bool is_of_every_row(const char *name)
 {
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
 }
 
-/* What may stand behind a quantity's name. */
+/* True if the text may stand behind the name of a quantity. */
 static bool is_ending(const char *rest)
 {
     return !*rest || strcmp(rest, "_se") == 0 || strcmp(rest, "_expected") == 0 ||
            strcmp(rest, "_expected_se") == 0;
 }
 
-/* Names of the sides of flux_body, in their order. */
+/* Names of the sides of flux_body, in the order of its axis. */
 static const char *const sides[CML_BODY_SIDES] = {"arrives_outside", "arrives_inside", "leaves_outside",
                                                   "leaves_inside"};
 
-/* ".arrives_outside", ".leaves_inside_se" ... */
+/* True for the end of a name of a flux: ".arrives_outside", ".leaves_inside_se" ... */
 static bool is_flux(const char *rest)
 {
     for (int s = 0; s < CML_BODY_SIDES && *rest == '.'; s++)
@@ -38,8 +38,8 @@ static bool is_flux(const char *rest)
     return false;
 }
 
-/* What layers and bodies absorb: layer1.A and the like, counted or expected; what comes to bodies; and what
- * these are as axes. */
+/* True for a name of results of layers and bodies: absorption (layer1.A and the like, counted or expected),
+ * fluxes, and the names of their axes. */
 static bool is_of_media(const char *name)
 {
     const size_t word = strncmp(name, "layer", 5) == 0 ? 5 : strncmp(name, "body", 4) == 0 ? 4 : 0;
@@ -57,7 +57,7 @@ bool cml_sweep_is_of_results(const char *name)
         const size_t own = strlen(total);
         if (strncmp(name, total, own) == 0 && is_ending(name + own)) return true;
     }
-    /* call: a group of the .h5 */
+    /* "call" is a group of the .h5 */
     return is_of_every_row(name) || is_of_media(name) || strncmp(name, "detector_", 9) == 0 ||
            strcmp(name, "row") == 0 || strcmp(name, "lost") == 0 || strcmp(name, "file") == 0 ||
            strcmp(name, "call") == 0;
@@ -70,7 +70,8 @@ void cml_sweep_h5_name(char *name)
 
 /* ---- .csv ---- */
 
-/* Names with a comma or a quotation mark, after RFC 4180, and what stood in quotation marks. */
+/* Writes a text of the table, in quotation marks if it is a label or has a comma, a quotation mark or a #
+ * (RFC 4180). */
 static void write_text(FILE *out, const char *name, bool label)
 {
     const bool quoted = label || strpbrk(name, ",\"#") != NULL;
@@ -82,7 +83,7 @@ static void write_text(FILE *out, const char *name, bool label)
     if (quoted) fputc('"', out);
 }
 
-/* How many numbers of a kind the tables have: the most that a row has. */
+/* Returns how many numbers of a kind the tables have: the most that any row has. */
 static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
 {
     int64_t most = 0;
@@ -91,6 +92,7 @@ static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
     return (int)most;
 }
 
+/* Writes the name of number i of a kind, such as "layer2.A". */
 static void name_number(const struct cml_sweep_results *r, enum cml_recorded kind, int i, char name[64])
 {
     static const char *const media[] = {
@@ -125,7 +127,7 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
     fputs(",lost,file\n", out);
 }
 
-/* count: of every kind. */
+/* Writes a row. count: columns of every kind. */
 static void write_row(FILE *out, const struct cml_sweep_results *r, const int count[CML_NUM_RECORDED],
                       int row)
 {
@@ -162,17 +164,17 @@ cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results 
 
 /* ---- .h5 ---- */
 
-/* The rows as an array of axes. */
+/* The rows of a sweep, arranged as an array over axes. */
 struct grid {
     const struct cml_sweep_results *results;
-    double *value;                        /* [num_rows][num_columns] of the cells */
-    int num_axes, column[CML_SWEEP_AXES]; /* of an axis; -1: the row's number */
+    double *value;                        /* [num_rows][num_columns] numbers of the cells */
+    int num_axes, column[CML_SWEEP_AXES]; /* column of each axis; -1: the axis is the number of the row */
     struct cml_axis axis[CML_SWEEP_AXES];
-    double *axis_values; /* [num_columns][num_rows] of axes */
+    double *axis_values; /* [num_columns][num_rows] values of the axes */
     int *row;            /* [num_rows] the row at each place of the array */
 };
 
-/* The different values of a column, rising. Returns how many. */
+/* Finds the different values of a column, in rising order. Returns how many there are. */
 static size_t find_values(const struct grid *grid, int column, double *values)
 {
     const size_t rows = (size_t)grid->results->num_rows, columns = (size_t)grid->results->num_columns;
@@ -180,7 +182,7 @@ static size_t find_values(const struct grid *grid, int column, double *values)
     return cml_sort_distinct(values, rows);
 }
 
-/* Columns with more than one value. false: too many. */
+/* Makes axes of the columns that have more than one value. False: there are none, or too many. */
 static bool find_axes(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
@@ -197,7 +199,7 @@ static bool find_axes(struct grid *grid)
     return grid->num_axes > 0;
 }
 
-/* Which row lies where; false where a place has none, or two. */
+/* Finds the row at each place of the array. False: a place has no row, or two. */
 static bool place_rows(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
@@ -219,7 +221,8 @@ static bool place_rows(struct grid *grid)
     return true;
 }
 
-/* All combinations, or one row after the other. */
+/* Arranges the rows over several axes if they are all combinations of their values; else over one axis, the
+ * row. */
 static void arrange(struct grid *grid)
 {
     if (find_axes(grid) && place_rows(grid)) return;
@@ -230,17 +233,19 @@ static void arrange(struct grid *grid)
     for (size_t i = 0; i < rows; i++) grid->row[i] = (int)i;
 }
 
-/* The fields, and their values at the places of the array. */
+/* The fields of the .h5, and their values in the order of the array. */
 struct fields {
     const struct grid *grid;
     struct cml_field *field;
-    double *value, *free; /* of the fields, one behind the other, [num_rows] or [num_rows][n] */
+    /* values of all fields, one behind the other, each [num_rows] or [num_rows][n]; and the place of the next
+     */
+    double *value, *free;
     struct cml_axis layer, body, side;
     int count;
 };
 
-/* Returns its values by place, to be filled in. axis: behind those of the grid, or NULL; inner: behind it, or
- * NULL. */
+/* Adds a field over the axes of the grid and returns its values, in the order of the array, to be filled in.
+ * axis, inner: further axes behind these, or NULL. */
 static double *add_over(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
                         const char *name, const char *long_name, const char *units)
 {
@@ -272,7 +277,7 @@ static bool is_axis(const struct grid *grid, int column)
     return false;
 }
 
-/* Axes are data sets of their own, by their names. */
+/* True if an axis has this name, and hence a data set of its own. */
 static bool has_axis(const struct grid *grid, const char *name)
 {
     for (int a = 0; a < grid->num_axes; a++)
@@ -280,7 +285,7 @@ static bool has_axis(const struct grid *grid, const char *name)
     return false;
 }
 
-/* A quantity, and its errors behind it: errors[size of the quantity]. */
+/* Adds a quantity and its errors, and returns their values: errors[size of the quantity]. */
 static double *add_with_errors(struct fields *list, const struct cml_axis *axis, const struct cml_axis *inner,
                                enum cml_quantity quantity, const char *name, double **errors)
 {
@@ -291,8 +296,8 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *axis,
     return value;
 }
 
-/* Numbers of a kind from number `first` on, and their errors; over an axis and one inside it, NULL: one of
- * each row. name NULL: that of the quantity. */
+/* Adds the numbers of a kind from number `first` on, with their errors, over `axis` and `inner` (NULL: one
+ * number per row). name NULL: that of the quantity. */
 static void fill_over(struct fields *list, enum cml_recorded kind, int first, const struct cml_axis *axis,
                       const struct cml_axis *inner, enum cml_quantity quantity, const char *name)
 {
@@ -327,9 +332,10 @@ static void fill_all_numbers(struct fields *list)
     }
 }
 
-/* What there is of every row beside its totals. */
+/* Whole numbers of every row. */
 enum whole { PHOTONS, SEED, LOST, ROW };
 
+/* Returns one of the whole numbers of a row. */
 static double whole_of(const struct cml_sweep_results *r, int row, enum whole which)
 {
     const double numbers[] = {(double)r->record[row].photons, (double)r->seed[row],
@@ -337,6 +343,7 @@ static double whole_of(const struct cml_sweep_results *r, int row, enum whole wh
     return numbers[which];
 }
 
+/* Adds a field with one of the whole numbers of every row. */
 static void fill_whole(struct fields *list, enum whole which, const char *name, const char *long_name)
 {
     const struct grid *grid = list->grid;
@@ -345,7 +352,7 @@ static void fill_whole(struct fields *list, enum whole which, const char *name, 
     for (int i = 0; i < grid->results->num_rows; i++) to[i] = whole_of(grid->results, grid->row[i], which);
 }
 
-/* Whether all cells of a column are numbers. */
+/* True if all cells of a column are numbers. */
 static bool is_numeric(const struct cml_sweep_results *r, int column)
 {
     double value;
@@ -355,6 +362,7 @@ static bool is_numeric(const struct cml_sweep_results *r, int column)
     return true;
 }
 
+/* Adds all fields of the .h5. */
 static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;

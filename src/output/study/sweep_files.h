@@ -1,45 +1,47 @@
-/* What comes of a sweep: all totals with their errors, as a table (.csv) and as arrays (.h5).
+/* Writes the results of a sweep: all totals with their errors, as a table (.csv) and as arrays (.h5).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "output/files/hdf5_file.h"
 #include "result/timing.h"
 
-/* All rows of a sweep; nothing in it is owned. */
+/* The results of all rows of a sweep; the structure owns nothing. */
 struct cml_sweep_results {
-    const char *title;    /* the scene's output */
-    const char *input;    /* the scene's text */
-    const char *settings; /* what --set changed in it; NULL: nothing */
+    const char *title;    /* name of the scene's output */
+    const char *input;    /* text of the scene */
+    const char *settings; /* changes by --set; NULL: none */
     struct cml_hdf5_call call;
     int num_columns, num_rows;
-    const char *const *name;         /* [num_columns] what was swept */
-    const bool *label;               /* [num_columns] not swept, but carried along */
-    char *const *cell;               /* [num_rows][num_columns] its values, numbers as written */
-    const uint64_t *seed;            /* [num_rows] */
-    char *const *file;               /* [num_rows] main results */
-    const struct cml_record *record; /* [num_rows] */
-    const char *const *detector;     /* their names, as many as the rows' records have; NULL: none */
+    const char *const *name;         /* [num_columns] names of the swept numbers and labels */
+    const bool *label;               /* [num_columns] true: a label, carried along and not swept */
+    char *const *cell;               /* [num_rows][num_columns] values of the columns, as written */
+    const uint64_t *seed;            /* [num_rows] seed of each row */
+    char *const *file;               /* [num_rows] main result of each row */
+    const struct cml_record *record; /* [num_rows] numbers of each row */
+    /* names of detectors, as many as the records of rows have; NULL: none */
+    const char *const *detector;
 };
 
-/* Whether a column of every table is called so. */
+/* True if every table of results may have a column of this name. */
 bool cml_sweep_is_of_results(const char *name);
 
-/* Turns the name of a label into that of its array in the .h5: with _ for /, which parts groups there. */
+/* Turns the name of a label into that of its array in the .h5, where / would make groups: / becomes _. */
 void cml_sweep_h5_name(char *name);
 
-/* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
- * standard error, what layers and bodies absorb likewise, expected values where rows have them, what
- * detectors have seen, lost packets, the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
+/* Writes a line of names, then a line for each row: row, swept numbers and labels, photons, seed; then with
+ * their standard errors the totals, absorption of layers and bodies, expected values where rows have them,
+ * detectors and fluxes of bodies; then lost packets and the row's file. Numbers have 17 digits. Atomic;
+ * CML_E_IO. */
 CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                              struct cml_error *err);
 
-/* One axis less than fields have: layers and bodies are one, too. */
+/* Axes of a sweep: one less than a field may have, for that of layers or bodies. */
 #define CML_SWEEP_AXES (CML_FIELD_AXES - 1)
 
-/* Where the rows are all combinations of the values in their columns, each once, and at most CML_SWEEP_AXES
- * columns have more than one value, those columns are the axes, in their order, with values rising. Else
- * there is one axis, row, and all columns are arrays over it. Labels are no axes, and are left out where they
- * are no numbers; / in their names is _. Atomic; CML_E_IO, CML_E_INPUT when memory runs
- * out. */
+/* Writes arrays over the swept numbers. If the rows are all combinations of the values in their columns, each
+ * once, and at most CML_SWEEP_AXES columns have more than one value, these columns are the axes, in their
+ * order, with rising values. Else the only axis is the row, and all columns are arrays over it. Labels are no
+ * axes, and are left out if they are not numbers; / in their names becomes _. Atomic; CML_E_IO, or
+ * CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                                             struct cml_error *err);

@@ -8,31 +8,32 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PACKETS_AT_ONCE 16384 /* some MiB of records, and enough for devices */
+/* packets compared at a time: some MiB of records, and enough work for a device */
+#define PACKETS_AT_ONCE 16384
 
-/* Sums of d and d^2 over packets. */
+/* Sums of a difference d and of d^2. */
 struct moments {
     double sum, squares;
 };
 
-/* The first half of a cross-check: fates packet by packet. */
+/* State of the first half of a cross-check, which compares fates packet by packet. Index: the side. */
 struct fates {
     const struct cml_check_setup *setup;
     void *engines[CML_CHECK_MOST_SIDES];
-    struct cml_fate_record *records[CML_CHECK_MOST_SIDES]; /* [PACKETS_AT_ONCE] */
+    struct cml_fate_record *records[CML_CHECK_MOST_SIDES]; /* [PACKETS_AT_ONCE] of each side */
     struct moments moments[CML_CHECK_MOST_SIDES][CML_NUM_TOTALS];
     uint64_t equal[CML_CHECK_MOST_SIDES];
 };
 
-/* Positions and weights may differ in their last bits, since the ways compute the same geometry in another
- * order or precision; that they took the same steps shows in these numbers. */
+/* True if two packets ended alike after the same number of steps. Positions and weights may differ in their
+ * last bits, because the sides compute the same geometry in another order or precision. */
 static bool same_fate(const struct cml_fate_record *a, const struct cml_fate_record *b)
 {
     return a->fate == b->fate && a->interactions == b->interactions &&
            a->boundary_events == b->boundary_events;
 }
 
-/* What a packet adds to a total, as a share of a packet. */
+/* Returns how much a packet adds to a total, as a share of a packet. */
 static double share_of(const struct cml_fate_record *record, int total)
 {
     static const int fate_of[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_FATE_SPECULAR,
@@ -44,8 +45,8 @@ static double share_of(const struct cml_fate_record *record, int total)
     return split_off + (record->fate == fate_of[total] ? record->weight * CML_WEIGHT_UNIT : 0);
 }
 
-/* The differences of the totals are summed for all packets, not only for those whose fates differ: weights
- * may differ in a packet of equal fate. */
+/* Compares one packet of all sides with the first. Differences of totals are summed for every packet, because
+ * weights may differ even where fates are equal. */
 static void compare_packet(struct fates *fates, uint64_t photon, size_t place)
 {
     struct cml_fate_record records[CML_CHECK_MOST_SIDES];
@@ -66,7 +67,8 @@ static void compare_packet(struct fates *fates, uint64_t photon, size_t place)
         fates->setup->on_difference(fates->setup->context, photon, records);
 }
 
-/* All ways fly a range before it is compared, so that memory does not grow with the photons. */
+/* Lets all sides fly a range before it is compared, so that memory does not grow with the number of photons.
+ */
 static cml_status compare_range(struct fates *fates, uint64_t first, uint64_t count, struct cml_error *err)
 {
     const struct cml_check_setup *setup = fates->setup;
@@ -76,8 +78,8 @@ static cml_status compare_range(struct fates *fates, uint64_t first, uint64_t co
     return CML_OK;
 }
 
-/* What was opened before a failure is closed by close_sides, for which a way that was not opened is a null
- * pointer. */
+/* Opens all sides. After a failure close_sides closes those that were opened; the others are null pointers.
+ */
 static cml_status open_sides(struct fates *fates, struct cml_error *err)
 {
     const struct cml_check_setup *setup = fates->setup;
@@ -98,8 +100,9 @@ static void close_sides(struct fates *fates)
     }
 }
 
-/* Paired differences: most packets of two ways are the same, so the standard error of the mean difference
- * is far below that of either total, and small errors of a geometry show. */
+/* Returns mean, standard error and z of paired differences. Most packets of two sides are identical, so the
+ * standard error of the mean difference is far below that of either total, and small errors of a geometry
+ * show. */
 static struct cml_check_total total_of(const struct moments *moments, double n)
 {
     struct cml_check_total total = {.mean = moments->sum / n};
@@ -109,6 +112,7 @@ static struct cml_check_total total_of(const struct moments *moments, double n)
     return total;
 }
 
+/* Compares `count` packets of one beam from index `first` on. */
 static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t count, struct cml_error *err)
 {
     for (uint64_t done = 0; done < count; done += PACKETS_AT_ONCE)
@@ -117,6 +121,7 @@ static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t cou
     return CML_OK;
 }
 
+/* Compares the packets of all beams, each with its share of the photons. */
 static cml_status compare_beams(struct fates *fates, struct cml_error *err)
 {
     const struct cml_scene *scene = fates->setup->scene;
@@ -129,7 +134,7 @@ static cml_status compare_beams(struct fates *fates, struct cml_error *err)
     return status;
 }
 
-/* Compares fates and totals of a pair. */
+/* Compares the packets of all sides: equal fates and differences of totals, into pairs[1..]. */
 static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_check_pair *pairs,
                                 struct cml_error *err)
 {
@@ -152,9 +157,9 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* z of bin i of profile[64][n] in two results, from the differences of the 64 batches: their mean over their
- * own standard error is a Student deviate of 63 degrees of freedom (Student 1908, Biometrika 6, 1), turned
- * into the normal one of the same tail. 0 when all batches agree. */
+/* Returns z of bin i of profile[64][n], result a against result b. The mean of the 64 batches' differences
+ * over its standard error is a Student deviate of 63 degrees of freedom (Student 1908, Biometrika 6, 1),
+ * which is turned into the normal deviate of the same tail. 0 when all batches agree. */
 static double bin_z(const cml_u128 *a, const cml_u128 *b, int n, int i)
 {
     struct moments moments = {0, 0};
@@ -167,7 +172,8 @@ static double bin_z(const cml_u128 *a, const cml_u128 *b, int n, int i)
     return cml_normal_of_student(total_of(&moments, CML_NUM_BATCHES).z, CML_NUM_BATCHES - 1);
 }
 
-/* Keeps the bin of the largest |z| of all profiles. A profile that one result lacks is not compared. */
+/* Compares two profiles[64][n] and keeps the bin with the largest |z| so far. A profile that one result lacks
+ * is left out. */
 static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 *b, int n,
                             struct cml_check_pair *pair)
 {
@@ -182,7 +188,7 @@ static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 
     }
 }
 
-/* All profiles; the grids over two variables have no batches. */
+/* Compares all profiles. Grids over two variables have no batches and are left out. */
 static void compare_bins(const struct cml_result *first, const struct cml_result *other,
                          struct cml_check_pair *pair)
 {
@@ -194,8 +200,8 @@ static void compare_bins(const struct cml_result *first, const struct cml_result
     compare_profile("A_z", other->A_z, first->A_z, grid->nz, pair);
 }
 
-/* The largest of many |z| is large by chance: its probability is corrected for their number (Sidak 1967,
- * J. Am. Stat. Assoc. 62, 626; conservative for correlated bins). */
+/* Decides whether a pair agrees. The largest of many |z| is large by chance, so its probability is corrected
+ * for their number (Sidak 1967, J. Am. Stat. Assoc. 62, 626; conservative for correlated bins). */
 static void judge(const struct cml_check_setup *setup, int s, struct cml_check_pair *pair)
 {
     double worst = fabs(pair->worst_z);
@@ -205,8 +211,8 @@ static void judge(const struct cml_check_setup *setup, int s, struct cml_check_p
                    (!setup->sides[s].same_geometry || share >= CML_CHECK_SHARE);
 }
 
-/* Once more as a whole run: bins and batches come from here, and the engine's usual path is compared, too,
- * not only its fates. */
+/* Flies the photons once more as a whole run of one side. Bins and batches come from this run, and it also
+ * tests the engine's usual path, which the fates do not use. */
 static cml_status run_side(const struct cml_check_setup *setup, int s, struct cml_run_result *run,
                            struct cml_error *err)
 {
@@ -219,7 +225,8 @@ static cml_status run_side(const struct cml_check_setup *setup, int s, struct cm
     return cml_run_verdict(setup->scene, &run->result, err);
 }
 
-/* Packets first, as that is where a fault can be pinned to a photon number; then whole runs for the bins. */
+/* Compares packets first, because there a fault can be pinned to a photon number; then whole runs, for the
+ * bins. */
 cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_result *result,
                           struct cml_error *err)
 {
@@ -238,7 +245,7 @@ cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_
     return CML_OK;
 }
 
-/* Runs that were not made are zero, and clearing them does nothing. */
+/* A run that was not made is zero, and clearing it does nothing. */
 void cml_check_clear(struct cml_check_result *result)
 {
     for (int s = 0; s < CML_CHECK_MOST_SIDES; s++) cml_run_result_free(&result->runs[s]);

@@ -1,11 +1,12 @@
-/* What a run has to do, for every combination of what it may find. SPDX-License-Identifier: MIT */
+/* Tests of what a run will do (start, continue, stop) for every combination of files and options that it
+ * finds. SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
 #include "lib/require.h"
 
 enum { NO, YES, ANY, ANY_KIND = CML_CHECKPOINT_FINISHED + 1 };
 
-/* The first row that fits decides. */
+/* Rules in order; the first row that fits decides. */
 static const struct {
     int extends, resumes, kind, tallies, result_gone, result_stands, kept;
     enum cml_run_intent intent;

@@ -260,8 +260,8 @@ static void refuses_odd_polygons(void **state)
     assert_true(bend == 0);
 }
 
-/* A square whose corners lie alternately above and below its mean plane is cut into triangles and counted
- * as bent. Each corner is 0.5 off the plane. The file has two such faces and a flat one. */
+/* Bent faces are cut into triangles and counted. The file has three bent quadrilaterals, whose corners lie
+ * 0.5 / sqrt(6) off their mean planes, and two triangles. */
 static void bent_faces_are_cut_and_counted(void **state)
 {
     struct cml_mesh mesh;

@@ -1,5 +1,5 @@
-/* Tests of totals by adding-doubling against other adding-doubling programs (tests/reference), closed
- * forms and theorems. No expected value comes from this program. SPDX-License-Identifier: MIT */
+/* Tests of totals by adding-doubling against other programs' adding-doubling (tests/reference), closed
+ * forms and theorems, never against this program. SPDX-License-Identifier: MIT */
 #include "exact/exact.h"
 #include "exact/phase_moments.h"
 
@@ -44,8 +44,8 @@ static struct stack slab(double n, double mua, double mus, double g, double d)
     return stack;
 }
 
-/* Solves a stack; the caller clears the returned totals. With sanitizers no error below 1e-5 is asked for,
- * which saves most of the time. */
+/* Solves a stack; the caller clears the totals. With sanitizers no error below 1e-5 is asked for, to save
+ * time. */
 static struct cml_exact solve(const struct stack *stack, bool diffuse, double angle, double tolerance)
 {
     struct cml_exact_ray beam = {cos(angle), 1};
@@ -59,8 +59,8 @@ static struct cml_exact solve(const struct stack *stack, bool diffuse, double an
     return exact;
 }
 
-/* Solves a stack and checks that reflected light (specular light included) and transmitted light agree
- * within the stated error plus `margin`. */
+/* Checks that reflected light (with specular light) and transmitted light agree within stated error +
+ * margin. */
 static void expect(const char *what, const struct stack *stack, bool diffuse, double angle, double reflected,
                    double transmitted, double margin)
 {
@@ -92,8 +92,7 @@ static FILE *open_reference(const char *name)
     return file;
 }
 
-/* Compares slabs with tables of other programs, which have seven digits and claim 1e-7 for stacks. The
- * stated error must cover the rest. */
+/* The tables have seven digits and claim 1e-7 for stacks. The stated error must cover the rest. */
 static void slabs_agree_with_other_adding_doubling(void **state)
 {
     (void)state;
@@ -136,7 +135,7 @@ static void stacks_agree_with_other_adding_doubling(void **state)
     assert_int_equal(rows, 6);
 }
 
-/* Returns the reflectance by Fresnel's formulas in angles; a is the angle in the medium of index n1. */
+/* Returns Fresnel's reflectance from angles; a is the angle in the medium of index n1. */
 static double reflectance(double n1, double n2, double a)
 {
     const double sine = n1 / n2 * sin(a), b = asin(fmin(sine, 1));
@@ -145,8 +144,7 @@ static double reflectance(double n1, double n2, double a)
     return (pow(sin(a - b) / sin(a + b), 2) + pow(tan(a - b) / tan(a + b), 2)) / 2;
 }
 
-/* Sums all internal reflections of a plate without scattering in air. Returns reflectance R and
- * transmittance T. */
+/* Sums all internal reflections of a plate without scattering in air: reflectance R, transmittance T. */
 static void plate(double n, double mua, double d, double angle, double *R, double *T)
 {
     const double r = reflectance(1, n, angle), t = exp(-mua * d / sqrt(1 - pow(sin(angle) / n, 2)));
@@ -187,7 +185,7 @@ static void plates_in_diffuse_light(void **state)
     }
 }
 
-/* Specular light is one reflection; at normal incidence on a glass plate it is both reflections (rule P1). */
+/* Specular light is one reflection; on a glass plate at normal incidence it is both (rule P1). */
 static void specular_light_is_split_as_by_the_program(void **state)
 {
     (void)state;
@@ -230,8 +228,7 @@ static void a_half_space_follows_chandrasekhar(void **state)
         }
 }
 
-/* A medium that scatters exactly backwards has two streams, solved by Kubelka and Munk. A medium that
- * scatters exactly forwards only absorbs. */
+/* Backward scattering alone has two streams (Kubelka and Munk). Forward scattering alone only absorbs. */
 static void extreme_anisotropy_has_closed_forms(void **state)
 {
     (void)state;
@@ -258,8 +255,7 @@ static struct stack upside_down(const struct stack *stack)
     return turned;
 }
 
-/* Helmholtz reciprocity: the etendue transmitted between the two outer media is the same in both
- * directions. */
+/* Helmholtz reciprocity: the etendue transmitted between the outer media is the same in both directions. */
 static void transmission_is_reciprocal(void **state)
 {
     (void)state;
@@ -273,8 +269,7 @@ static void transmission_is_reciprocal(void **state)
     cml_exact_clear(&up);
 }
 
-/* Cutting the first layer in two changes nothing else, and both parts together absorb as much as the layer
- * did. */
+/* The first layer is cut in two: nothing else changes, and both parts absorb as much as the layer did. */
 static void a_layer_in_two_parts_is_the_same(void **state)
 {
     (void)state;
@@ -299,8 +294,7 @@ static void a_layer_in_two_parts_is_the_same(void **state)
 /* Light that can never occur must not make a matrix singular: glass in which light would be trapped,
  * layers without thickness, a totally reflected beam, indices that differ by rounding, a half space that
  * absorbs nothing. */
-/* A stack cut into more layers than one block holds, in slanted light that is refracted between blocks,
- * absorbs the same. */
+/* More layers than one block holds, in slanted light that is refracted between blocks, absorb the same. */
 static void layers_in_many_parts_absorb_the_same(void **state)
 {
     (void)state;
@@ -379,8 +373,7 @@ static long double diffusion_exponent(long double w, long double g)
     return low;
 }
 
-/* Transmission through a thick slab falls by exp(-k) with each mean free path, within the stated relative
- * error. */
+/* Transmission of a thick slab falls by exp(-k) per mean free path, within the stated relative error. */
 static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
 {
     (void)state;
@@ -406,7 +399,7 @@ static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
     }
 }
 
-/* A slab of double thickness by the layer's own doubling equals two added halves, but for rounding. */
+/* A slab doubled by the layer's own doubling equals two added halves, but for rounding. */
 static void thick_slabs_are_two_halves(void **state)
 {
     (void)state;
@@ -458,8 +451,7 @@ static void stated_errors_are_no_smaller_than_true_ones(void **state)
     }
 }
 
-/* A number of operations, not a clock, limits the work, so the printed result does not depend on the
- * machine. */
+/* A number of operations, not a clock, limits the work: the result does not depend on the machine. */
 static void too_much_work_is_refused_or_cut_short(void **state)
 {
     (void)state;
@@ -478,8 +470,7 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     cml_exact_clear(&exact);
 }
 
-/* A million different indices are refused at once: examining all directions for each index would take
- * hours. */
+/* Examining all directions for each of a million indices would take hours. */
 static void a_million_indices_are_refused_at_once(void **state)
 {
     enum { LAYERS = 1000000 };
@@ -516,8 +507,7 @@ static double hg_density(double g, double c)
     return (1 - g * g) / 2 / pow(1 + g * g - 2 * g * c, 1.5);
 }
 
-/* Returns the density of the phase function `of` at the cosine c, as defined in
- * samples/manual/input/phase-functions.md. */
+/* Returns the density of phase function `of` at the cosine c (samples/manual/input/phase-functions.md). */
 static double density(const struct cml_phase *of, double c)
 {
     const double *n = of->number, g = n[0], a = n[1];
@@ -529,8 +519,7 @@ static double density(const struct cml_phase *of, double c)
            pow(1 + g * g - 2 * g * c, a + 1);
 }
 
-/* Compares sixty moments with integrals of the density by the midpoint rule over the cosine, which errs by
- * 2e-8. */
+/* Compares sixty moments with integrals of the density by the midpoint rule, which errs by 2e-8. */
 static void moments_are_those_of_the_density(void **state)
 {
     (void)state;

@@ -299,8 +299,9 @@ static double mean_square_error(function *f, draw_words *draw, int points)
     return sum / BATCHES;
 }
 
-/* Errors of smooth functions are far below those of random points, also with the odd number of points that
- * 1e5 photons give a batch. The bounds are half of the gain of the lattice vector in use. */
+/* Errors of smooth functions are far below those of random points, also for 1562 points, which 1e5 photons
+ * give a batch and which are no power of two. The bounds on the gain are half of what the lattice vector
+ * in use reaches. */
 static void smooth_functions_have_far_smaller_errors_than_at_random(void **state)
 {
     (void)state;

@@ -14,7 +14,8 @@ static void rings_make_up_the_disk(void **state)
     assert_near("area", sum, CML_PI, 1e-13);
 }
 
-/* Angle bins scaled by midpoint values exceed 2 pi and pi by as much as the header of the scaling says. */
+/* The solid angles of all bins add up to 2 pi (projected: pi), once the known error of midpoint values is
+ * divided out. */
 static void angles_make_up_the_hemisphere(void **state)
 {
     (void)state;

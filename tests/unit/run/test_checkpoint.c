@@ -251,7 +251,7 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_NUM_RANGES, UINT64_MAX, 8},
         {AT_NUM_CELLS, 0, 8},
         {AT_NUM_CELLS, UINT64_MAX, 8},
-        {AT_NUM_SAVED, 2, 8}, /* one saved packet too many */
+        {AT_NUM_SAVED, 2, 8}, /* one row is left over */
         {AT_NUM_SAVED, 4, 8},
         {AT_NUM_SAVED, UINT64_MAX, 8},
         {AT_FOUND, 2, 8}, /* fewer found than saved */

@@ -1,5 +1,5 @@
-/* Tests of what a run will do (start, continue, stop) for every combination of files and options that it
- * finds. SPDX-License-Identifier: MIT */
+/* Tests of the decision to start, continue, extend or refuse a run, for every combination of files and
+ * options that it may find. SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
 #include "lib/require.h"

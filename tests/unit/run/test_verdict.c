@@ -1,4 +1,4 @@
-/* Tests of the verdict on a run (good, suspicious, failed), which follows from its sums.
+/* Tests of the verdict on a run: too many lost packets, or energy books that do not balance, are an error.
  * SPDX-License-Identifier: MIT */
 #include "lib/require.h"
 

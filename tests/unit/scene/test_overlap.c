@@ -415,7 +415,7 @@ static struct cml_sheet_overlap check_self(struct cml_mesh *made)
 static void test_self(void **state)
 {
     (void)state;
-    /* a mushroom's profile, and one whose cap reaches below the wide foot of its stem */
+    /* a mushroom's profile, and one whose cap reaches out over the border */
     const double fine[][2] = {{-2, 0},  {-0.5, 0.01}, {-0.5, 1},   {-1, 1.2}, {0, 2},
                               {1, 1.2}, {0.5, 1},     {0.5, 0.01}, {2, 0}};
     const double loop[][2] = {{-2, 0}, {1, 0.5}, {0.5, 2}, {-0.5, 2}, {-1, 0.5}, {2, 0}};

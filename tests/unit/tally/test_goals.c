@@ -1,5 +1,5 @@
-/* Tests of the estimate, at the end of a run, of how many photons a smaller error would take.
- * SPDX-License-Identifier: MIT */
+/* Tests of cml_result_times_to, which estimates how many times longer a run must be to reach a given
+ * error. SPDX-License-Identifier: MIT */
 #include "lib/require.h"
 
 #include "tally/result.h"

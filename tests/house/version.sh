@@ -1,6 +1,6 @@
 #!/bin/sh
-# The version stands in CMakeLists.txt, from where program, manual page and package have it. CITATION.cff cannot read it
-# there, and has the same: version.sh VERSION.
+# Checks that CITATION.cff has the version of CMakeLists.txt: version.sh VERSION. Program, manual page and package take the
+# version from CMakeLists.txt; CITATION.cff cannot.
 # SPDX-License-Identifier: MIT
 set -eu
 cited=$(sed -n 's/^version: *//p' CITATION.cff)

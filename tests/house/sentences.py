@@ -26,7 +26,7 @@ def without_code(text):
 
 
 def paragraphs(text):
-    """Yields paragraphs and items of lists, each on one line."""
+    """Returns paragraphs and items of lists, each on one line."""
     found, lines = [], []
     for line in without_code(text).split("\n") + [""]:
         words, item = line.strip(), ITEM.match(line.strip())
@@ -40,7 +40,7 @@ def paragraphs(text):
 
 
 def sentences(text):
-    """Returns the sentences of a paragraph. Code in a sentence counts as one word, and so does a link."""
+    """Yields the sentences of a text. Code in a sentence counts as one word, and so does a link."""
     for paragraph in paragraphs(text):
         plain = CODE.sub("Code", LINK.sub(r"\1", paragraph))
         yield from END.split(DOTTED.sub(r"\1", plain))

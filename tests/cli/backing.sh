@@ -68,7 +68,7 @@ expect_code 0 "$work/b.mci" --sampling random --photons "${photons%.*}" --json -
 awk -v e="$(value Rd_se "$work/out")" -v v="$(value Rd "$work/out")" 'BEGIN { r = e / v / 0.003; exit !(r > 1 / 1.5 && r < 1.5) }' ||
     complain "plan: $photons photons: $(cat "$work/out")"
 
-# --tolerance: the backing's shape is tried as a plane.
+# --tolerance tries the backing's shape as a plane.
 scene bump.mco "backing 0.1"
 sed -i -e 's/^b 3 0.02.*//' -e 's/^1.4 0.5 50 0.8 0.05/1.4 0.01 1 0 0.2/' -e 's/^b 3 0.01.*/b 2 0.15 0.1 0 0.1/' "$work/bump.mci"
 expect_code 0 check "$work/bump.mci" --tolerance 0.02

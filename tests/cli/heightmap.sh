@@ -43,7 +43,7 @@ mv "$work/scan.mco" "$work/default.mco"
 expect_code 0 samples/scan.mci --photons 2e5 --seed 3 --quiet --tolerance 1e-9 -o "$work"
 expect_code 0 compare "$work/default.mco" "$work/scan.mco" --quiet
 
-# A level scan is a plane.
+# A level scan becomes a plane.
 {
     printf 'ncols 3\nnrows 4\ncellsize 1\n'
     printf '0 0 0\n0 0 0\n0 0 0\n0 0 0\n'

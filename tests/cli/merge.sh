@@ -97,7 +97,7 @@ cd ../one && "$program" "$scene" --photons 1e6 --quiet
 cd ..
 compare "stopped"
 
-# Refusals: one line, nothing written.
+# Wrong parts are refused in one line, and nothing is written.
 rm -rf one/* parts/*
 refuses() { # MESSAGE ARGUMENTS-OF-MERGE...
     message=$1

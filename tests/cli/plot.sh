@@ -37,7 +37,7 @@ printf 'image.cmap: magma\nfont.size: 7\n' >"$work/journal.mplstyle"
 expect_code 0 plot "$work/fig5.mco" --of A_rz -o "$work/map.svg" --style "$work/journal.mplstyle"
 grep -q 'font: [0-9]* *7px' "$work/map.svg" || complain "--style does nothing"
 
-# Refusals: one line, nothing written.
+# Wrong files are refused in one line, and nothing is written.
 refused() { expect_error 2 "$@" -o "$work/none.svg"; }
 expect_error 2 "--output p.jpg (expected a name that ends in .svg, .png, .pdf or .eps)" plot "$work/fig5.mco" -o p.jpg
 refused "$work/missing.mco: cannot be opened (No such file or directory)" plot "$work/missing.mco"

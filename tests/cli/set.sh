@@ -78,7 +78,7 @@ grep -qx 'clustermcml: note: photon 3 is not among those of result.mco (0 to 2, 
 expect_code 0 "$work/plain.mci" --set photons=1e3 --set layer1.mua=7 --json -o "$work"
 grep -q '"set":{"photons":1000.0,"layer1.mua":7.0}' "$work/out" || complain "--json: $(cat "$work/out")"
 
-# Bodies: spheres and meshes.
+# --set changes bodies: spheres and meshes.
 body() { # NAME=VALUE of a body
     python3 - "$@" >"$work/body.mci" <<'END'
 import sys

@@ -51,7 +51,7 @@ scene peak 'm "tent.obj" shift=0,0,0.01' # the prism, and slopes to both ends: p
 expect_code 0 check "$work/peak.mci"
 grep -q '^  boundary 0: mean height 0.0225 cm over its 0.16 cm2$' "$work/out" || complain "the mean of a mesh: $(grep -e mean -e error "$work/out")"
 
-# A level tile is a plane.
+# A level tile becomes a plane.
 printf 'ncols 3 nrows 2 cellsize 1\n0 0 0\n0 0 0\n' >"$work/level.asc"
 scene level 'm "level.asc" units=cm tile'
 scene plane ''

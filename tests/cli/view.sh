@@ -82,7 +82,7 @@ printf 'i cylinder -0.4 -1 2.5 -0.4 1 2.5 0.02 1.6 2 10 0.5\ni sphere 0.1 0 0.3 
 draw bodies "$work/bodies.mci" '>body 1, n = 1.5<' '>body 2, n = 1.6<' '>body 3, n = 1.3<'
 test -z "${ALL_CASES:-}" || draw glow samples/glow.mci '>body 1, n = 1.37<'
 
-# One run of a file with several.
+# A file with several runs: the picture shows one of them.
 draw first samples/two_runs.mci "$(awk 'NR > 3 && / A/ { print $1; exit }' samples/two_runs.mci), seen along y"
 expect_code 0 view samples/two_runs.mci --run 2 -o "$work/second.svg" --quiet
 cmp -s "$work/first.svg" "$work/second.svg" && complain "--run 2 draws the first run"

@@ -171,7 +171,7 @@ def main():
         open("faults", "w", encoding="utf-8").close()
         with h5py.File("1/scene.h5") as file:
             names = sorted(name for name in file if isinstance(file[name], h5py.Dataset) and file[name].ndim)
-        for vtp in os.listdir("1"):  # shapes, beside the file
+        for vtp in os.listdir("1"):  # shapes beside the file
             os.link(os.path.join("1", vtp), vtp.replace("scene", "bad"))
         os.remove("bad.h5")
         for words in (("compare", "1/scene.h5", "2/scene.h5", "-o", "out.svg"), ("plot", "1/scene.h5", "--of", "boundary0_irradiance_above", "-o", "out.svg")):

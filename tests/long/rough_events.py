@@ -14,7 +14,7 @@ import cml  # noqa: E402
 
 MESHES = os.path.abspath("meshes")
 ALPHAS = (1e-4, 1e-3, 0.02, 0.2, 1, 2)
-THIN = 0.3  # 1/cm, scattering
+THIN = 0.3  # scattering coefficient of nearly clear media, 1/cm
 
 
 def prism(path, half, height):

@@ -110,7 +110,7 @@ def angles(verdict):
     leaves the cone in the bin of its deviation if it has not been reflected before: more than nine tenths at n = 1.33."""
     na = 30
     step = 90 / na
-    cone, n = 10, 1.33  # degrees
+    cone, n = 10, 1.33  # slope angle of the cone (degrees), index
     turned = math.degrees(math.asin(n * math.sin(math.radians(cone)))) - cone
     below = {1: f"b 2 {-0.5 * math.tan(math.radians(cone)):.17g} 0.5 0 0"}
     cases = [(f"plate {angle}", f"beam pencil angle={angle}", {}, angle, 1 - 1e-9) for angle in (10, 44, 46, 88)]

@@ -34,7 +34,7 @@ LIGHTS = {"isotropic": "pencil z=0.25 light=isotropic", "lambertian": "pencil z=
           "aperture": "gaussian 0.1 light=na:0.8", "rectangle": "rectangle 0.3 0.2 z=0.25 angle=30 light=isotropic", "disk": "disk 0.2",
           "pencil": "pencil"}
 CLEAR = {"layers": ["1.4 0.5 1 0.8 0.5"], "grid": "0.1 0.1", "bins": "5 5 3"}
-LIT = ((2048, 100), (cml.repeats(131072), 40))  # photons, runs
+LIT = ((2048, 100), (cml.repeats(131072), 40))  # (photons, runs) under other lights and shapes
 LIT_PACKETS, NOISES, KINDS = 10, 3, {"profiles": PROFILES, "directions": ["Rd_dir", "Tt_dir"]}
 
 

@@ -19,7 +19,7 @@ import cml  # noqa: E402
 LONG = "long" in sys.argv[1:]
 TIMES = 10 if LONG else 1
 GRID = {"bins": "10 20 5", "grid": "0.05 0.05"}
-# name: layers, photons; from 0.1 to 1000 mean free paths
+# name: layers, photons; thickness from 0.1 to 1000 mean free paths
 STACKS = {
     "thin": (["1.4 0.5 1 0.3 0.1"], 40000),
     "few": (["1.3 2 20 0.7 0.1", "1.5 0.5 5 0 0.3"], 40000),

@@ -28,7 +28,7 @@ SCENES = [
     ("skin 0", ["1.53 0.2 1000 0.9 0.002", "1.34 0.15 400 0.85 0.008", "1.39 1 350 0.95 0.02", "1.4 0.7 200 0.76 0.1"],
      1.0, 1.0, 0),
 ]
-# and the lines of boundaries
+# like SCENES, with the lines of rough boundaries at the end
 ROUGH = [
     ("beckmann 0.5", ["1.5 1 20 0.8 0.5"], 1.0, 1.0, 0, {0: "rough beckmann 0.5", 1: "rough beckmann 0.5"}),
     ("ggx 0.05", ["1.5 1 20 0.8 0.5"], 1.0, 1.0, 60, {0: "rough ggx 0.05", 1: "rough ggx 0.05"}),

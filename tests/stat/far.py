@@ -20,7 +20,7 @@ DISTANCES = ("1", "1e3", "1e6", "1e9")
 LAYER = "1.4 0.5 20 0.8 1"
 RINGS = "b 6  0.06 0.1  0 0.1  0.06 0.1  0 0.1  0.05 0.2  0 0"
 SIDE = 20
-HANGS = 300  # s: packets that never end
+HANGS = 300  # time limit (s) against packets that never end
 
 
 def sheet():

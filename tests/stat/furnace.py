@@ -78,7 +78,7 @@ def furnace(verdict, name, layers, amplitudes, n_below=1.0, n_above=1.0):
 # ---- one pit in a plane: rings, or a mesh with overhangs ----
 
 PIT, DEEP = ((0.06, 0.0), (0.1, 0.04), (0.07, 0.07)), 0.07  # (half width, depth) of squares, in cm, and the depth of the pit
-RADII = ((0.0, -0.07), (0.05, -0.07), (0.09, -0.04), (0.11, 0.0))  # r, height
+RADII = ((0.0, -0.07), (0.05, -0.07), (0.09, -0.04), (0.11, 0.0))  # (r, height) of the radial pit, cm
 
 
 def write_pit(path, sign):

@@ -15,7 +15,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-LAYERS = ((0.5, 30.0, 0.8, 0.1), (0.2, 50.0, 0.9, 0.15))  # mua, mus, g, d
+LAYERS = ((0.5, 30.0, 0.8, 0.1), (0.2, 50.0, 0.9, 0.15))  # mua, mus, g, d of each layer
 RINGS = ((0.0, 0.1), (0.1, 0.3))
 
 

@@ -34,21 +34,21 @@ LOW = [(*t[:8], 0.15) for t in ROOF]
 class Body:
     line: str  # x y z r, n mua mus g
     rough: str = ""
-    around: int = 1  # layer
+    around: int = 1  # number of the layer around the body
     inside: int = 0  # number of the body around it, from 1
 
 
 @dataclass
 class Scene:
     name: str
-    layers: list  # n mua mus g d
+    layers: list  # n mua mus g d of each
     rough: list  # one per boundary: "", or kind and alpha
     n: tuple = (1, 1)
-    beam: dict = field(default_factory=dict)  # at, z, angle, azimuth, disk, light
+    beam: dict = field(default_factory=dict)  # keys: at, z, angle, azimuth, disk, light
     backing: str = ""
     bodies: list = field(default_factory=list)
     mesh: list = None  # triangles of boundary 0
-    shaded: bool = False  # normals=vertex
+    shaded: bool = False  # option normals=vertex
     hill: float = 0  # height of a cone of radius 0.5
     before: str = ""  # "#@ " before lines of this program
 

@@ -21,10 +21,10 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-C = 0.0299792458  # cm/ps
+C = 0.0299792458  # speed of light, cm/ps
 RUNS, PHOTONS = 20, 10000
 END, GATES = 400, 8000
-EXTRA = 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8  # 1/cm
+EXTRA = 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8  # more absorption, 1/cm
 
 
 def sections_of(text, *options):

@@ -23,7 +23,7 @@ except ImportError:  # like in lib/cml.py: this Python need not have it
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-C = 0.0299792458  # cm/ps
+C = 0.0299792458  # speed of light, cm/ps
 N_IN, MUS, G = 1.4, 50.0, 0.8
 SPECULAR = ((N_IN - 1) / (N_IN + 1)) ** 2
 DR, NR = 0.1, 20

@@ -25,7 +25,7 @@ static const struct beam {
     enum shape shape;
     double size[2], middle[3], angle, azimuth;
     enum light light;
-    double widest; /* degrees */
+    double widest; /* largest angle, degrees */
 } beams[] = {
     {"pencil light=lambertian", PENCIL, {0}, {0}, 0, 0, COSINE, 90},
     {"disk 0.1 at=0.2,-0.1 angle=40 azimuth=30", DISK, {0.1}, {0.2, -0.1}, 40, 30, PARALLEL, 0},

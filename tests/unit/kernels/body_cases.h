@@ -11,7 +11,7 @@ static const double eps = (double)CML_EPSILON;
 struct lengthwise {
     struct cml_body body;
     struct cml_convex solid; /* the same cylinder, as rounded */
-    struct cml_vec p, u;     /* from the middle of the first end */
+    struct cml_vec p, u;     /* p counts from the middle of the first end */
     double rounding; /* cm: allowed distance of a place from the surface; the way to it may be off by 8 of
                         these */
 };

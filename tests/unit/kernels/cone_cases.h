@@ -1,13 +1,14 @@
-/* Cases of kernels/cone.h whose answers are known by hand, compiled once in float and once in double.
- * z points down: a hill has a negative depth. SPDX-License-Identifier: MIT */
+/* Cases of kernels/cone.h (rays against rings, which are parts of cones) whose answers are known by hand,
+ * compiled once in float and once in double. z points down: a hill has a negative depth.
+ * SPDX-License-Identifier: MIT */
 #include "lib/cone_oracle.h"
 
 #define ABOVE (-1.0)
 #define BELOW 1.0
 static const double eps = (double)CML_EPSILON;
 
-static const double hill_r[] = {0, 1}, hill_z[] = {-1, 0};    /* z = r - 1 */
-static const double crater_r[] = {0, 1}, crater_z[] = {1, 0}; /* z = 1 - r */
+static const double hill_r[] = {0, 1}, hill_z[] = {-1, 0};    /* hill: z = r - 1 */
+static const double crater_r[] = {0, 1}, crater_z[] = {1, 0}; /* crater: z = 1 - r */
 
 struct found {
     int hit, ring;

@@ -26,10 +26,10 @@ static struct cml_vec random_direction(struct dice *dice, struct cml_vec p)
     double u[3];
     dice_direction(dice, u);
     const int kind = dice_below(dice, 8);
-    if (kind == 0) u[2] *= 1e-3; /* grazing */
+    if (kind == 0) u[2] *= 1e-3; /* a grazing ray */
     if (kind == 1) u[0] = u[1] = 0;
     if (kind == 2) u[2] = 0;
-    if (kind == 3) { /* through the axis */
+    if (kind == 3) { /* a ray through the axis */
         u[0] = -(double)p.x;
         u[1] = -(double)p.y;
     }
@@ -320,7 +320,7 @@ static void a_march_over_many_rings_misses_none(void **state)
 struct walker {
     const struct field *field;
     struct cml_surface surface;
-    struct cml_world world; /* one boundary */
+    struct cml_world world; /* world with one boundary */
     struct cml_packet packet;
     double side;
     long crossings, flights;

@@ -1,4 +1,5 @@
-/* Cases of kernels/mathf.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
+/* Cases of kernels/mathf.h (logarithm, exponential, sine, arc cosine), compiled once in float and once in
+ * double. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "mathf.h"
 

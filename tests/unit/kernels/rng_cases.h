@@ -1,4 +1,5 @@
-/* Cases of kernels/rng.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
+/* Cases of kernels/rng.h (random numbers of packets), compiled once in float and once in double.
+ * SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 
 #include <Random123/threefry.h>

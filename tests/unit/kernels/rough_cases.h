@@ -39,7 +39,7 @@ static void functions_of_the_error_integral_are_those_of_the_c_library(void **st
         assert_near("erfcx", (double)(cml_erfcx((real)x) / scaled), 1, 5e-7 * err_rounding + 1e-10);
         assert_near("erfc of its inverse", (double)erfcl(root), (double)(real)y, 4e-7 * err_rounding + 1e-15);
     }
-    for (int i = 0; i < 70; i++) { /* the tail, to 1e-7 */
+    for (int i = 0; i < 70; i++) { /* the tail, with an error of 1e-7 */
         const double y = pow(10, -0.1 * i - 0.1), root = (double)cml_erfc_inverse((real)y);
         assert_near("tail of erfc", (double)erfcl(root) / (double)(real)y, 1,
                     (1 + root * root) * 1e-6 * err_rounding);
@@ -149,7 +149,8 @@ static int cell_of(int i, struct cml_vec m)
 static void drawn_normals_are_those_that_are_seen(void **state)
 {
     (void)state;
-    const double angles[] = {150, 105, 70}; /* of flight: 30, 75 and 110 degrees of incidence */
+    const double angles[] = {150, 105,
+                             70}; /* angles of flight; the angles of incidence are 30, 75 and 110 degrees */
     const int draws = repeats(800000);
     for (int i = 0; i < COUNT(surfaces); i++)
         for (int k = 0; k < COUNT(angles); k++) {

@@ -260,24 +260,24 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_BEGIN, END + 1, 8},
         {AT_END, 0, 8},
         {AT_END, UINT64_MAX, 8},
-        {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite */
-        {AT_SECONDS, 0xbff0000000000000u, 8}, /* -1 */
+        {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite time */
+        {AT_SECONDS, 0xbff0000000000000u, 8}, /* time of -1 s */
         {AT_NUM_LAYERS, CML_RECORD_MEDIA + 1, 8},
-        {AT_NUM_LAYERS, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_LAYERS, UINT64_MAX, 8}, /* -1 layers */
         {AT_NUM_EXPECTED, CML_RECORD_MEDIA + 2, 8},
-        {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 expected values */
         {AT_NUM_DETECTORS, CML_RECORD_MEDIA + 1, 8},
-        {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 detectors */
         {AT_NUM_FLUXES, 1, 8},             /* not four fluxes per body */
-        {AT_RANGES, 127, 8},               /* {127, 5}: beyond the end */
-        {AT_RANGES, UINT64_MAX - 2, 8},    /* first + count wraps */
-        {AT_RANGES, 63, 8},                /* before the round */
-        {AT_RANGES, 70, 8},                /* overlaps {70, 2} */
-        {AT_RANGES + 8, 0, 8},             /* empty */
+        {AT_RANGES, 127, 8},               /* range {127, 5}: beyond the end */
+        {AT_RANGES, UINT64_MAX - 2, 8},    /* range whose first + count wraps */
+        {AT_RANGES, 63, 8},                /* range before the round */
+        {AT_RANGES, 70, 8},                /* range that overlaps {70, 2} */
+        {AT_RANGES + 8, 0, 8},             /* empty range */
         {AT_RANGES + 8, 4, 8},             /* one index is neither flown nor open */
         {AT_PHOTONS, END - 6, 8},
         {AT_LOST_COUNT, 1u << 20, 4},
-        {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 */
+        {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 lost packets */
         {AT_LOST, END, 8},               /* index outside the run */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)

@@ -180,7 +180,7 @@ static void test_fields(void **state)
     expect_two(
         radial(0.0, 3, r, h), radial(0.05, 4, r_fine, h_fine),
         "a.mci:7: boundaries 0 and 1 cross at (0.1 0 0.07) cm: boundary 0 reaches 0.02 cm below boundary 1");
-    /* parallel surfaces */
+    /* parallel surfaces do not overlap */
     expect_two(radial(0.0, 3, r, h), radial(1e-3, 3, r, h), NULL);
     expect_two(radial(0.0, 3, r, h), radial(0.0, 3, r, h), "a.mci:7: boundaries 0 and 1 touch at (0 0 0) cm");
     struct cml_boundary thin[] = {radial(0.0, 3, r, h), radial(0.01, 3, r, h), plane(0.05)};

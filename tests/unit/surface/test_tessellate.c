@@ -176,7 +176,7 @@ static void test_deviation(void **state)
             const double allowed = options.tolerance * radial.r[radial.n - 1];
             const double deviation = largest_deviation(&mesh, &radial);
             assert_true(deviation <= allowed * (1 + 1e-9) + 1e-15);
-            assert_true(deviation >= 0.1 * allowed); /* not finer than needed */
+            assert_true(deviation >= 0.1 * allowed); /* the mesh is not finer than needed */
             assert_null(mesh.slope);
             if (i > 1) assert_true(deviation < last / 14.0); /* counts x 4: the error is of second order */
             last = deviation;

@@ -133,7 +133,7 @@ static void absorption_by_medium_and_time_is_of_few_cells(void **state)
     (void)state;
     struct cml_tally_grid of = of_all;
     of.row_depths = of.row_times = false;
-    for (int gates = 13106; gates <= 13107; gates++) { /* 5 media: 65535 and 65540 cells */
+    for (int gates = 13106; gates <= 13107; gates++) { /* with 5 media: 65535 and 65540 cells */
         of.gates = gates;
         const bool few = gates == 13106;
         const struct cml_layout tally = cml_layout_of(&of, CML_OF_TALLY),

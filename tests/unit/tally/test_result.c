@@ -167,7 +167,7 @@ static void a_tally_may_serve_many_batches(void **state)
         struct cml_tally piece = make_tally(&grid);
         const int batch = dice_below(&dice, CML_NUM_BATCHES);
         score_at_random(&dice, &piece, 10);
-        piece.Rd_ra[3 * 2 + 1] = 5; /* beyond the grid, too */
+        piece.Rd_ra[3 * 2 + 1] = 5; /* a cell beyond the grid */
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
         cml_tally_move(&all, &piece);
@@ -198,9 +198,9 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
     tally.Rd_ra[3 * 2 + 1] = 1;
     tally.Tt_ra[3 * 2] = 2;
     tally.A_rz[1 * 6 + 0] = 4;  /* r bin 1, z < 0 */
-    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, too deep */
-    tally.A_rz[3 * 6 + 2] = 16; /* too far out, z bin 1 */
-    tally.A_rz[3 * 6 + 5] = 32; /* both */
+    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, below the grid */
+    tally.A_rz[3 * 6 + 2] = 16; /* r beyond the grid, z bin 1 */
+    tally.A_rz[3 * 6 + 5] = 32; /* r and z beyond the grid */
     add_to_batch(&result, 7, &tally);
     assert_true(result.Rd_ra[2 * 2 + 1] == 1 && result.Rd_r[7 * 3 + 2] == 1 && result.Rd_a[7 * 2 + 1] == 1);
     assert_true(result.Tt_ra[2 * 2] == 2 && result.Tt_r[7 * 3 + 2] == 2 && result.Tt_a[7 * 2] == 2);

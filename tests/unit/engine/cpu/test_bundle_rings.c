@@ -39,7 +39,7 @@ static double small_number(struct dice *dice)
 struct made_up {
     struct field field;
     struct cml_surface surface;
-    struct cml_world world; /* its one boundary */
+    struct cml_world world; /* world with one boundary */
 };
 
 /* Makes a random field of rings and its world. Half of the fields have few and wide rings, so that packets

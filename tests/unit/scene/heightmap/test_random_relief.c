@@ -73,7 +73,7 @@ static void slopes_are_those_of_a_gaussian_surface(void **state)
             drawn((struct cml_random_relief){.slope = a, .length = 1, .points = 512, .seed = 11});
         const double x = 0.5 * k * a, expected = exp(-x * x / (a * a)),
                      found = measure_facets(&map, x).steeper;
-        /* some 51^2 correlation areas of pi / 2 L^2 */
+        /* the area has some 51^2 correlation areas of pi / 2 L^2 */
         assert_near("value", found, expected, 4.5 * sqrt(expected * (1 - expected) / 1650));
         cml_heightmap_clear(&map);
     }

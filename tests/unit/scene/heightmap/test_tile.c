@@ -67,7 +67,7 @@ static void a_mirrored_map_is_the_same_on_both_sides_of_its_ends(void **state)
 static void steps_are_measured_inside_and_across_the_seam(void **state)
 {
     (void)state;
-    const double h[6] = {0, 1, 3, /* next row */ 0, 2, 3.5};
+    const double h[6] = {0, 1, 3, /* heights of the next row */ 0, 2, 3.5};
     struct cml_heightmap map = map_of(3, 2);
     memcpy(map.h, h, sizeof h);
     const struct cml_tile_notes notes = make(false, &map);
@@ -139,7 +139,7 @@ static void tiles_of_the_same_cells_are_compared(void **state)
     double gap, at[3];
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at));
     assert_true(fabs(gap - 0.5) < 1e-12);
-    lower.x0 += 3 * 6 * lower.dx; /* whole periods */
+    lower.x0 += 3 * 6 * lower.dx; /* shift by whole periods */
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at) && fabs(gap - 0.5) < 1e-12);
     lower.h[2 * 6 + 3] += 0.4;
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at) && fabs(gap - 0.1) < 1e-12);

@@ -46,7 +46,7 @@ static long double volume(const double u[3], const double p[3], const double a[3
 }
 
 struct first {
-    long double t; /* INFINITY: none */
+    long double t; /* distance of the crossing; INFINITY: none */
     int below;     /* true if the ray comes from below the surface */
 };
 

@@ -163,7 +163,8 @@ static void primitives_are_those_of_the_period(void **state)
     for (int i = 0; i < 2 * 15; i++)
         assert_int_equal(cml_tile_primitive(&period, cml_tile_triangle(&period, i)), i);
     for (int triangle = 0; triangle < 2 * 23 * 11; triangle++) {
-        const int x = (triangle / 2 % 23 + 1) % 5, y = (triangle / 2 / 23 + 2) % 3; /* margins mod n: 9, 4 */
+        const int x = (triangle / 2 % 23 + 1) % 5,
+                  y = (triangle / 2 / 23 + 2) % 3; /* the margins modulo n are 9 and 4 */
         assert_int_equal(cml_tile_primitive(&period, triangle), 2 * (5 * y + x) + triangle % 2);
     }
     assert_int_equal(cml_tile_primitive(&period, 2 * 23 * 11), -1); /* a facet of the skirt */

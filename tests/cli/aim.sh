@@ -103,7 +103,7 @@ expect_error 2 "$file: --aim Tt (expected another name of the detector: this is 
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 
-# A quantity that is too large for its sum is refused where it is asked for, also beside one of 0.
+# A quantity below 1e-20 of the light, too small for its sum, is refused as an aim; beside another aim it is printed as 0.
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.0\n"
 least="expected 1e-20 of the light or more that gets there, not less"
@@ -162,7 +162,8 @@ grep -q "^clustermcml: $work/t.csv:3: row 2, layer1.n = 1.02, .*: $work/m.mci:3:
 test ! -e "$work/d/m.sweep.csv" || complain "found in flight: wrote a table"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 
-# Windows are named in the output, also where a shape reaches below the level, or for a layer that is not below the level.
+# An aim flies in weight windows, without expected values, if it is named as counted (Tt_r), if a shape reaches below, or if
+# the level does not lie above its layer.
 windows() { # OPTIONS: in force, without expected values, and the same bytes on any threads
     rm -f "$work"/[abc]/x.mco
     # shellcheck disable=SC2086,SC2048

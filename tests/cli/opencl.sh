@@ -65,7 +65,7 @@ if test -n "${OPENCL_FAULT:-}"; then
     with_fault "clEnqueueReadBuffer 9 -5" "opencl device 0 (.*): reading results: CL_OUT_OF_RESOURCES (-5)"
 fi
 
-# Options that the kernel of the 2019 program had, and a file with several runs, give the results of the cpu engine.
+# Options that the kernel of the 2019 program had, and a flight of a single photon, give the results of the cpu engine.
 same_as_cpu() { # OUTPUT ARGUMENTS...
     output=$1
     shift

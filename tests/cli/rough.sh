@@ -77,7 +77,7 @@ for photon in 0 1 2 3; do
 done
 for photon in 0 1 2 3 4 5 6 7 8 9; do "$program" trace "$work/hill.mci" "$photon"; done | grep -q '^# rough: [2-9] steps$' || complain "no walk of two steps"
 
-# A nearly flat surface becomes a plane of the same roughness. The flat twin is smooth, and its light is not subtracted.
+# A nearly flat surface becomes a plane of the same roughness.
 shape ripple 1e-6
 sed -i '/^i sphere/d' "$work/ripple.mci"
 expect_code 0 "$work/ripple.mci" --tolerance 0.05 -o "$work"

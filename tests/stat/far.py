@@ -55,7 +55,7 @@ def fly(text, *options, ranks=1):
 
 
 def compare(verdict, name, photons, surface, beams, *options, lines=(), keys=("Rd",), ranks=1):
-    """Compares the first light with all others, with the same random numbers."""
+    """Compares the results of the first light with those of all others, with the same random numbers."""
     near = None
     for light in beams:
         code, record, said = fly(scene(photons, surface, light, lines), *options, ranks=ranks)

@@ -83,7 +83,7 @@ enum { LAWS = sizeof laws / sizeof *laws, MOMENTS = 8, STEPS = 100000 };
 /* A phase function on a fine grid of angles, from the forward direction on: the share below each angle,
  * and its Legendre moments. */
 struct integral {
-    double below[STEPS + 1]; /* share below each even place of the grid */
+    double below[STEPS + 1]; /* share of light below each angle of even index */
     double all;              /* integral of the density before it is normalised */
     double moment[MOMENTS + 1];
 };

@@ -222,7 +222,8 @@ static void test_predicates_with_tails(void **state)
         cml_orient2d((const double[2]){-1, -1}, (const double[2]){1, 1}, (const double[2]){tiny, tiny}), 0);
 }
 
-/* Pairs of triangles that meet: found by the tree, and by testing all pairs. */
+/* Counters of the tree's callbacks: pairs of triangles found, and triangles found in a column. Tests
+ * compare them with all pairs. */
 struct count {
     int pairs;
     int column;

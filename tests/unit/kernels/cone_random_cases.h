@@ -379,7 +379,7 @@ static void scatter(struct dice *dice, struct walker *walker)
     walker->packet.u = u;
 }
 
-/* Crosses the surface by the rules of the walk, with equal indices or one of two different pairs. */
+/* Crosses the surface by the rules of the walk, with equal indices or one of three other pairs. */
 static void cross(struct dice *dice, struct walker *walker, const struct cml_hit *hit)
 {
     static const double index[][2] = {{1, 1}, {1, 1.4}, {1.4, 1}, {1, 3}};

@@ -118,7 +118,7 @@ static void names_are_written_out(void **state)
             "--help)");
 }
 
-/* Returns operands that a command needs: scene files, and a number for commands that take N. */
+/* Returns as many operands as the command needs at least. */
 static const char *operands_of(int command)
 {
     static const char *const operands[] = {" a", " a b", "", " a"};
@@ -150,8 +150,7 @@ static void an_option_belongs_to_the_commands_of_its_row(void **state)
     }
 }
 
-/* `help OPTION` shows the help of that option. Only the options that every command has keep their usual
- * meaning behind `help`. */
+/* An option behind `help` is the topic of help, unless it is one of the options that every command has. */
 static void an_option_is_a_topic_of_help(void **state)
 {
     (void)state;

@@ -353,7 +353,7 @@ static void cosines_follow_henyey_and_greenstein(void **state)
 
 /* ---- scattered directions ---- */
 
-static struct cml_vec spin(struct cml_vec u, real ct, real st, real cp, real sp)
+static struct cml_vec deflected(struct cml_vec u, real ct, real st, real cp, real sp)
 {
     real unused, per_divisor;
     cml_reciprocals(1, cml_frame_divisor(u), &unused, &per_divisor);
@@ -373,7 +373,7 @@ static struct cml_vec start(int i)
 
 /* Rotations by the azimuths 0 and 90 degrees give directions perpendicular to the old one and to each
  * other. */
-static void a_spin_is_an_isometry(void **state)
+static void a_deflection_is_an_isometry(void **state)
 {
     (void)state;
     struct dice dice = dice_new(27);
@@ -384,14 +384,14 @@ static void a_spin_is_an_isometry(void **state)
             dice_direction(&dice, d);
             u = vec(d[0], d[1], d[2]);
         }
-        const struct cml_vec a = spin(u, 0, 1, 1, 0), b = spin(u, 0, 1, 0, 1);
+        const struct cml_vec a = deflected(u, 0, 1, 1, 0), b = deflected(u, 0, 1, 0, 1);
         assert_near("a.u", dot(a, u), 0, 6 * eps);
         assert_near("b.u", dot(b, u), 0, 6 * eps);
         assert_near("a.b", dot(a, b), 0, 6 * eps);
         const double theta = dice_between(&dice, 0, PI);
         real c, s;
         cml_circle_point(dice_word(&dice), &c, &s);
-        const struct cml_vec v = spin(u, (real)cos(theta), (real)sin(theta), c, s);
+        const struct cml_vec v = deflected(u, (real)cos(theta), (real)sin(theta), c, s);
         assert_near("deflection", dot(v, u), cos(theta), 6 * eps);
         assert_near("azimuth", dot(v, a), sin(theta) * (double)c, 6 * eps);
         assert_near("azimuth", dot(v, b), sin(theta) * (double)s, 6 * eps);
@@ -429,7 +429,7 @@ static void azimuths_are_uniform_about_any_direction(void **state)
         for (int n = 0; n < 64000; n++) {
             real c, s;
             cml_circle_point(dice_word(&dice), &c, &s);
-            const struct cml_vec v = spin(u, (real)0.8, (real)0.6, c, s);
+            const struct cml_vec v = deflected(u, (real)0.8, (real)0.6, c, s);
             const double phi = atan2(dot(v, f) / length(f), dot(v, e) / length(e));
             count[(int)((phi / (2 * PI) + 0.5) * 64) & 63]++;
         }
@@ -521,7 +521,7 @@ int main(void)
         cmocka_unit_test(g_of_plus_or_minus_one_is_exactly_forward_or_backward),
         cmocka_unit_test(the_mean_cosine_is_g_and_the_second_moment_g_squared),
         cmocka_unit_test(cosines_follow_henyey_and_greenstein),
-        cmocka_unit_test(a_spin_is_an_isometry),
+        cmocka_unit_test(a_deflection_is_an_isometry),
         cmocka_unit_test(a_direction_stays_a_unit_vector_over_a_million_events),
         cmocka_unit_test(azimuths_are_uniform_about_any_direction),
         cmocka_unit_test(optical_depths_are_exponential_with_mean_one),

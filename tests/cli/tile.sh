@@ -61,7 +61,7 @@ plain "$work/level.mco" | grep -v '^# more of this run' >"$work/a"
 plain "$work/plane.mco" >"$work/b"
 cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
 
-# Grooves steeper than the light can be followed, also as a heightmap with a skirt.
+# A ray in grooves that are steeper than the ray can be followed, also if the heightmap has a skirt instead of repeating.
 printf 'ncols 3 nrows 2 cellsize 1e-4\n0 0.3 0.79\n0 0.3 0.79\n' >"$work/steep.asc"
 scene steep 'm "steep.asc" units=cm tile=mirror'
 expect_code 0 check "$work/steep.mci"

@@ -437,8 +437,8 @@ static void parts_share_all_turns(void **state)
         }
 }
 
-/* The checkpoint of a part says which part it is. It holds nothing of the rounds before the part's own,
- * and the settings of its call. */
+/* The checkpoint of a part says which part it is. It holds the settings of its call, and nothing of the
+ * rounds before the part's own. */
 static void a_part_says_whose_it_is(void **state)
 {
     (void)state;

@@ -61,7 +61,8 @@ plain "$work/level.mco" | grep -v '^# more of this run' >"$work/a"
 plain "$work/plane.mco" >"$work/b"
 cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
 
-# A ray in grooves that are steeper than the ray can be followed, also if the heightmap has a skirt instead of repeating.
+# Slopes above 5000 are refused, in a tile and in a heightmap with a skirt: light that steeper grooves turn back would count
+# as trapped.
 printf 'ncols 3 nrows 2 cellsize 1e-4\n0 0.3 0.79\n0 0.3 0.79\n' >"$work/steep.asc"
 scene steep 'm "steep.asc" units=cm tile=mirror'
 expect_code 0 check "$work/steep.mci"

@@ -129,7 +129,7 @@ done
 a=$work/1/one.mco b=$work/5/one.mco
 expect_error 2 "compare: $a and $b: 1 and 1 packets (expected enough to compare anything)" compare "$a" "$b"
 
-# Numbers that no run writes, which no z can tell apart.
+# Numbers that no run writes are refused, because no z can tell them apart.
 expect_code 0 samples/thick.mci --photons 1000 --quiet -o "$work"
 for number in 1e160 -0.8; do
     awk -v n=$number '/^RAT/ { n_th = NR + 2 } NR == n_th { $0 = n } { print }' "$work/thick.mco" >"$work/odd.mco"

@@ -26,7 +26,7 @@ grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: di
 expect_code 0 plan "$work/dim.mci" --photons 65536 --json
 grep -q '"Tt":{"photons":[0-9]' "$work/out" || complain "plan: dim slab, more photons: $(cat "$work/out")"
 
-# The plan is for the least number of photons, and for the number of the file.
+# plan prints the number of photons that a run with --target-error flies, from few photons in the file and from more.
 for photons in 1000 30000; do
     sed "s/^1000000 /$photons /" samples/fig6.mci >"$work/few.mci"
     expect_code 0 plan "$work/few.mci" --photons 4096 --target-error 0.1

@@ -97,7 +97,7 @@ for mua in 60000:"note: A_z of 1 of 2 rows comes of fewer than 100 effective pac
     grep -qF "${mua#*:}" "$work/err" || complain "dark row: $(cat "$work/err")"
 done
 
-# Means for many detectors, media and rows would take too much memory.
+# Means for many detectors, media and rows would take too much memory. They are left out, with a note.
 awk 'FNR == 5 { for (i = 0; i < 100; i++) print "detector disk 0.1" } { print } /^1.37/ { for (i = 0; i < 1000; i++)
     print "i sphere", i % 25 * 0.01, int(i / 25) * 0.01, 0.025, 0.004, 1.37, 1, 50, 0.8 }' "$work/two.mci" | sed 's/^20000$/10/' >"$work/many.mci"
 expect_code 0 "$work/many.mci" --sweep "$work/seen.csv" --reweight -o "$work/three" --quiet --ignore-absorption

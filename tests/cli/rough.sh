@@ -129,14 +129,15 @@ backing 0.8 lambertian'
 expect_error 2 "$work/bad.mci:12: backing = lambertian (expected mirror or metal beside a rough line: light from a lambertian backing has no facets)" check "$work/bad.mci"
 printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0 rough=ggx\n1\n' >"$work/bad.mci"
 expect_error 2 "$work/bad.mci:10: body 1: rough = ggx (expected ggx,ALPHA or beckmann,ALPHA, with ALPHA 0, or a number of 1e-4..2)" check "$work/bad.mci"
-# Other words behind a layer are ignored, like in original MCML, but roughness has a line of its own.
+# Other words behind a layer are ignored, like in original MCML. Roughness is refused there, because it needs a line of its
+# own.
 for word in rough=ggx,0.3 "rough ggx 0.3"; do
     printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3 %s\n1\n' "$word" >"$work/bad.mci"
     expect_error 2 "$work/bad.mci:9: layer 1 = $word (expected a line \`rough KIND ALPHA\` before the layer whose top it is)" check "$work/bad.mci"
 done
 printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3 rough skin\n1\n' >"$work/bad.mci"
 expect_code 0 check "$work/bad.mci"
-# Text behind a sphere is ignored unless it looks like an option. A tab separates words, too.
+# Text behind a sphere is ignored, but text that looks like an option must be one. A tab separates words, too.
 words() { # WORDS
     printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0%b\n1\n' "$1" >"$work/bad.mci"
 }

@@ -93,7 +93,8 @@ flies KILL 137 -o"$work/job" --output d/thick.mco
 flies KILL 137 --output-dir="$work/job"
 flies KILL 137 --output "$work/job/thick.mco"
 flies KILL 137 --output="$work/job/d/thick.mco"
-# Without a checkpoint the last line must not say that there is one.
+# A checkpoint far away counts, too: in the folder of an absolute output name, or behind a link. If the script finds none, the
+# run's last line says that there is one.
 mkdir "$work/far"
 sed "s#^[^ ]*.mco A#$work/far/thick.mco A#" samples/thick.mci >"$work/far.mci"
 STOP="$work/far/*.checkpoint" SIGNAL=TERM job 75 "$work/far.mci" --photons 1e9

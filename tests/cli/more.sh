@@ -222,7 +222,7 @@ for output in thick.h5 thick.mco; do
     mv "$work/moved" "$work/there"
 done
 
-# Tallies that would be lost are noted, or kept.
+# A run that would lose kept tallies notes the loss; with --no-clobber it is refused, and the tallies stay.
 mkdir "$work/tallies"
 expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/tallies"
 rm "$work/tallies/thick.mco"
@@ -235,7 +235,7 @@ expect_code 0 samples/thick.mci --photons 200 -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew$" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"
 
-# A replaced result is noted, with its photons, or kept.
+# A run that replaces a result notes the result and its photons; with --no-clobber it is refused, and the result stays.
 grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
 kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
 expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
@@ -256,7 +256,7 @@ grep -q '^300 ' "$work/thick.mco" || complain "--no-clobber replaced a result"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
 expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two"
 grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"
-# No file of another run is replaced, including that of saved packets, whose name is not the result's.
+# --no-clobber replaces no file of a run, including that of saved packets, whose name is not the result's.
 sed -e '6a map 4 4 0.1 0.1' -e '6a photons "saved"' samples/thick.mci >"$work/saved.mci"
 if "$program" --version | grep -q 'HDF5 yes'; then
     for name in saved.photons.h5 thick.h5 thick.map.vti; do

@@ -1,10 +1,10 @@
-"""What tests execute, by room (kernels and the folders of src): a table of lines and branches on standard output.
+"""Prints which code the tests execute: a table of lines and branches by room (kernels and the folders of src).
 
-coverage.py LCOV GAPS: LCOV is what `llvm-cov export -format=lcov` wrote; GAPS becomes a text with every line that nothing
-executed. Runs in the source directory. Exit code 1 when a room is below 95 % of its lines.
+coverage.py LCOV GAPS: LCOV is the output of `llvm-cov export -format=lcov`; GAPS becomes a text with every line that no test
+executed. Runs in the source directory. Exit code 1 if a room is below 95 % of its lines.
 
-A line of a header counts as executed when it was in any file that includes it. A branch is one of the two ways that a
-condition can go; of a function in a header, llvm-cov counts the copy whose branches were gone most."""
+A line of a header counts as executed if it was in any file that includes it. A branch is one of the two ways that a condition
+can go. For a function in a header, llvm-cov counts the copy with the most executed branches."""
 import collections
 import os
 import sys
@@ -14,7 +14,7 @@ LEAST = 95.0
 
 class Source:
     def __init__(self):
-        self.lines = collections.Counter()  # how often, by number
+        self.lines = collections.Counter()  # line number: how often it was executed
         self.branches = 0
         self.gone = 0
 
@@ -23,7 +23,7 @@ class Source:
 
 
 def read(path):
-    """{path from the top: Source} of src and kernels."""
+    """Returns {path from the top: Source} of src and kernels."""
     sources, source = {}, None
     with open(path, encoding="utf-8") as file:
         for record in file:

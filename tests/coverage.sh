@@ -1,10 +1,10 @@
 #!/bin/bash
-# What the tests execute: coverage.sh [ARGUMENTS FOR CTEST], which are -LE 'long|house' unless given. Builds with clang's
-# coverage in build-coverage, with assertions; runs the tests; prints lines and branches by room. Lines that nothing
-# executed are left in build-coverage/gaps.txt. Exit code 1 when a room is below 95 % of its lines or a test fails. Needs
-# llvm-cov besides what tests/run.sh needs, and about half an hour on 2 cores.
-# Counters lie in files that processes share as memory, so that those count that are killed, too. What a device of OpenCL
-# executes is not counted; the same text is, where it flies on the processor.
+# Prints which code the tests execute: coverage.sh [ARGUMENTS FOR CTEST], which are -LE 'long|house' by default.
+# Builds with clang's coverage and assertions in build-coverage, runs the tests, and prints lines and branches by room. Lines
+# that no test executed are listed in build-coverage/gaps.txt. Exit code 1 if a room is below 95 % of its lines or a test
+# fails. Needs llvm-cov besides the needs of tests/run.sh, and about half an hour on 2 cores.
+# Counters lie in files that processes share as memory, so killed processes count, too. Code executed by an OpenCL device does
+# not count; the same source text counts where it flies on the processor.
 # SPDX-License-Identifier: MIT
 set -eu
 cd "$(dirname "$0")/.."

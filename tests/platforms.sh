@@ -1,5 +1,5 @@
 #!/bin/sh
-# On which platforms the program builds and passes its tests: prints one row of the table in tests/README.md for each.
+# Builds the program on several platforms and runs its tests there. Prints one row of the table in tests/README.md for each.
 #
 #     sh tests/platforms.sh [debian12] [debian13] [ubuntu2404] [clang] [arm64] [debug] [threads]     none: all
 #     KEEP=/var/tmp/roots sh tests/platforms.sh arm64     roots and logs stay there; the next run installs nothing
@@ -8,11 +8,11 @@
 # - debian12, debian13, ubuntu2404: the two commands of README.md in a bare root that debootstrap makes
 # - clang: on Debian 13 without gcc; arm64: cross-compiled on Debian 13, run by qemu-user
 # - debug, threads (32 threads, however few the cores): on this machine
-# Each builds a clean clone of HEAD. All fly the samples, and their .mco files must be those of a Release build on this
-# machine, byte by byte but for the line of time. Roots need the user root, debootstrap and a package archive; mounts are in
-# a namespace of their own and go with it. Roots lie in $TMPDIR and are removed, unless KEEP says otherwise.
+# Each platform builds a clean clone of HEAD and flies the samples. The .mco files must be those of a Release build on this
+# machine, byte by byte but for the line of time. Roots need the user root, debootstrap and a package archive; mounts are in a
+# namespace of their own and end with it. Roots lie in $TMPDIR and are removed, unless KEEP names a folder.
 #
-# Exit code: 0 all passed, 1 one failed, 77 none failed but for one no root could be made, 2 usage.
+# Exit code: 0 all passed, 1 one failed, 77 none failed but no root could be made for one, 2 usage.
 # SPDX-License-Identifier: MIT
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
@@ -39,8 +39,8 @@ fly='for scene in samples/*.mci samples/shapes/*.mci; do
     $EMULATOR build/clustermcml "$scene" --photons 2000 --threads ${THREADS:-2} --quiet -o "$flown"
 done'
 
-# Runs commands in a root, as root; mounts and processes that they leave go with their namespaces. The root is mounted on
-# itself, because those who mount within it want "/" to be a mount.
+# Runs commands in a root, as root. Mounts and processes that they leave end with their namespaces. The root is mounted on
+# itself, because commands that mount within it expect "/" to be a mount.
 in_root() { # ROOT COMMANDS
     unshare --mount --pid --fork --kill-child sh -euc '
         mount --bind "$1" "$1"
@@ -53,7 +53,7 @@ in_root() { # ROOT COMMANDS
         wait $!' sh "$1" "$2" </dev/null
 }
 
-# Runs commands in the clone that the root holds; HERE is the root that stands for this machine.
+# Runs commands in the clone that the root holds. The root HERE stands for this machine.
 in_clone() { # ROOT COMMANDS
     if test "$1" = "$roots/HERE"; then
         (cd "$1/root/clustermcml" && sh -euc "$2" </dev/null)
@@ -68,7 +68,7 @@ clone() { # ROOT
     git clone -q --no-hardlinks "$top" "$1/root/clustermcml"
 }
 
-# A bare root of a suite, made once. Ubuntu's keys are those that Debian 13 packages.
+# Makes a bare root of a suite, once. Ubuntu's keys are those that Debian 13 packages.
 make_base() { # SUITE
     test ! -d "$roots/base-$1" || return 0
     rm -rf --one-file-system "$roots/part"
@@ -90,14 +90,14 @@ make_root() { # NAME SUITE
     test -d "$roots/$1" || { rm -rf "$roots/part" && cp -a "$roots/base-$2" "$roots/part" && mv "$roots/part" "$roots/$1"; }
 }
 
-# What the row says of versions; run where the tests ran.
+# Prints the versions for the row; runs where the tests ran.
 versions='version() { dpkg-query -W -f "\${Version}\n" "$1" 2>/dev/null | head -n 1 | sed "s/^[0-9]*://; s/[-+~].*//"; }
 compiler=${CC:-gcc}
 number=$($compiler --version | sed -n "1s/.* \([0-9][0-9.]*[0-9]\).*/\1/p")
 mpi=$(version libopenmpi-dev) pocl=$(version pocl-opencl-icd)
 echo "$compiler $number | $(version libembree-dev) | ${mpi:--} | ${pocl:--} | $(version libhdf5-dev)"'
 
-# "cli 3, unit 40, failed: unit.a unit.b, skipped: cli.c" from the output of ctest.
+# Prints "cli 3, unit 40, failed: unit.a unit.b, skipped: cli.c" from the output of ctest.
 tests_of() { # LOG
     awk '/^ *[0-9]+\/[0-9]+ Test +#/ {
             match($0, /: [a-z]+\.[a-z0-9_]+/); name = substr($0, RSTART + 2, RLENGTH - 2)
@@ -111,12 +111,12 @@ tests_of() { # LOG
         }' "$1"
 }
 
-# An .mco file without its line of time, and without what $mask takes out.
+# Prints an .mco file without its line of time, and without the lines that $mask removes.
 science_of() { # FILE
     sed -e '/^# User time/d' -e "$mask" "$1"
 }
 
-# How many .mco files have the bytes that this machine's have, and which have others.
+# Prints how many .mco files have the same bytes as on this machine, and which differ.
 compare_with_here() { # ROOT
     same=0 other=
     for file in $(cd "$work/expected" && find . -name '*.mco' | sort); do
@@ -132,7 +132,7 @@ compare_with_here() { # ROOT
     test -z "$other" && test "$same" -gt 0
 }
 
-# What a Release build on this machine writes; made when the first platform needs it.
+# Flies the samples with a Release build of this machine, when the first platform needs them.
 fly_here() {
     test ! -d "$work/expected" || return 0
     sh "$top/samples/packages.sh" test
@@ -156,7 +156,7 @@ settings() { # NAME: sets system (what the row says), suite, commands and mask
             ! command -v gcc; export CC=clang CXX=clang++
             $configure -DCMAKE_BUILD_TYPE=Release; $build; EMULATOR=; $fly; $check 'unit|cross'" ;;
     arm64)
-        # the error of an Rsp without chance is the rounding of a long double, which has more bits on aarch64
+        # The error of an Rsp without chance is the rounding of a long double, which has more bits on aarch64.
         system="aarch64 (qemu-user)" suite=trixie mask='/^se_RAT/{n;d;}'
         commands="dpkg --add-architecture arm64
             $install crossbuild-essential-arm64 cmake make git pkg-config python3 qemu-user opencl-headers librandom123-dev \
@@ -177,7 +177,7 @@ settings() { # NAME: sets system (what the row says), suite, commands and mask
     esac
 }
 
-# One row. The commands run outside of any condition, so that the first one that fails ends them.
+# Prints one row. The commands run outside of any condition, so that the first failing command ends them.
 platform() { # NAME
     settings "$1"
     log=$roots/$1.log

@@ -1,10 +1,10 @@
 #!/bin/bash
-# Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
-# all tests but the long ones; then the unit tests and all samples again under clang with the address and undefined
-# behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some seconds, and the program
-# without MPI. Some 25 minutes on two free cores.
+# Checks everything that must hold before a change is good. Installs missing packages, builds with warnings as errors, and
+# runs all tests but the long ones. Then runs the unit tests and all samples again under clang with the address and undefined
+# behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some seconds, and the program without
+# MPI. Takes some 25 minutes on two free cores.
 #
-#     sh tests/run.sh          all of that
+#     sh tests/run.sh          all of these
 #     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)
 # SPDX-License-Identifier: MIT
 set -eu
@@ -27,7 +27,7 @@ fi
 now "the build"
 cmake --build build --parallel 2 --target all benches
 
-# Tests wait for files and for one another: what the sanitizers need is built in those gaps.
+# Tests wait for files and for one another: the sanitizers' builds run in these gaps.
 CC=clang CXX=clang++ cmake --preset asan >/dev/null
 CC=clang CXX=clang++ cmake --preset tsan -DCLUSTERMCML_TESTS=ON >/dev/null
 {
@@ -43,8 +43,8 @@ export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 now "sanitized units"
 ctest --test-dir build-asan -L unit --output-on-failure -j2
 
-# By number, not by time, so that a change is judged by the same inputs on any machine; beside the flights, as each fuzzer
-# has one thread.
+# Fuzzers run for a number of executions, not a time, so that a change is judged by the same inputs on any machine. They run
+# beside the flights, as each fuzzer has one thread.
 {
     bash tests/fuzz/run.sh runs=4000 fly
     bash tests/fuzz/run.sh runs=50000 mci obj heightmap options checkpoint sweep

@@ -1,10 +1,12 @@
-/* Whether results and their errors are true: bench_unbiased SCENE.mci RUNS PHOTONS REFERENCE. Flies RUNS
- * independent runs of PHOTONS photons as the program does by default, and REFERENCE others of 1e5 with random
- * sampling and MCML's roulette, all by cml_run, and prints CSV: a row per total, and per bin of the profiles
- * or group of neighbours that hold 1000 packets in all runs. Values are weight per launched packet; packets
- * are (mean / deviation)^2 of one run; `reported` is the root mean square of the errors that runs report, and
- * `within` are the shares of runs within one and two of their own from the mean of all. `independent` is how
- * many independent numbers the rows of this quantity are worth. SPDX-License-Identifier: MIT */
+/* Tests if results and their standard errors are true: bench_unbiased SCENE.mci RUNS PHOTONS REFERENCE.
+ * Flies RUNS independent runs of PHOTONS photons with default options. Also flies REFERENCE runs of 1e5
+ * photons with random sampling and MCML's roulette. All runs go through cml_run. Prints CSV: a row per
+ * total, and per bin of the profiles, or per group of neighbouring bins that hold 1000 packets in all
+ * runs.
+ * Columns: values are weight per launched packet; `packets` is (mean / deviation)^2 of one run; `reported`
+ * is the root mean square of the errors that runs report; `within` are the shares of runs whose value lies
+ * within one and two of their own errors from the mean of all; `independent` is the number of independent
+ * numbers that the rows of a quantity are worth. SPDX-License-Identifier: MIT */
 #include "engine/engines.h"
 #include "input/mci.h"
 #include "run/run.h"
@@ -22,25 +24,25 @@ enum { NUM_QUANTITIES = 9 };
 
 struct quantity {
     const char *name;
-    int first, bins; /* in a row of samples */
+    int first, bins; /* columns of a row of samples */
 };
 
 struct bench {
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
     struct quantity quantity[NUM_QUANTITIES];
-    int bins; /* of all quantities */
+    int bins; /* bins of all quantities */
 };
 
-/* Independent runs of one kind. */
+/* Independent runs with the same options. */
 struct runs {
     int count, bins;
     double *value, *error; /* [count][bins], as shares of a packet */
 };
 
-/* Neighbouring bins, or one. */
+/* Neighbouring bins, or a single bin. */
 struct group {
-    int first, count; /* in a row of samples */
+    int first, count; /* columns of a row of samples */
     double mean, deviation;
 };
 
@@ -53,7 +55,7 @@ static cml_status allocate(int count, int bins, struct runs *runs, struct cml_er
     return runs->value && runs->error ? CML_OK : cml_fail_memory(err, 16. * (double)cells, "the runs");
 }
 
-/* Totals come first, then profiles, in the order of `quantity`. */
+/* Stores a result in rows of values and errors: totals first, then profiles, in the order of `quantity`. */
 static void keep(const struct bench *bench, const struct cml_result *result, double *value, double *error)
 {
     const cml_u128 *const batches[NUM_QUANTITIES] = {result->totals, result->totals, result->totals,
@@ -95,7 +97,7 @@ static cml_status fly(const struct bench *bench, const struct cml_engine_options
     return cml_fail(err, CML_E_NUMERIC, "%.0f packets lost", lost);
 }
 
-/* ---- what the runs say ---- */
+/* ---- statistics of the runs ---- */
 
 static double sum_of(const struct runs *runs, int run, const struct group *group)
 {
@@ -105,7 +107,7 @@ static double sum_of(const struct runs *runs, int run, const struct group *group
     return sum;
 }
 
-/* Mean over all runs, and standard deviation of one. */
+/* Computes the group's mean over all runs and the standard deviation of one run. */
 static void measure(const struct runs *runs, struct group *group)
 {
     double sum = 0, squares = 0;
@@ -120,8 +122,8 @@ static double packets_of(const struct group *group)
     return group->deviation > 0 ? pow(group->mean / group->deviation, 2) : 0;
 }
 
-/* Totals as they are; groups of a profile are closed when they hold enough packets, and what is left over
- * joins the last. Returns their number. */
+/* Makes groups of bins. A total is a group of its own. A group of a profile ends when it holds enough
+ * packets; the bins left over join the last group. Returns the number of groups. */
 static int make_groups(const struct runs *runs, const struct quantity *q, struct group *groups)
 {
     int count = 0, first = 0;
@@ -148,8 +150,9 @@ static double correlation(const struct runs *runs, const struct group *a, const 
     return scale > 0 ? sum / (runs->count - 1) / scale : 0;
 }
 
-/* Of a sum of squares of n unit deviates with these correlations: its mean is n, its variance 2 sum rho^2, as
- * for n^2 / sum rho^2 independent ones, each counted several times. What noise adds to rho^2 is taken off. */
+/* Returns how many independent numbers n correlated unit deviates are worth. Their sum of squares has the
+ * mean n and the variance 2 sum rho^2, like n^2 / sum rho^2 independent ones, each counted several times.
+ * The part of rho^2 that is noise is subtracted. */
 static double independent(const struct runs *runs, const struct group *groups, int n)
 {
     double squares = n;
@@ -159,7 +162,7 @@ static double independent(const struct runs *runs, const struct group *groups, i
     return n * (double)n / fmax(squares, n);
 }
 
-/* Share of the runs that lie within k of their own errors from the mean. */
+/* Returns the share of runs that lie within k of their own errors from the mean. */
 static double within(const struct runs *runs, const struct group *group, double k)
 {
     int near = 0;
@@ -178,7 +181,8 @@ static double reported(const struct runs *runs, const struct group *group)
     return sqrt(squares / runs->count);
 }
 
-/* Only what stands in a file has an error of its own: of several bins the last columns are empty. */
+/* Prints the row of a group. Files hold errors of single bins only, so the last columns are empty for a
+ * group of several bins. */
 static void print_group(const struct quantity *q, const struct runs *runs, const struct runs *reference,
                         const struct group *group, double numbers)
 {
@@ -223,7 +227,7 @@ static cml_status open_scene(const char *path, struct bench *bench, struct cml_e
     const struct cml_scene *scene = bench->list.scenes;
     const struct quantity quantities[NUM_QUANTITIES] = {
         {"Rsp", 0, 1},          {"Rd", 0, 1},           {"A", 0, 1},
-        {"Tt", 0, 1}, /* as in enum cml_total */
+        {"Tt", 0, 1}, /* in the order of enum cml_total */
         {"Rd_r", 0, scene->nr}, {"Tt_r", 0, scene->nr}, {"Rd_a", 0, scene->na},
         {"Tt_a", 0, scene->na}, {"A_z", 0, scene->nz}};
     memcpy(bench->quantity, quantities, sizeof quantities);

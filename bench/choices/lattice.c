@@ -1,17 +1,19 @@
-/* Searches the generating vector of kernels/lattice.h and prints it: bench_lattice, seconds.
+/* Searches the generating vector of kernels/lattice.h and prints it: bench_lattice, takes seconds.
  * bench_lattice --check prints the criterion for the vector in use.
- * Criterion: the squared error of integrating functions whose mixed first derivatives are square-integrable,
- * the worst of all such functions, averaged over random shifts. With the first n points x_i of a batch it is
+ * Criterion: the squared error of integrating functions whose mixed first derivatives are
+ * square-integrable.
+ * It is the error of the worst such function, averaged over random shifts, for the first n points x_i of a
+ * batch:
  *     e^2 = -1 + 1/n^2 sum_ik prod_d (1 + weight_d B2({x_id - x_kd})),    B2(x) = x^2 - x + 1/6
  * [Sloan, Kuo, Joe: Constructing randomly shifted lattice rules in weighted Sobolev spaces, SIAM J. Numer.
- * Anal. 40 (2002) 1650]. Component by component: for one dimension after the other the odd z below 2^20 is
- * taken, of CANDIDATES drawn at random, with the least product of e^2 over all n searched with: powers of
- * two, which are lattices, so that one sum over the points is enough, and what 1e4 and 1e5 photons give a
- * batch. Additions and multiplications in a fixed order decide. The best candidates lead by 3 % or more of
- * the product, rounding makes less than 1e-9 of it, so the result is the same everywhere.
+ * Anal. 40 (2002) 1650].
+ * Search, one dimension after the other: draw CANDIDATES odd numbers z below 2^20 and take the z with the
+ * least product of e^2 over all n searched with. These n are powers of two (lattices, for which one sum
+ * over the points is enough) and the points that 1e4 and 1e5 photons give a batch.
+ * The result is the same on every machine: additions and multiplications have a fixed order, and the best
+ * candidates lead by 3 % or more of the product, of which rounding makes less than 1e-9.
  * The polar angle of the light comes last, by another criterion: with its z no pair of dimensions may lie
- * badly, whatever power of two the points are. pair_variance() says what is compared.
- * SPDX-License-Identifier: MIT */
+ * badly for any power of two. pair_variance() says what is compared. SPDX-License-Identifier: MIT */
 #include "lattice.h"
 
 #include <math.h>
@@ -21,7 +23,7 @@
 
 enum { CANDIDATES = 400, POWER_MIN = 6, POWER_MAX = 16, POWERS = POWER_MAX - POWER_MIN + 1, LANES = 8 };
 
-/* Dimensions from the most important one on, with weights: each interaction counts for less than the one
+/* Dimensions with weights, from the most important one on. Each interaction counts less than the one
  * before it. */
 static const struct {
     cml_u32 dimension;
@@ -42,11 +44,14 @@ static const struct {
                                    {13, 0.25}};
 enum { POLAR_PLACE = CML_LATTICE_DIMENSIONS - 1, PAIR_POWER_MIN = 4 };
 
-static const int typed[] = {156, 1562, 15625}; /* points that 1e4, 1e5 and 1e6 photons give a batch */
-enum { TYPED = sizeof typed / sizeof *typed, SEARCHED = TYPED - 1 }; /* 1e6 takes too long to search with */
+static const int typed[] = {156, 1562, 15625}; /* points per batch of runs with 1e4, 1e5 and 1e6 photons */
+enum {
+    TYPED = sizeof typed / sizeof *typed,
+    SEARCHED = TYPED - 1
+}; /* 1e6 photons take too long to search with */
 
-/* Differences of points, the product over the dimensions so far at each, and what they count for in e^2: the
- * first is that of a point from itself. */
+/* Differences of points, the product over the dimensions so far for each difference, and its weight in
+ * e^2. The first difference is that of a point from itself. */
 static struct differences {
     int count;
     cml_u32 *reversed;
@@ -58,7 +63,7 @@ static cml_u32 reversed(int point)
     return cml_lattice_point((cml_u64)point * CML_NUM_BATCHES);
 }
 
-/* 1 + weight B2 of a difference of points times z. */
+/* Returns 1 + weight B2 of a difference of points times z. */
 static double factor(cml_u32 difference, double weight)
 {
     const double x = difference * 0x1p-32;
@@ -79,7 +84,8 @@ static struct differences new_differences(int count)
     return set;
 }
 
-/* Of 2^m points: every point of a lattice sees the others where the first one does. */
+/* Returns the differences of 2^m points of a lattice: every point sees the others at the same places as
+ * the first one. */
 static struct differences of_lattice(int m)
 {
     const int n = 1 << m;
@@ -89,7 +95,7 @@ static struct differences of_lattice(int m)
     return set;
 }
 
-/* Of any n points: all pairs. */
+/* Returns the differences of any n points: all pairs. */
 static struct differences of_pairs(int n)
 {
     struct differences set = new_differences(1 + n * (n - 1) / 2);
@@ -102,8 +108,8 @@ static struct differences of_pairs(int n)
     return set;
 }
 
-/* Sum of the products but the first with one dimension more, in LANES sums that a compiler may add side by
- * side. */
+/* Returns the sum of all products but the first, with one dimension more. It uses LANES sums that a
+ * compiler may add side by side. */
 static double sum_of_products(const struct differences *set, cml_u32 z, double weight)
 {
     double sums[LANES] = {0}, sum = 0;
@@ -116,7 +122,7 @@ static double sum_of_products(const struct differences *set, cml_u32 z, double w
     return sum;
 }
 
-/* Product of e^2 over the sets, with z as one dimension more. */
+/* Returns the product of e^2 over the sets of points, with z as one dimension more. */
 static double criterion(cml_u32 z, double weight)
 {
     double product = 1;
@@ -134,8 +140,9 @@ static void keep(cml_u32 z, double weight)
         for (int k = 0; k < sets[i].count; k++) sets[i].product[k] *= factor(sets[i].reversed[k] * z, weight);
 }
 
-/* Variance of a mean over 2^m points of a lattice, over that of random points, averaged over shifts: of a
- * function of two coordinates that is the product of two Bernoulli polynomials B2, with these generators. */
+/* Returns the variance of a mean over 2^m points of a lattice, relative to random points, averaged over
+ * shifts. The function is the product of two Bernoulli polynomials B2 of two coordinates, with generators
+ * z1 and z2. */
 static double pair_variance(int m, cml_u32 z1, cml_u32 z2)
 {
     const double same = factor(0, 1) - 1;
@@ -145,8 +152,8 @@ static double pair_variance(int m, cml_u32 z1, cml_u32 z2)
     return sum / same / same;
 }
 
-/* Sum of the squares of pair_variance of `z` with all other dimensions in use, times their weights, over all
- * powers: squares, because one bad pair is worse than several fair ones. */
+/* Returns the sum of squares of pair_variance() of z with all other dimensions in use, times their
+ * weights, over all powers of two. The squares make one bad pair count more than several fair ones. */
 static double pairs_of_polar(cml_u32 z)
 {
     double sum = 0;
@@ -178,7 +185,7 @@ static cml_u32 best_candidate(unsigned place)
     return best;
 }
 
-/* Returns whether what is found is the vector in use. */
+/* Searches the vector and prints it. Returns whether it is the vector in use. */
 static int search(void)
 {
     int same = 1;
@@ -223,7 +230,7 @@ static double pairs_error(int n)
     return sqrt(2 * sum / n / n - 1);
 }
 
-/* Root of the mean e^2 of n random points. */
+/* Returns the root of the mean e^2 of n random points. */
 static double random_error(int n)
 {
     return sqrt((product_in_use(0) - 1) / n);

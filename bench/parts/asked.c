@@ -1,7 +1,8 @@
-/* How often a curved boundary is asked, and how often it is met: bench_asked SCENE.mci ... For the first run
- * of each scene, on one thread: steps of a photon (interactions and boundary events), rays asked of curved
- * boundaries per step (CML_COUNT_QUERIES; the other steps provably ended before them), and those that met
- * one. Prints CSV. SPDX-License-Identifier: MIT */
+/* Counts how often rays are tested against a curved boundary and how often they meet it: bench_asked
+ * SCENE.mci ...
+ * For the first run of each scene, on one thread, it counts the steps of a photon (interactions and
+ * boundary events), the rays tested against curved boundaries per step (CML_COUNT_QUERIES; all other steps
+ * provably end before a boundary), and the rays that met one. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_MET(met) (rays_met += (met) != 0)
 #include "engine/cpu/bundle_hooks.h"

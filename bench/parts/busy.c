@@ -1,12 +1,13 @@
-/* How busy the lanes of the CPU engine are: bench_busy SCENE.mci ... For the first run of each scene, on one
- * thread: what happens to a photon, whether it is flown in a lane at all (ballistic ones are only counted),
- * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
- * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
+/* Measures how busy the vector lanes of the CPU engine are: bench_busy SCENE.mci ...
+ * For the first run of each scene, on one thread, it counts the events of a photon, the photons that fly
+ * in a lane at all (ballistic ones are only counted), and the lanes that pass through the loops of a pass
+ * and its plane loops, with and without work for them. It also gives the time. Prints CSV.
+ * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_LANES(loop, lanes) (counted[loop] += (lanes))
 #include "engine/cpu/bundle_hooks.h"
 
-static double counted[CML_HOOK_LOOPS]; /* lanes, by the loop that they went through */
+static double counted[CML_HOOK_LOOPS]; /* number of lanes that went through each loop */
 
 #define CML_LEVEL busy
 #include "engine/cpu/engine_cpu_level.c"

@@ -1,7 +1,8 @@
-/* What a step near a curved boundary 0 costs, part by part, in ns: bench_queries SCENE.mci [--mesh|--cone].
- * Packets are placed below the boundary of the scene's first run, within its envelope and one mean free path
- * of it, headed anywhere, each with a step of one mean free path; the parts are timed over the same packets
- * one after the other, so that each stands alone. Prints CSV.
+/* Measures the cost of a step near curved boundary 0, part by part, in ns: bench_queries SCENE.mci
+ * [--mesh|--cone].
+ * Packets are placed below the boundary of the scene's first run, within its envelope and one mean free
+ * path around it, in random directions, each with a step of one mean free path. Each part is timed over
+ * the same packets, one part after the other, so that its time stands alone. Prints CSV.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #include "engine/world.h"
@@ -40,7 +41,8 @@ static void place(const struct cml_world *world, int i, struct cml_packet *packe
     packet->entered = 1;
 }
 
-/* Whether the boundary lies straight above a packet: no packet is beyond the one that it meets from below. */
+/* True if the boundary lies straight above the packet, so that the packet is not beyond the boundary that
+ * it meets from below. */
 static int is_below(const struct cml_world *world, struct cml_packet packet)
 {
     const struct cml_vec up = {0, 0, -1};
@@ -70,7 +72,7 @@ static void cross(const struct cml_world *world, struct near_packet *near)
     sink = packet.fate;
 }
 
-/* Least of several tries, ns per call. */
+/* Returns the least time of several tries, ns per call. */
 static double time_part(const struct cml_world *world, struct near_packet *packets, int count,
                         void (*part)(const struct cml_world *, struct near_packet *))
 {

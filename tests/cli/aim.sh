@@ -1,6 +1,7 @@
 #!/bin/sh
-# --aim: nothing that is counted changes, gates and detectors included; expected values have the same bytes on any number of
-# threads, with --keep and --more; what cannot be aimed at is refused by name. stat.tail judges the numbers.
+# Tests --aim, which computes expected values of light below a level. Counted results must not change, gates and detectors
+# included. Expected values must have the same bytes for any number of threads, with --keep and --more. Quantities that cannot
+# be aimed at are refused by name. stat.tail judges the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 warm_python
@@ -14,7 +15,7 @@ scene() { # LAYERS: number, index above, and lines up to that of the medium belo
 layers="3\n1.0\n${hill}1.4 1 60 0.8 0.3\n1.5 2 20 0.5 0.1\n1.33 0.5 5 0 0.2\n"
 scene "$layers"
 
-# Without what --aim adds; times differ.
+# Prints an .mco without the expected values of --aim and without its time.
 counted() { # FILE
     awk '/^(se_)?(Tt|A_l)_expected #/ { skip = 1 } !skip; /^$/ { skip = 0 }' "$1" | sed '/^# User time/d' | cat -s
 }
@@ -49,7 +50,7 @@ grep -Eq '^  A of layer 3 0\.[0-9]+ \+- [0-9.e-]+ expected' "$work/out" || compl
 expect_code 0 "$work/x.mci" --aim Tt --seed 2 --quiet -o "$work/a"
 of() { whole "$2" | sed -n "/^$1 #/{n;p;}"; }
 
-# compare tests them; a sweep has them in its tables, plan beside Tt.
+# compare tests expected values; a sweep has them in its tables; plan prints them beside Tt.
 expect_code 0 compare "$work/a/x.mco" "$work/c/x.mco"
 grep -q '^Tt_expected 1 bins in 1 tests, worst z ' "$work/out" && grep -q '^A_l_expected 3 bins in 4 tests, .* at ' "$work/out" ||
     complain "compare: $(cat "$work/out")"
@@ -65,7 +66,7 @@ awk -F, -v tt="$(of Tt_expected "$work/b/x.mco")" -v a="$(of A_l_expected "$work
 expect_code 0 plan "$work/x.mci" --photons 2048
 grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
 
-# What is refused.
+# Refusals of wrong aims and limits.
 some='1e-20 of the light or more that gets there, not 0'
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
@@ -102,7 +103,7 @@ expect_error 2 "$file: --aim Tt (expected another name of the detector: this is 
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 
-# What no sum can hold is refused where it is asked for, and 0 beside it.
+# A quantity below 1e-20 of the light, too small for its sum, is refused as an aim; beside another aim it is printed as 0.
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.0\n"
 least="expected 1e-20 of the light or more that gets there, not less"
@@ -112,7 +113,7 @@ grep -qx '  Tt   0 +- 0 expected' "$work/out" || complain "Tt of 1e-30: $(grep T
 scene "3\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.4 1 100 0.9 1\n1.0\n"
 expect_error 2 "$file: --aim A_l:3 ($least)" "$work/x.mci" --aim A_l:3 --quiet -o "$work/d"
 
-# A detector that has seen nothing is proposed as an aim where it can be one; plan says why it cannot.
+# A detector that has seen nothing is proposed as an aim if it can be one; otherwise plan says why it cannot.
 unseen() { # WORDS-BEHIND LINES-OF-THE-GRID
     grid="100\n0.01 0.01\n20 20 3\n$2\n"
     scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
@@ -126,7 +127,7 @@ expect_code 0 plan "$work/x.mci" --photons 1024
 grep -qx "  without aim: $file: --aim far (expected $squares)" "$work/out" || complain "plan: $(cat "$work/out")"
 unseen '' 'detector ring 0.001 0.2 na=0.0001 name=far'
 
-# Of all rows and runs, before the first flies.
+# An aim is checked for all rows and runs before the first one flies.
 unflown() { # MESSAGE ARGUMENTS
     rm -rf "$work/none"
     mkdir "$work/none"
@@ -146,7 +147,7 @@ printf 'layer1.d\n0.2\n1e8\n' >"$work/t.csv"
 unflown "$work/t.csv:3: row 2, layer1.d = 1e8: $file: --aim A_l:2 (expected $some)" "$work/x.mci" --sweep "$work/t.csv" --aim A_l:2
 { sed 's/^1$/2/' "$work/x.mci" && sed -n '3,$p' "$work/x.mci" | sed 's/x.mco/y.mco/; s/^1.5 2 30/1.5 1e5 3e4/'; } >"$work/y.mci"
 unflown "$work/y.mci:13: --aim Tt (expected $some)" "$work/y.mci" --aim Tt
-# What only the flight finds is said of the row, and is no result.
+# An error that only the flight finds names the row, and no result is written.
 awk -v mci="$work/m.mci" -v csv="$work/t.csv" 'BEGIN {
     n = 60
     printf "1.0\n1\nm.mco A\n100\n0.01 0.01\n10 10 3\n%d\n1.0\nb 3 0.001 0.05 0.0 0.05 0.0005 0.1\n", n >mci
@@ -161,7 +162,8 @@ grep -q "^clustermcml: $work/t.csv:3: row 2, layer1.n = 1.02, .*: $work/m.mci:3:
 test ! -e "$work/d/m.sweep.csv" || complain "found in flight: wrote a table"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 
-# Windows: by name, where a shape reaches down, or for a layer that the level does not lie above.
+# An aim flies in weight windows, without expected values, if it is named as counted (Tt_r), if a shape reaches below, or if
+# the level does not lie above its layer.
 windows() { # OPTIONS: in force, without expected values, and the same bytes on any threads
     rm -f "$work"/[abc]/x.mco
     # shellcheck disable=SC2086,SC2048
@@ -189,7 +191,7 @@ windows --aim A_l:2
 windows --aim Tt_r
 mv "$work/b/x.mco" "$work/deep.mco"
 mv "$work/b/x.h5" "$work/deep.h5"
-# A detector, alone or beside expected values.
+# The aim is a detector, alone or together with expected values.
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.05 at=0.3,0 name=near\ndetector disk 0.05 at=-0.6,0 name=far\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 windows --aim far
@@ -203,7 +205,8 @@ same "--more" "$work/c/x.mco" "$work/b/x.mco"
 expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/c"
 grep -q "of another run: 'aim near' there, 'no aim' here" "$work/err" || complain "extended without windows: $(cat "$work/err")"
 expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
-# --error-of: until that is known so well, and no sooner; plan says what it takes, flown as --aim has it.
+# --error-of DETECTOR with --aim: the run ends at the error asked for and not before; plan estimates the photons for a flight
+# with the same aim.
 expect_code 0 "$work/x.mci" --aim far --photons 2048 --target-error 0.03 --error-of far --json -o "$work/d"
 cp "$work/out" "$work/until"
 expect_code 0 plan "$work/x.mci" --aim far --photons 4096 --target-error 0.03 --error-of far --json
@@ -246,10 +249,10 @@ expect_code 0 "$work/x.mci" --aim Tt,far -o "$work/a"
 grep -q ' expected' "$work/out" && grep -q ' were split off$' "$work/out" || complain "--aim Tt,far: $(cat "$work/out")"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
-# all that is scored agrees with a plain run: gates, fluence, a detector
+# all scored quantities agree with a plain run: gates, fluence, a detector
 expect_code 0 "$work/x.mci" --seed 2 --quiet -o "$work/a"
 expect_code 0 compare "$work/a/x.mco" "$work/deep.mco" --alpha 1e-4
-# The limits of splitting: 64 parts at an event, 1e6 of a photon.
+# Splitting is limited to 64 parts per event and 1e6 per photon.
 limited() { # KEY TEXT, and layers
     scene "$3"
     expect_code 0 "$work/x.mci" --aim "$4" --json -o "$work/a"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# What a backing keeps, wherever totals stand: tables of sweeps, plan, --tolerance. stat.backings judges
-# the numbers.
+# Tests that the light kept by a backing appears wherever totals appear: tables of sweeps, plan, --tolerance. stat.backings
+# judges the numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -13,7 +13,7 @@ scene() { # NAME BACKING
 }
 scene b.mco "backing 0.7 lambertian"
 
-# A sweep: columns in the .csv and arrays in the .h5, with the values of the rows' files.
+# A sweep has columns in the .csv and arrays in the .h5, with the values of the rows' files.
 mkdir "$work/rows"
 printf 'layer1.mua\n0.5\n2\n' >"$work/table.csv"
 expect_code 0 "$work/b.mci" --sweep "$work/table.csv" -o "$work/rows" --quiet
@@ -33,12 +33,13 @@ if test -e "$work/rows/b.sweep.h5" && /usr/bin/python3 -c 'import h5py' 2>"$work
     grep -q 'A_backing_se' "$work/h5" || complain "the .h5 of the sweep: $(head -30 "$work/h5")"
 fi
 
-# check names the flat scene's.
+# check names the backing of the flat scene.
 expect_code 0 check "$work/b.mci" --json
 grep -q '"flat":{"Rsp":[0-9.e-]*,"Rd":[0-9.]*,"A":[0-9.]*,"Tt":[0-9.e-]*,"A_backing":0\.[0-9]*,"error"' "$work/out" ||
     complain "check --json: $(cat "$work/out")"
 
-# What people read: no Tt and no limit of it, what each detector has seen, and rows of a sweep with all totals.
+# The printed summary has no Tt and no limit of Tt. It lists the light of each detector, and the rows of a sweep with all
+# totals.
 scene seen.mco "backing 0.5"
 sed -i '4s/$/\ndetector disk 0.1\ndetector ring 0.1 0.3 name=far/' "$work/seen.mci"
 sed -e '/^b /d' -e '/^detector/d' "$work/seen.mci" >"$work/plain.mci"
@@ -59,7 +60,7 @@ expect_code 0 "$work/plain.mci" --sweep "$work/one.csv" -o "$work"
 grep -Eq 'layer1.mua=0.5  Rsp 0\.[0-9]+ \+- 0\.[0-9]+, Rd 0\.[0-9]+ \+- .*, Tt 0.000000 \+- 0.000000, A_backing 0\.[0-9]+ \+- 0\.[0-9]+$' "$work/out" ||
     complain "the row: $(cat "$work/out")"
 
-# plan: nothing is transmitted, and what it says of the rest holds to a factor of 1.5.
+# plan: nothing is transmitted, and its estimates of other totals hold to a factor of 1.5.
 expect_code 0 plan "$work/b.mci" --photons 4096 --target-error 0.003 --json
 grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: $(cat "$work/out")"
 photons=$(sed 's/.*"engine":"cpu","sampling":"random"[^}]*"Rd":{"photons":\([0-9.e+]*\).*/\1/' "$work/out")
@@ -67,7 +68,7 @@ expect_code 0 "$work/b.mci" --sampling random --photons "${photons%.*}" --json -
 awk -v e="$(value Rd_se "$work/out")" -v v="$(value Rd "$work/out")" 'BEGIN { r = e / v / 0.003; exit !(r > 1 / 1.5 && r < 1.5) }' ||
     complain "plan: $photons photons: $(cat "$work/out")"
 
-# --tolerance: the backing's shape is tried as a plane.
+# --tolerance tries the backing's shape as a plane.
 scene bump.mco "backing 0.1"
 sed -i -e 's/^b 3 0.02.*//' -e 's/^1.4 0.5 50 0.8 0.05/1.4 0.01 1 0 0.2/' -e 's/^b 3 0.01.*/b 2 0.15 0.1 0 0.1/' "$work/bump.mci"
 expect_code 0 check "$work/bump.mci" --tolerance 0.02

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every input of bad_input.cases is refused with exactly its one line and exit code 2, and nothing is written.
+# Tests that every input of bad_input.cases is refused with exactly its one line and exit code 2, and that nothing is written.
 # SPDX-License-Identifier: MIT
 set -u
 cases=$PWD/tests/cli/bad_input.cases

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Lines `beam`: what results, check, trace and --json say of them; radial=beam; photons of later beams. stat.sources judges the
-# light, cli.bad_input what is refused.
+# Tests lines `beam` of a scene: their description in results, check, trace and --json; radial=beam; photons of second and
+# later beams. stat.sources judges the light, cli.bad_input the refusals.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -13,7 +13,7 @@ scene() { # NAME, then lines of beams
 }
 body() { sed -e '/^# User time/d' -e '/^# beam/d' -e '/^[^ ]* \tA\t/d' "$work/$1.mco"; }
 
-# radial=beam: on planes all profiles are those of the beam in the middle, bit for bit; without it they are not.
+# With radial=beam on planes, all profiles equal those of a beam in the middle, bit for bit. Without it they differ.
 for line in "disk 0.05 angle=30 azimuth=40" "ring 0.02 0.05 light=na:0.4" "pencil z=0.05 light=isotropic"; do
     scene middle "beam $line"
     scene aside "beam $line at=0.25,-0.5 radial=beam"
@@ -25,12 +25,12 @@ done
 grep -qx '# beam pencil at (0.25 -0.5 0.05) cm, angle 0, azimuth 0 degrees, light isotropic, r about its place' "$work/aside.mco" ||
     complain "the .mco of radial=beam: $(grep beam "$work/aside.mco")"
 
-# Nothing has happened: no time per step.
+# Light that leaves at once takes no step, so no time per step is printed.
 scene away "beam pencil z=-0.1 angle=180"
 expect_code 0 "$work/away.mci" --engine reference -o "$work"
 grep -Eq '^  .* photons/s, 0 steps on 1 thread$' "$work/out" || complain "no steps: $(cat "$work/out")"
 
-# Several: the results name all of them; the JSON line stays one object of one line, with what was set.
+# With several beams, the results name all of them, and the JSON record stays one object on one line, with their settings.
 scene three "beam pencil" "beam disk 0.1 at=0.5,0 z=0.05 angle=180 share=3" "#@ beam ring 0.1 0.2 light=na:0.5 share=0.5"
 expect_code 0 "$work/three.mci" --json --set beam2.angle=170 --set beam3.na=0.6 -o "$work"
 test "$(wc -l <"$work/out")" -eq 1 && grep -q '"set":{"beam2.angle":170.0,"beam3.na":0.5999*[0-9]*}' "$work/out" && python3 -m json.tool "$work/out" >"$work/json" ||
@@ -44,7 +44,7 @@ grep '^# beam' "$work/three.mco" | cmp -s - "$work/expected" || complain "the .m
 expect_code 0 check "$work/three.mci" --json
 python3 -m json.tool "$work/out" >"$work/json" || complain "check --json: $(cat "$work/out")"
 
-# trace: that of beam k begins at (k - 1) 2^48. Of 1000 photons the beams have 222, 667 and 111.
+# trace: photon indices of beam k begin at (k - 1) 2^48. Of 1000 photons the three beams have 222, 667 and 111.
 launch() { # PHOTON: place and direction of its launch
     expect_code 0 trace "$work/three.mci" "$1"
     awk '$2 == "launch" { print $4, $5, $6, $9 }' "$work/out"
@@ -67,8 +67,8 @@ expect_code 2 trace "$work/three.mci" 844424930131968
 grep -qx 'clustermcml: trace: photon 844424930131968 (expected an index of one of 3 beams: that of beam k begins at (k - 1) 2^48)' "$work/err" ||
     complain "a fourth beam: $(cat "$work/err")"
 
-# Where light starts, and that nothing of it comes back where it starts beyond all layers and goes away; on no surface, by any rounding:
-# beside a plane, on a rim, on a corner and a face of a box.
+# check names the medium in which light starts, and notes light that starts beyond all layers and never returns. A start on a
+# surface, but for rounding, is refused: beside a plane, on a rim, on a corner and a face of a box.
 started() { # LINE MEDIUM NOTE: what check says of a beam
     scene start "$1"
     expect_code 0 check "$work/start.mci"
@@ -91,7 +91,7 @@ for place in "0.05,0 z=0.12" "-0.05,0 z=0.13" "0.3,0.1 z=0.15" "0.30000000000000
         complain "$place: $(cat "$work/err")"
 done
 
-# A clear layer keeps what both its planes reflect totally. A rough plane lets it out, and a backing takes its share.
+# A clear layer traps light that both its planes reflect totally. A rough plane lets it out, and a backing absorbs a part.
 printf '1.0\n1\nclear.mco A\n1000\nbeam pencil z=0.05 light=isotropic\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\n1.0\n' >"$work/clear.mci"
 expect_code 0 check "$work/clear.mci"
 grep -qF "$work/clear.mci:5: beam 1 starts in layer 1, which is clear" "$work/err" || complain "no note of a trap: $(cat "$work/err")"
@@ -103,7 +103,7 @@ sed -i 's/^1.4 .*/&\nbacking 0.5/' "$work/clear.mci"
 expect_code 0 "$work/clear.mci" --json -o "$work"
 test ! -s "$work/err" && grep -q '"trapped":0,' "$work/out" || complain "a trap over a backing: $(cat "$work/err" "$work/out")"
 
-# A share too small for one photon is said; a lamp above flat layers is light from above for exact, too.
+# A share too small for one photon is noted. For `exact`, a lamp above flat layers is light from above, too.
 printf '1.0\n1\nlamp.mco A\n20000\nbeam disk 0.1 share=1e-5 z=-0.5 light=na:0.2 angle=30\nbeam disk 0.3 z=-1 light=lambertian\n1 1\n1 1 1\n1\n1.0\n1.4 1 10 0.5 0.1\n1.0\n' >"$work/lamp.mci"
 expect_code 0 exact "$work/lamp.mci"
 cp "$work/out" "$work/with"
@@ -119,7 +119,7 @@ for beam in "beam pencil z=-0.5 angle=90" "beam disk 0.1 z=-0.5 light=na:0.6 ang
     expect_code 2 exact "$work/aside.mci"
     grep -q "aside.mci:6: beam: z = .* (expected light that comes down from above all layers" "$work/err" || complain "$beam: $(cat "$work/err")"
 done
-# A table of light has a most of rows; adding-doubling would take minutes for more.
+# A table of light has a limit of rows, because adding-doubling would take minutes for more.
 seq 0 0.005 50 | awk '{ print $1, 1 }' >"$work/many.txt"
 sed -e 6d -e 's/^beam disk.*/beam disk 0.1 light="many.txt"/' "$work/lamp.mci" >"$work/many.mci"
 expect_code 2 check "$work/many.mci"

@@ -1,5 +1,6 @@
 #!/bin/sh
-# What a user of the programs of bench types wrong: one line, exit code 2, nothing measured or written.
+# Tests the bench scripts with wrong arguments: one line, exit code 2, nothing measured or written. Also tests that their kept
+# tables and pictures can be made again.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 warm_python
@@ -32,7 +33,7 @@ for script in $(grep -l '^import command$' bench/*/*.py); do
     "$CLUSTERMCML_PYTHON" -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
     grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
-# what summary.py reads of others is in the tables that are kept
+# The numbers that summary.py takes from other benches are in the tables kept here.
 PYTHONPATH=bench/accuracy:bench/lib "$CLUSTERMCML_PYTHON" -B -c 'import summary
 (kept,) = summary.tables.read_csv(summary.kept("accuracy/results/summary-amd-epyc-2core.csv"))[1][-2:-1]
 assert kept["method"] == "MMC" and abs(summary.mmc_row()[1] - float(kept["bias"])) < 1e-8, (kept, summary.mmc_row())' ||
@@ -56,7 +57,7 @@ expect_refusal "--draw needs CSV and DIRECTORY and nothing else" bench/accuracy/
 expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.py --only lens,ripples --program "$program" --out "$work/none"
 test ! -e "$work/none" || complain "accuracy.py --only ripples: wrote $(ls "$work/none")"
 
-# the table of roughness.py comes of its numbers again, and the picture has a panel for each
+# The table of roughness.py follows from its kept numbers, and its picture has a panel for each.
 if "$CLUSTERMCML_PYTHON" -c "import matplotlib" 2>/dev/null; then
     "$CLUSTERMCML_PYTHON" -B bench/accuracy/roughness.py --draw bench/accuracy/results/roughness.csv "$work/rough" >"$work/out" 2>&1 ||
         complain "roughness.py --draw: $(cat "$work/out")"
@@ -65,7 +66,8 @@ if "$CLUSTERMCML_PYTHON" -c "import matplotlib" 2>/dev/null; then
     "$CLUSTERMCML_PYTHON" tests/lib/svg_text.py "$work/rough/roughness.svg" || complain "roughness.py --draw: texts overlap"
 fi
 
-# the charts of a result: a page per scene with three panels, 18 cm wide, letters of 10 pt (exponents: 7) and small enough to keep
+# The charts of a result are a page per scene with three panels, 18 cm wide, in letters of 10 pt (exponents: 7), and small
+# enough to keep.
 if "$CLUSTERMCML_PYTHON" -c "import matplotlib" 2>/dev/null; then
     csv=bench/accuracy/results/accuracy-amd-epyc-2core.csv
     "$CLUSTERMCML_PYTHON" -B bench/accuracy/accuracy.py --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.py --draw: $(cat "$work/out")"
@@ -89,7 +91,7 @@ for path in sys.argv[2:]:
     assert sizes and min(sizes) >= 7 and min(size for size in sizes if size != 7) >= 10, (path, sizes)
 END
 
-    # a panel per scene, and every mark of the key
+    # The picture has a panel per scene and every mark of the key.
     "$CLUSTERMCML_PYTHON" -B bench/accuracy/frontier.py --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
         complain "frontier.py --draw: $(cat "$work/out")"
     "$CLUSTERMCML_PYTHON" - "$work/frontier.svg" <<'END' || complain "frontier.py --draw: wrong chart"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Every program of bench/*/*.c runs through: one table on standard output, as many columns in every row as in its heading,
-# and numbers above 0 where something is counted or timed. The numbers themselves are judged by nobody here. Skipped
-# where they are not built: cmake --build build --target benches.
+# Tests that every program of bench/*/*.c runs through: one table on standard output, as many columns in every row as in its
+# heading, and positive counts and times. The numbers themselves are not judged here. Skipped if the programs are not built:
+# cmake --build build --target benches.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")
@@ -9,14 +9,14 @@ for source in bench/*/*.c; do
     test -x "$build/bench_$(basename "$source" .c)" || { echo "bench_$(basename "$source" .c) is not built"; exit 77; }
 done
 
-# Rows below the heading; all but the first column are numbers, empty where a row has no such number.
+# Expects rows below the heading in which all but the first column are numbers, or empty where a row has no such number.
 expect_table() { # HEADING ROWS POSITIVE-COLUMN COMMAND ARGUMENTS...
     heading=$1 rows=$2 column=$3
     shift 3
     name=$1
     "$build/$@" >"$work/out" 2>"$work/err" </dev/null || complain "$*: exit $?: $(cat "$work/err")"
     test "$(head -n 1 "$work/out")" = "$heading" || complain "$name: heading $(head -n 1 "$work/out")"
-    # a comma within quotes parts no columns
+    # A comma within quotes does not separate columns.
     sed '1!s/"[^"]*"/row/' "$work/out" | awk -F, -v rows="$rows" -v column="$column" '
         NR == 1 { columns = NF; next }
         NF != columns || $column !~ /^[0-9.]+$/ || $column <= 0 { print "row " NR ": " $0; bad = 1 }
@@ -38,7 +38,7 @@ expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages
 sed 's/^40 50 1 /1 1 1 /' samples/mcml_sample.mci >"$work/one-bin.mci"
 means=quantity,first,last,mean,mean_error,reference,reference_error,deviation,packets,independent,reported,within_1,within_2
 expect_table $means 9 4 bench_unbiased "$work/one-bin.mci" 20 1000 1
-# a profile of one bin holds its total
+# A profile of one bin holds its total.
 awk -F, '{ mean[$1] = $4 } END { exit !(mean["A"] == mean["A_z"] && mean["Rd"] == mean["Rd_r"] && mean["Tt"] == mean["Tt_r"]) }' "$work/out" ||
     complain "bench_unbiased: profiles are not their totals: $(cat "$work/out")"
 

@@ -1,8 +1,11 @@
-"""Bodies against curved boundaries and against each other: `check` takes what just fits and refuses, in one line with the place, what just does not. The
-boundaries are a cone and a pyramid, so the largest body that fits is known on paper, and bodies are of a share of 1e-3 more and less.
+"""Tests bodies against curved boundaries and against each other: `check` accepts bodies that just fit, and refuses those that
+just do not, in one line with the place.
 
-Cone: depth -0.06 + 0.4 r up to r = 0.1. From (0, z) it is (z + 0.06) / sqrt(1 + 0.4^2) away. Pyramid: -0.06 + 0.2 max(|x|, |y|) up to
-0.3; sqrt(1 + 0.2^2). The second boundary is the same 0.5 cm deeper, so its tip is closest to what lies above it.
+The boundaries are a cone and a pyramid, so the largest body that fits is known in closed form. Bodies are 1e-3 larger or
+smaller.
+Cone: depth -0.06 + 0.4 r up to r = 0.1. The distance from (0, z) is (z + 0.06) / sqrt(1 + 0.4^2).
+Pyramid: depth -0.06 + 0.2 max(|x|, |y|) up to 0.3; the distance has sqrt(1 + 0.2^2) instead.
+The second boundary has the same shape 0.5 cm deeper, so its tip is closest to bodies above it.
 SPDX-License-Identifier: MIT"""
 import math
 import os
@@ -23,7 +26,7 @@ MEDIUM = "1.4 1 10 0.8"
 
 
 def octahedra(*places):
-    """One mesh of octahedra: x, size of each."""
+    """Writes one mesh of octahedra. places: (x, size) of each."""
     return ("".join(f"v {x + r * a} {r * b} {r * c}\n" for x, r in places
                     for a, b, c in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))) +
             "".join("f " + " ".join(str(int(i) + 6 * k) for i in face.split()[1:]) + "\n" for k in range(len(places))
@@ -59,14 +62,14 @@ FITS = [
     (CONE, 1, octahedron, 0.35, 0.09),
     (PYRAMID, 1, octahedron, 0.35, 0.09),
 ]
-# A tile 0.1 cm high, of which only the depths count: what just fits beside it with t = 0.999, and does not with 1.001.
+# A tile 0.1 cm high, of which only the depths count: these bodies just fit beside it with t = 0.999, and do not with 1.001.
 TILED = [(0, lambda t: (sphere(0.25, 0.25 * t), octahedron(0.25, 0.25 * t), upright(0.25 * (1 - t), 0.3, 0.1))),
          (1, lambda t: (sphere(0.25, 0.15 * t), octahedron(0.25, 0.15 * t), upright(0.2, 0.4 * t, 0.1)))]
-# wholly beyond the boundary, within the depths that it has
+# bodies wholly beyond the boundary, within its range of depths
 BEYOND = [(CONE, 0, sphere(-0.05, 0.001, 0.09), "lies beyond"), (PYRAMID, 0, sphere(-0.05, 0.001, 0.25), "lies beyond"),
           (PYRAMID, 0, octahedron(-0.03, 0.001, 0.25), "lies beyond")]
 BALL, ROD, LARGE_OCTAHEDRON = sphere(0.25, 0.1), upright(0.2, 0.3, 0.05), octahedron(0.25, 0.1)
-# Two bodies of which the second just fits with t = 0.999, beside the first or inside it, and meets it with 1.001.
+# Pairs of bodies. The second just fits beside or inside the first with t = 0.999, and meets it with 1.001.
 PAIRS = [
     ("ball, octahedron", BALL, lambda t: octahedron(0.25, 0.05, 0.15 / t)),
     ("ball, side of a rod", BALL, lambda t: upright(0.2, 0.3, 0.05, 0.15 / t)),
@@ -88,7 +91,8 @@ def parts(name, size, x=0, z=0.25, more=""):
     return f'i "{name}.obj" {MEDIUM} scale={size:.9g} shift={x:.9g},0,{-z}{more}'
 
 
-# Meshes of several parts: a shell 0.1 cm wide around a cavity of half of that, and two octahedra beside each other.
+# Meshes of several parts: a shell 0.1 cm wide around a cavity half as wide, two octahedra beside each other, and two that
+# cross.
 SHELL, TWO, UNION = parts("shell", 0.1), parts("two", 0.1), parts("crossing", 0.1, more=" union")
 PAIRS += [
     ("octahedron in a cavity", SHELL, lambda t: octahedron(0.25, 0.02, 0.03 * t)),
@@ -97,17 +101,17 @@ PAIRS += [
     ("ball between parts", TWO, lambda t: sphere(0.25, 0.1 * t)),
     ("two in a ball", sphere(0.25, 0.15), lambda t: parts("two", 0.05 * t)),
 ]
-# where the second lies, as `check` says it
+# host of the second body, as `check` says it
 HOSTS = [(SHELL, octahedron(0.25, 0.04), "layer 1"), (SHELL, sphere(0.25, 0.02), "layer 1"), (SHELL, octahedron(0.25, 0.01, 0.07), "body 1"),
          (SHELL, sphere(0.25, 0.01, 0.07), "body 1"), (TWO, sphere(0.25, 0.05, 0.2), "body 1"), (TWO, sphere(0.25, 0.05), "layer 1"),
          (sphere(0.25, 0.11), SHELL, "body 1"), (octahedron(0.25, 0.2), parts("two", 0.05), "body 1"),
          (parts("shell", 0.24), parts("two", 0.03), "layer 1"), (UNION, sphere(0.25, 0.01, 0.07), "body 1"), (UNION, sphere(0.25, 0.01, -0.01), "body 1"),
          (UNION, octahedron(0.25, 0.01, -0.01), "body 1"), (sphere(0.25, 0.15), parts("crossing", 0.05, more=" union"), "body 1"), (UNION, octahedron(0.25, 0.02, 0.3), "layer 1"),
          (parts("shell", 0.1, more=" union"), octahedron(0.25, 0.02), "body 1")]
-# neither inside of the other nor apart
+# bodies that are neither inside each other nor apart
 OVERLAPS = [(SHELL, octahedron(0.25, 0.07)), (SHELL, sphere(0.25, 0.054)), (TWO, octahedron(0.25, 0.12, 0.2)),
             (TWO, sphere(0.25, 0.11, -0.2)), (parts("shell", 0.2), parts("shell", 0.15))]
-# the body alone: what is said of it
+# a body alone, and the message about it
 ALONE = [(None, parts("touching", 0.1), "scene.mci:{}: body 1: touching.obj:22: the mesh touches itself at the vertex (0.1, 0, height -0.25) cm "),
          (None, parts("crossing", 0.1), "scene.mci:{}: body 1 meets itself at ("),
          (PYRAMID, parts("far", 0.005, 0.05, -0.04), "scene.mci:{}: body 1 lies beyond boundary 0 at ("),
@@ -130,12 +134,13 @@ def refused(verdict, name, surface, number, body, what):
 
 
 def too_small(verdict):
-    """Of 32 steps of single precision at the body's farthest coordinate: half a width of a thousandth more is taken, of one less refused."""
+    """A body must be at least 32 steps of single precision, at its farthest coordinate, wide: a half width of a thousandth
+    more is accepted, of a thousandth less refused."""
     step = 2.0**-23 * 0.5
     for what, body in (("radius", lambda size: sphere(0.3, size, x=0.5 - size)), ("radius", lambda size: upright(0.2, 0.3, size, x=0.5 - size)),
                        ("half the length", lambda size: upright(0.3, 0.3 + 2 * size, 0.1, x=0.4)),
                        ("half a width", lambda size: octahedron(0.3, size, x=0.5 - size))):
-        other = sphere(0.3, 32.03 * step, x=32.03 * step - 0.5)  # with it x counts from 0
+        other = sphere(0.3, 32.03 * step, x=32.03 * step - 0.5)  # with the other body, x counts from 0
         code, said, line = check(None, 0, other, body(32.03 * step))
         verdict.check(f"{what} fits", code == 0, f"{code}: {said}")
         code, said, line = check(None, 0, other, body(31.97 * step))
@@ -145,7 +150,7 @@ def too_small(verdict):
 
 
 def of_parts(verdict):
-    """Which body lies in which, where one has several parts, and what is refused."""
+    """Tests hosts of bodies, and refusals, for bodies of several parts."""
     for first, second, host in HOSTS:
         code, said, _ = check(None, 0, first, second)
         body = next((line for line in said.splitlines() if line.strip().startswith("body 2: ")), said)

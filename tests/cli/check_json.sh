@@ -1,5 +1,6 @@
 #!/bin/sh
-# check --json: one object per run on one line and nothing else, with what check prints for people and what exact finds.
+# Tests check --json: one object per run on one line and nothing else. It holds what check prints for people and the totals of
+# exact.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -16,7 +17,7 @@ expect_code 0 check samples/mixed.mci --json --boundaries mesh
 cp "$work/out" "$work/mesh.json"
 expect_code 0 check samples/skinmap.mci --json
 cp "$work/out" "$work/map.json"
-# totals of so many different layers take too long to be worth it here; check says so, too
+# Totals of very many different layers take too long to compute; check says so.
 awk 'BEGIN { print "1.0\n1\nmany.mco B\n1e7\n0.1 0.1\n1 1 1\n4000\n1"
              for (i = 0; i < 4000; i++) print 1.3 + i / 1e5, "1 10 0.5 0.01"; print 1 }' >"$work/many.mci"
 expect_code 0 check "$work/many.mci"

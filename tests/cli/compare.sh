@@ -1,5 +1,5 @@
 #!/bin/sh
-# compare: exit codes, words, JSON and picture, for our own files and for such as original MCML writes.
+# Tests compare: exit codes, words, JSON and picture, for files of this program and for files like those of original MCML.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 warm_python
@@ -45,7 +45,7 @@ test "$(wc -l <"$work/out")" -eq 1 && grep -q '^{"a":.*"agree":false' "$work/out
 expect_code 0 compare "$a" "$b" --json --alpha 1e-6
 grep -q '"agree":true' "$work/out" || complain "--alpha: $(cat "$work/out")"
 
-# The level decides: p of these two lies between.
+# The significance level decides: p of these two files lies between the levels tried.
 p=$("$program" compare "$a" "$b" --json | sed 's/.*"p":\([^,]*\),"alpha.*/\1/')
 expect_code 1 compare "$a" "$b" --quiet --alpha "$(awk -v p="$p" 'BEGIN { print (1 + p) / 2 }')"
 
@@ -70,7 +70,8 @@ grep -q 'worst z' "$work/z.svg" || complain "the picture does not name what lies
 check_texts
 expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
 
-# What only .h5 files hold: voxels of a body that absorbs more, by their places; what has no errors, or other bins, is named.
+# Arrays that only .h5 files have: voxels that differ in a body are listed by their places. Arrays without errors, or with
+# other bins, are named.
 if "$program" --version | grep -q "HDF5 yes"; then
     for mua in 1 9; do
         mkdir "$work/v$mua"
@@ -78,7 +79,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
         expect_code 0 "$work/v$mua/v.mci" --seed $mua --quiet -o "$work/v$mua"
     done
     a=$work/v1/v.h5 b=$work/v9/v.h5
-    # The sum of a map whose pixels are each within their noise is not.
+    # The sum of a map may differ although each of its pixels is within its noise.
     cp "$a" "$work/bright.h5"
     "$CLUSTERMCML_PYTHON" -c 'import h5py, sys; map = h5py.File(sys.argv[1], "r+")["Rd_xy"]; map[...] = 1.5 * map[...]' "$work/bright.h5"
     expect_code 1 compare "$a" "$work/bright.h5"
@@ -91,7 +92,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     expect_code 0 compare "$a" "$work/3/v.h5"
     grep -q '^note: without errors, or with other bins: A_xyz, Rd_xy, Tt_xy, phi_xyz$' "$work/out" || complain "other voxels are not named: $(grep note "$work/out")"
 
-    # Gates of absorbed light share their noise: light that stays is in many of them.
+    # Gates of absorbed light share their noise, because light that stays is in many gates.
     printf '1.0\n1\ngates.h5 B\n1e5\ntime 1000 50\n0.1 0.2\n8 8 1\n1\n1\n1.4 0.1 50 0.8 3\n1\n' >"$work/gates.mci"
     for seed in 1 2 3; do expect_code 0 "$work/gates.mci" --seed $seed --quiet -o "$work/$seed"; done
     for pair in "1 2" "2 3"; do
@@ -101,7 +102,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     done
 fi
 
-# Absorption that was not tallied: the grid is the same in both files, and A_z is not tested because nobody has it.
+# Absorption was not tallied: the grid is the same in both files, and A_z is not tested because neither file has it.
 printf '1.0\n1\nbare.mco A\n2e4\n0.02 0.05\n10 8 1\n1\n1\n1.4 1 50 0.7 0.2\n1\n' >"$work/bare.mci"
 sed 's/mco A/h5 B/' "$work/bare.mci" >"$work/binary.mci"
 untallied() { # WORDS A B
@@ -119,7 +120,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
     untallied "neither run tallied it" "$work/2/bare.mco" "$work/bare.h5"
 fi
 
-# One packet: nothing is said of what cannot be compared.
+# With one packet, quantities that cannot be compared are not mentioned.
 printf '1.0\n1\none.mco A\n1\n0.1 0.1\n2 4 2\nbeam pencil angle=45\n1\n1\n1.4 0 10 0.5 0.1\n1\n' >"$work/one.mci"
 for seed in 1 5; do # transmitted, reflected
     mkdir "$work/$seed"
@@ -128,7 +129,7 @@ done
 a=$work/1/one.mco b=$work/5/one.mco
 expect_error 2 "compare: $a and $b: 1 and 1 packets (expected enough to compare anything)" compare "$a" "$b"
 
-# numbers that no run writes, which no z can tell apart
+# Numbers that no run writes are refused, because no z can tell them apart.
 expect_code 0 samples/thick.mci --photons 1000 --quiet -o "$work"
 for number in 1e160 -0.8; do
     awk -v n=$number '/^RAT/ { n_th = NR + 2 } NR == n_th { $0 = n } { print }' "$work/thick.mco" >"$work/odd.mco"

@@ -1,5 +1,6 @@
 #!/bin/sh
-# crosscheck: every sample without a mesh agrees on all engines; what does not agree is found, dumped and can be traced.
+# Tests crosscheck: every sample without a mesh agrees on all engines. A difference between engines is found, dumped and can
+# be traced.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 expect_code 0 devices
@@ -21,20 +22,21 @@ for sample in samples/*.mci samples/shapes/*.mci; do
 done
 test "$checked" -ge 7 || complain "only $checked samples were checked"
 
-# Packets of planes start as those of a mesh: in a mesh without heights every one has the same fate, whatever the seed.
+# Packets start in the same way on planes and on meshes: on a mesh without heights every packet has the fate that it has on
+# the plane, for any seed.
 for seed in 1 2 ${ALL_CASES:+3 4 5 6}; do
     expect_code 0 crosscheck samples/shapes/flat50.mci --photons 1e4 --seed $seed
     grep -q 'equal fates and steps: 100 % (0 of 10000 packets differ; another geometry)' "$work/out" ||
         complain "flat50, seed $seed: $(cat "$work/out")"
 done
 
-# Rough cones, planes and bodies are walked by the same text on a device.
+# Rough cones, planes and bodies use the same source text on a device.
 printf '1.0\n1\nrough.mco A\n2000\n0.02 0.02\n20 20 5\n2\n1\nrough ggx 0.4\nb 5 0 0.1 1e-5 0.1 0 0.1 1e-5 0.1 0 0.1\n1.4 1 50 0.8 0.3\n%s\nrough beckmann 0.3\n1.3 1 20 0.8 0.2\nrough ggx 0.6\n1\n' \
     'i sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5' >"$work/rough.mci"
 expect_code 0 crosscheck "$work/rough.mci"
 grep -q '^opencl against .*: agree$' "$work/out" || complain "rough: $(cat "$work/out")"
 
-# A coarse mesh is another surface, and is found to be one.
+# A coarse mesh is another surface than the cones, and crosscheck finds it.
 expect_code 1 crosscheck samples/shapes/hinoise.mci --photons 2e4 --tolerance 0.1 --rings inscribed --dump "$work/dump"
 grep -q '^cpu (mesh) against cpu (cones): DISAGREE$' "$work/out" || complain "a coarse mesh agrees"
 grep -q '^opencl against cpu (cones): agree$' "$work/out" || complain "opencl does not agree"
@@ -57,7 +59,7 @@ test ! -e "$work/none" || complain "a refused crosscheck left its dump"
 test -z "$(cat "$work/out")" || complain "a refused crosscheck wrote to standard output"
 expect_code 3 crosscheck samples/fig5.mci --device 99
 
-# Maps and facets are left out.
+# Maps and facets are ignored.
 sed "s/^\([0-9].*\)# nz, nr, na/\1\nmap 3 3 0.1 0.1 volume\nfacets #/" samples/fig5.mci >"$work/maps.mci"
 grep -q '^facets' "$work/maps.mci" || complain "no facets line"
 expect_code 0 crosscheck "$work/maps.mci" --photons 1e3

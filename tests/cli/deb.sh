@@ -1,5 +1,6 @@
 #!/bin/sh
-# The Debian package that cpack makes: lintian has no error and no warning, dependencies are found, and its program runs.
+# Tests the Debian package that cpack makes: lintian has no error and no warning, dependencies are found, and its program
+# runs.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")

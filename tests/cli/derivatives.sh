@@ -1,6 +1,7 @@
 #!/bin/sh
-# --derivatives: nothing else changes by a bit; same bytes on any number of threads, after a stop and with --more; engines
-# agree within rounding; what they are not made for is refused by name. stat.derivatives judges the numbers.
+# Tests --derivatives: other results do not change by a bit; derivatives have the same bytes for any number of threads, after
+# a stop and with --more; engines agree within rounding; unsupported scenes are refused by name. stat.derivatives judges the
+# numbers.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 bare() { sed -e '/^# User time/d' "$1"; }
@@ -9,7 +10,7 @@ same() { # FILE FILE WHAT
     bare "$2" >"$work/b"
     cmp -s "$work/a" "$work/b" || complain "$3: $(diff "$work/a" "$work/b" | head -5)"
 }
-# The sections of an .mco that are not of derivatives.
+# Prints the sections of an .mco that are not derivatives.
 rest() { bare "$1" | awk '/^(se_)?d(Rd|Tt|A)|_dmu[as] / { of = 1 } !of; /^$/ { of = 0 }'; }
 scene() { printf '1.0\n1\n%s A\n%s\n%s\n0.02 0.02\n20 20 5\n2\n1\n1.37 0.5 50 0.8 0.05\nb 3 0.01 0.1 -0.01 0.1 0 0\n1.4 0.2 30 0.9 0.3\ni sphere 0 0 0.2 0.05 1.5 1 9 0.5\n1\n' "$@"; }
 mkdir "$work/one" "$work/three" "$work/without" "$work/stopped" "$work/grown" "$work/reference"
@@ -46,7 +47,7 @@ grep -q '^  body 1: dRd_dmua -[0-9.]* +- [0-9.]*, dTt_dmua .* cm$' "$work/out" |
 expect_code 0 "$work/two.mci" --derivatives -o "$work/three" --threads 3 --chunk 77 --quiet
 same "$work/one/two.mco" "$work/three/two.mco" threads
 
-# The double precision of `reference` rounds otherwise, and not much.
+# The engine `reference` computes in double precision, so its results differ slightly, by rounding.
 scene two.mco 5000 >"$work/two.mci"
 expect_code 0 "$work/two.mci" --derivatives -o "$work/three" --quiet
 expect_code 0 "$work/two.mci" --derivatives --engine reference -o "$work/reference" --json
@@ -61,7 +62,7 @@ for name in ("dRd_dmua", "dTt_dmus"):
         assert abs(a - b) < 0.02 * abs(b), (name, a, b)
 END
 
-# Stopped, resumed, and with more photons: as one run.
+# A run that is stopped, resumed and extended equals one run.
 scene whole.mco 200000 >"$work/whole.mci"
 expect_code 0 "$work/whole.mci" --derivatives -o "$work/one" --quiet
 "$program" "$work/whole.mci" --derivatives -o "$work/stopped" --quiet 2>"$work/err" &
@@ -75,13 +76,14 @@ expect_code 0 "$work/whole.mci" --derivatives -o "$work/grown" --quiet --more 15
 same "$work/one/whole.mco" "$work/grown/whole.mco" "--more"
 
 first() { awk -v key="$2" '$1 == key { getline; print $1; exit }' "$1"; }
-# What is not known is nan, null in JSON, and stays so.
+# An unknown derivative is nan, null in JSON, and stays so.
 printf '1.0\n1\nglass.mco A\n100\n0.02 0.02\n5 5 3\n1\n1\n1.5 0 0 0 0.1\n1\n' >"$work/glass.mci"
 expect_code 0 "$work/glass.mci" --derivatives -o "$work/one" --quiet
 expect_code 0 "$work/glass.mci" --derivatives --seed 2 -o "$work/three" --json
 grep -q '"dRd_dmus":\[null\]' "$work/out" || complain "--json: $(cat "$work/out")"
 
-# Where packets are given up as trapped nothing is known by mua of clear media, and all else is; the summary says how much light that was.
+# If packets are given up as trapped, derivatives by mua of clear media are unknown, and all others are known. The summary
+# says how much light was trapped.
 printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0.1 0 0 0.1\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
 expect_code 0 "$work/trap.mci" --derivatives -o "$work/one"
 grep -q "note: trap.mco: derivatives by mua of clear media are NaN, as 3[0-9]* packets were given up as trapped in one" "$work/err" || complain "no note: $(cat "$work/err")"
@@ -94,7 +96,7 @@ grep -q trapped "$work/out" "$work/err" && complain "trapped without a mirror: $
 whole "$work/three/trap.mco" >"$work/three/whole.txt"
 test "$(first "$work/three/whole.txt" dRd_dmua | grep -ci nan)" = 0 || complain "no derivative without trapped light"
 
-# Refused.
+# Refusals.
 printf 'layer1.mua\n1\n' >"$work/t.csv"
 for option in "--engine opencl" "--reweight --sweep $work/t.csv"; do
     case $option in

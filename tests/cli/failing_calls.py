@@ -1,10 +1,12 @@
-"""Every kind of call (open, write, fsync, close, rename, link, unlink) on every file that a run touches fails once, the first
-or the last one, with an older result in the folder or without. Where a result cannot be written the exit code is 5 and
-one line names the file; what stood there stays, nothing half written does, and --resume brings the bytes of the run
-without faults. A checkpoint that cannot be written is noted, and the run goes on. Short writes are no failure.
-Every third of these failures is tried, and all where the environment has ALL_CASES.
+"""Tests that a failing file system never loses or spoils a result.
 
-Shares all of the program with what it judges, but for the fault. Standard library only."""
+Every kind of call (open, write, fsync, close, rename, link, unlink) on every file of a run fails once, the first or the last
+one, with an older result in the folder or without. If a result cannot be written, the exit code is 5 and one line names the
+file; existing files stay, no half-written file appears, and --resume gives the bytes of the run without faults. A checkpoint
+that cannot be written is noted, and the run goes on. Short writes are no failure.
+Every third of these failures is tried, and all if the environment has ALL_CASES.
+
+Shares with the program everything but the fault. Standard library only."""
 import errno
 import os
 import signal
@@ -19,7 +21,7 @@ REASONS = {"open": ["ENOSPC", "EROFS", "ENOENT", "EINTR"], "write": ["EIO", "ENO
 
 
 def aims(folder):
-    """(call, which, reason, file): reasons take turns."""
+    """Returns a list of (call, which, reason, file). Reasons take turns."""
     turn = 0
     for (call, name), count in folder.occurrences().items():
         for n in sorted({1, count}):
@@ -28,7 +30,7 @@ def aims(folder):
 
 
 def subject(folder, call, n, name):
-    """The file that a call is for: of one on the folder, which is synced after a rename, the new name."""
+    """Returns the name of the file that a call is for. A sync of the folder after a rename is for the renamed file."""
     if name != ".":
         return name
     place = [i for i, made in enumerate(folder.calls) if made == (call, name)][n - 1]
@@ -36,15 +38,16 @@ def subject(folder, call, n, name):
 
 
 def wanted_code(folder, call, n, reason, name):
-    """Checkpoints only help. Nothing depends on what cannot be removed, nor on how files without content are closed: the
-    lock, the two that try whether the folder can be written to, and the folder."""
+    """Returns the expected exit code. Failing checkpoints do not end a run. Neither do files that cannot be removed, nor
+    closing files without content: the lock, the two files that test if the folder is writable, and the folder."""
     tries = call == "close" and (name in (".", "skinmap.lock") or (n == 1 and ("unlink", name) in folder.calls))
     helps = ".checkpoint" in subject(folder, call, n, name) or call == "unlink"
     return 0 if helps or tries or reason == "short" else 5
 
 
 def check_words(folder, code, reason, name, err):
-    """One line that names the file and says why, or notes about checkpoints, after those of results replaced."""
+    """Returns complaints about the messages: expected is one line with the file and the reason, or notes about checkpoints
+    after those about replaced results."""
     usual = ("clustermcml: note: replaces ", "clustermcml: note: --resume finds no ")
     lines = [line for line in err.splitlines() if not line.startswith(usual)]
     path = os.path.join(folder.path, name.removesuffix(".tmp"))
@@ -55,7 +58,7 @@ def check_words(folder, code, reason, name, err):
 
 
 def fail(folder, number, aim):
-    """What is wrong after this failure."""
+    """Makes one call fail and returns complaints about what follows."""
     call, n, reason, name = aim
     folder.clear(older=number % 2 == 0)
     action = "short" if reason == "short" else getattr(errno, reason)
@@ -78,7 +81,7 @@ def fail(folder, number, aim):
 
 
 def stopped(folder):
-    """A run that is asked to stop when no checkpoint can be written says so, with 5 instead of 75."""
+    """Tests that a run which is asked to stop, but cannot write a checkpoint, says so and exits with 5 instead of 75."""
     folder.clear()
     process = folder.start({"CML_FAULT": f"rename 1+ {errno.EIO} skinmap.mco.checkpoint"}, photons="1e9")
     note = process.stderr.readline()
@@ -93,7 +96,7 @@ def stopped(folder):
 
 
 def read_only(folder):
-    """From the middle of a run on the file system is read-only: the older result stays."""
+    """Tests a file system that becomes read-only in the middle of a run: the older result stays."""
     folder.clear(older=True)
     done = folder.run({"CML_FAULT": f"open 6+ {errno.EROFS}"})
     good = done.returncode == 5 and done.stderr.splitlines()[-1].startswith(f"clustermcml: {folder.path}/skinmap.mco: ")

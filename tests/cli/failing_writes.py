@@ -1,10 +1,12 @@
-"""Every write, fsync, close and rename on a result fails, once and from there on, in run, --more, --sweep and merge: a file
-that stands under the name of a result afterwards is that of a run without faults, or what stood there before. Exit code 0
-means that all of them are those of a run without faults; else the exit code is 5, and one line names the file and says why.
-Nothing temporary is left. A link that takes the place of a temporary .h5 file is not followed.
+"""Tests that results are either whole or absent when writing fails, in run, --more, --sweep and merge.
 
-WHOLE=1: all of these calls, each in both ways; else a third of the first and last ones on each file, in turns. Shares all of the
-program with what it judges, but for the fault. Standard library only."""
+Every write, fsync, close and rename on a result fails, once, or from some call on. A file under the name of a result must
+afterwards be that of a run without faults, or the earlier file. Exit code 0 means that all results are those of a run without
+faults. Otherwise the exit code is 5, and one line names the file and the reason. No temporary file is left. A link that
+replaces a temporary .h5 file is not followed.
+
+WHOLE=1 tries all of these calls, each in both ways; otherwise a third of the first and last calls on each file, in turns.
+Shares with the program everything but the fault. Standard library only."""
 import errno
 import itertools
 import os
@@ -17,7 +19,7 @@ import tempfile
 
 PROGRAM = os.path.abspath(os.environ.get("CLUSTERMCML", "build/clustermcml"))
 CALLS = {"write": "EIO lost ENOSPC short", "fsync": "EIO", "close": "EIO", "rename": "EIO ENOSPC"}
-# Thin media: what is written is as long as that of thick ones, and done in a third of the time.
+# Thin media: files are as long as those of thick media, and the flight takes a third of the time.
 SCENE = """1.0
 1
 small.mco {format}
@@ -36,7 +38,7 @@ i sphere 0 0 0.3 0.1  1.4 1 2 0.5
 RUN = ["small.mci", "--photons", "500", "--threads", "1", "--quiet", "-o", "OUT"]
 BINARY = ["binary.mci", *RUN[1:]]
 PART = "small.mci --photons 300 --threads 1 --quiet".split()
-# name: (commands that come before, the command)
+# name: (commands to run before, the command)
 WORK = {
     "run": ([], [*RUN, "--keep"]),
     "run over an older result": ([[*RUN, "--seed", "2"]], RUN),
@@ -53,7 +55,7 @@ def is_result(name):
 
 
 class Work:
-    """One command and what comes before it, in a folder; what it leaves without faults is `expected`."""
+    """One command and the commands before it, run in a folder. `expected` holds the files that they leave without faults."""
 
     def __init__(self, root, before, command):
         self.root, self.command, self.out = root, command, os.path.join(root, "out")
@@ -65,7 +67,7 @@ class Work:
         self.call(command, CML_FAULT_LOG=log).check_returncode()
         self.expected = self.read()
         with open(log, encoding="utf-8") as file:
-            self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary ones are NAME.tmp
+            self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary files are NAME.tmp
         os.remove(log)
 
     def start(self, arguments, **faults):
@@ -94,7 +96,7 @@ class Work:
         return files
 
     def faults(self, whole):
-        """(call, which of all calls of its kind, + or nothing, reason)"""
+        """Returns a list of (call, which of all calls of its kind, + or nothing, reason)."""
         for call, reasons in CALLS.items():
             names = [name for made, name in self.calls if made == call and not name.endswith(".lock")]
             ends = {names.index(name) for name in names} | {len(names) - 1 - names[::-1].index(name) for name in names}
@@ -104,7 +106,7 @@ class Work:
                     yield call, i + 1, "" if reason == "short" else many, reason
 
     def judge(self, call, n, many, reason):
-        """(results that stand there, those of them that are wrong, what else is wrong)"""
+        """Returns (existing results, those that are wrong, other complaints)."""
         self.restore(self.before)
         aim = f"{call} {n}{many} {getattr(errno, reason, reason)}"
         done = self.call(self.command, CML_FAULT=aim)
@@ -121,7 +123,8 @@ class Work:
 
 
 def follows_link(work):
-    """Whether the program, stopped before it opens a temporary .h5 file again, writes to where a link leads then."""
+    """Stops the program before it opens a temporary .h5 file again and puts a link there. Returns True if the program writes
+    to the link's target."""
     work.restore({})
     victim = os.path.join(work.root, "victim")
     with open(victim, "w", encoding="utf-8") as file:

@@ -1,13 +1,13 @@
 #!/bin/sh
-# Folders that cannot be written to are found before the flight; one that goes during it is no silent loss. File systems
-# without locks (NFS): results are written, and --resume reads them.
+# Tests folders: one that cannot be written to is found before the flight; one that disappears during the flight is reported.
+# On file systems without locks (NFS) results are written, and --resume reads them.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 work=$(realpath "$work")
 scene=samples/shapes/hihill.mci
 mkdir "$work/folder"
 
-# root writes where nobody may: so a mount that is read-only, else another user
+# Root may write everywhere, so the test uses a read-only mount, or else another user.
 if unshare -m true 2>/dev/null; then
     cat >"$work/mounted" <<E2
 mount -t tmpfs -o ro none "$work/folder" && exec "$program" $scene --quiet -o "$work/folder"
@@ -34,7 +34,7 @@ if test -n "$reason"; then
         complain "read-only: $(cat "$work/err")"
 fi
 
-# Errno 37 ENOLCK, 95 EOPNOTSUPP, 524 ENOTSUPP of the kernel. A result that stands is not flown again.
+# Errors of locks: 37 ENOLCK, 95 EOPNOTSUPP, 524 ENOTSUPP of the kernel. A run whose result exists is not flown again.
 sed 's/^hihill.mco A/hihill.h5 B/' $scene >"$work/binary.mci"
 for reason in 37 95 524; do
     mkdir "$work/nfs"
@@ -46,7 +46,7 @@ for reason in 37 95 524; do
     rm -r "$work/nfs"
 done
 
-# The folder goes when the first checkpoint is due: the program stops itself there and waits.
+# The folder is removed when the first checkpoint is due: the program stops itself there and waits.
 vanish() { # ARGUMENTS
     mkdir -p "$work/folder"
     LD_PRELOAD="$FILE_FAULT" CML_FAULT_FOLDER="$work/folder/" CML_FAULT="open 1 stop $1.mco.checkpoint.tmp" \
@@ -69,7 +69,7 @@ test "$(tail -n 1 "$work/err")" = "clustermcml: $work/folder/hihill.mco: cannot 
 vanish hihill $scene 1e9 TERM
 test "$(tail -n 1 "$work/err")" = "clustermcml: ${note#*note: }" || complain "vanished and stopped: $(cat "$work/err")"
 
-# A folder for -o that is not there is made, with those that it lies in; where nothing is flown it goes again.
+# -o makes a missing folder and its parents. If nothing is flown, they are removed again.
 expect_code 0 $scene --photons 20 --quiet -o "$work/new/one/two"
 test -f "$work/new/one/two/hihill.mco" || complain "a new folder: $(ls -R "$work/new")"
 expect_code 0 mesh $scene -o "$work/new/mesh/"

@@ -1,10 +1,12 @@
 #!/bin/sh
-# furnace: its table, its verdict and what it refuses. Whether light is even in all samples, stat.furnace_command says.
+# Tests the command furnace: its table, its verdict and its refusals. stat.furnace_command tests that light is even in all
+# samples.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 sample=samples/mixed.mci
 
-# By hand: 0.3 9.1^2 and a pyramid, 0.125 0.5^2 / 3; 0.2 9.1^2 less pi/3 times what the rings of a hill hold, 0.009075.
+# Volumes by hand: 0.3 9.1^2 and a pyramid, 0.125 0.5^2 / 3; 0.2 9.1^2 less pi/3 times 0.009075, the sum over the rings of a
+# hill.
 expect_code 0 furnace $sample --photons 2000
 grep -q '^mixed.mco: 2000 photons of diffuse light from above and below, on 9.1 x 9.1 cm, without absorption$' "$work/out" &&
     grep -q '^  layer 3  *24.8534 ' "$work/out" && grep -q '^  layer 1  *16.5525 ' "$work/out" && grep -q '^p = .* (Sidak over 4 tests)$' "$work/out" || complain "$(cat "$work/out")"
@@ -13,7 +15,7 @@ grep -q '^  layer 1  *2.52733 not tested: clear$' "$work/out" || complain "$(cat
 expect_code 0 furnace $sample --photons 2000 --quiet
 test ! -s "$work/out" || complain "quiet: $(cat "$work/out")"
 
-# Whatever the threads, and what the scene asks for; a level that nothing reaches.
+# The verdict is the same for any number of threads and for any options of the scene; a level that no light reaches is named.
 expect_code 0 furnace $sample --photons 2000 --json --threads 1
 cp "$work/out" "$work/one"
 sed "s#\"\.\./meshes#\"$PWD/meshes#; s/^\(90 200 1 .*\)/\1\nfluence\ntime 10 2\nbeam disk 0.1 angle=30/" $sample >"$work/mixed.mci"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# What `cmake --install` copies: the program flies a sample from there, the manual page renders without a warning, and
-# page and completion know every option, command and text of the help, and every word that an option takes.
-# The recipe of conda asks for the packages that the Python package needs, and samples/wheel.sh for options that the pip of Debian 12 knows.
+# Tests `cmake --install`: the installed program flies a sample, and the manual page renders without a warning. Manual page
+# and completion know every option, command and text of the help, and every word that an option takes. The conda recipe asks
+# for the packages that the Python package needs. samples/wheel.sh uses only options that the pip of Debian 12 knows.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")
@@ -19,7 +19,7 @@ for file in samples/*.mci samples/*.md samples/shapes/*.mci samples/slurm.sh mes
 done
 test -x "$share/clustermcml/samples/slurm.sh" || complain "samples/slurm.sh: not executable"
 
-# a sample that reads a mesh beside it, by both programs; the result names the mesh as the command line does
+# A sample reads a mesh beside it, with both programs; the result names the mesh as the command line does.
 mkdir "$work/here" "$work/there"
 expect_code 0 samples/mixed.mci --photons 1e4 --quiet -o "$work/here"
 program=$installed
@@ -50,7 +50,7 @@ if command -v man >/dev/null; then
     for code in 0 1 2 3 4 5 75; do
         grep -qE "^ +$code +[a-z]" "$work/page" || complain "the manual page has no exit code $code"
     done
-    # the texts: their last words, and no mark of Markdown
+    # The texts are complete to their last words and have no Markdown marks.
     for text in input output; do
         last=$("$program" help $text | tr -d '`*' | awk 'NF { word = $NF } END { print word }')
         grep -qF -e "$last" "$work/page" || complain "the manual page does not hold all of help $text: $last"
@@ -67,7 +67,7 @@ if command -v mandoc >/dev/null; then
     mandoc -T lint "$page" >"$work/out" 2>&1 || complain "mandoc: $(cat "$work/out")"
 fi
 
-# what the shell would offer: complete WORD... completes the last word
+# Prints the words that the shell would offer: complete WORD... completes the last word.
 complete() {
     bash -c '. "$1"; shift; COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); _clustermcml; printf "%s\n" "${COMPREPLY[@]}"' \
         bash "$share/bash-completion/completions/clustermcml" clustermcml "$@"
@@ -85,20 +85,20 @@ test "$(complete help in)" = input || complain "help in completes to $(complete 
 test "$(cat "$work/out")" = "$commands" || complain "completion offers other commands: $(cat "$work/out")"
 test "$(complete a.mci --eng)" = --engine || complain "--eng completes to $(complete a.mci --eng)"
 test "$(complete a.mci --photons "")" = "" || complain "a number completes to $(complete a.mci --photons "")"
-# the words of an option as its own message lists them
+# The words that an option takes are those that its own error message lists.
 for option in --engine --boundaries --normals --rings --mesh-search; do
     "$program" samples/fig5.mci $option none 2>"$work/err" && complain "$option none was taken"
     words=$(sed 's/.*(expected \(one of \)*\(.*\))/\2/; s/, / /g; s/ or / /g' "$work/err" | tr ' ' '\n' | sort)
     test "$(complete a.mci $option "" | sort)" = "$words" || complain "$option completes to $(complete a.mci $option "")"
 done
 
-# the recipe of conda asks for every Python package that pip would install
+# The conda recipe asks for every Python package that pip would install.
 run_needs=$(sed -n '/^  run:/,/^$/s/^    - \([a-z0-9-]*\).*/\1/p' src/cli/install/meta.yaml)
 needs=$(sed -n 's/^dependencies = \[\(.*\)\]/\1/p' pyproject.toml | tr -d '",')
 test -n "$needs" || complain "pyproject.toml names no dependencies"
 for package in $needs; do
     echo "$run_needs" | grep -qxE "${package%%[<>=]*}(-base)?" || complain "src/cli/install/meta.yaml: no $package under run"
 done
-# pip 23.0.1 of Debian 12 knows --config-settings, but not its short form
+# pip 23.0.1 of Debian 12 knows --config-settings, but not its short form.
 grep -nE '(^|[^ ] ) *-C[ a-z]' samples/wheel.sh && complain "samples/wheel.sh: -C is unknown to pip 23.0.1"
 finish

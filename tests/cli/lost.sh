@@ -1,6 +1,6 @@
 #!/bin/sh
-# What goes wrong numerically is counted, said and ends with 4; 1e5 rough triangles lose nothing; where a smooth normal
-# contradicts its facet is counted, too.
+# Tests numerical errors: lost packets are counted, reported and end with exit code 4. A mesh of 1e5 rough triangles loses no
+# packet. Directions of smooth normals that contradict their facet are counted, too.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -8,8 +8,8 @@ scene() { # NAME "SURFACE" "LAYER" [BEAM]: one layer below the surface
     printf '1.0\n1\n%s.mco A\n20000\n%s\n0.01 0.01\n1 1 1\n1\n1\n%s\n%s\n1\n' "$1" "${4-}" "$2" "$3" >"$work/$1.mci"
 }
 
-# Totally reflected for ever, in a medium that absorbs next to nothing: not trapped but stuck, hence lost. The first
-# packet enters the flank of the cone.
+# A packet is totally reflected for ever in a medium that absorbs next to nothing. It is not trapped but stuck, hence lost.
+# The first packet enters the flank of the cone.
 scene stuck "b 2 0.17320508075688773 0.1 0 0" "2 1e-30 0 0 0.5" "beam pencil at=0.05,0"
 expect_code 4 "$work/stuck.mci" --photons 1 -o "$work"
 grep -q '^clustermcml: stuck.mco: 1 of 1 packets lost (at most 1 in 1e6 may be)$' "$work/err" ||
@@ -28,7 +28,8 @@ expect_sound() { # NAME: $work/out is the JSON line of a run without loss
     grep -q '"lost":0,' "$work/out" && grep -q '"residue":0[,.}]' "$work/out" || complain "$1: $(cat "$work/out")"
 }
 
-# Light that interacts within a rounding of the tip of a cone, before it has left the axis, leaves on the side to which it goes.
+# Light that interacts within a rounding of the tip of a cone, before it has left the axis, leaves on the side to which it
+# flies.
 scene tip "b 4 0.02 0.1 0.01 0.2 -0.01 0.3 0.01 0.1" "1.4 8 12 0.5 0.35"
 expect_code 0 trace "$work/tip.mci" 1088599 --seed 22 --set photons=1e8
 tail -n 1 "$work/out" | grep -q '^# .* after [0-9]* interactions and [0-9] boundary events' ||
@@ -48,15 +49,16 @@ expect_code 0 "$work/smooth.mci" --json -o "$work"
 expect_sound "smooth normals"
 grep -q '"shading_overruled":[1-9]' "$work/out" || complain "no smooth normal was overruled: $(cat "$work/out")"
 
-# Between vertex normals light may run into a groove for ever; in its bottom the facets turn it back, in both precisions alike,
-# as trace shows.
+# Light may run into a groove between vertex normals for ever. At the bottom the facets turn it back, in both precisions
+# alike, as trace shows.
 for engine in cpu reference; do
     expect_code 0 trace samples/shapes/hinoise.mci 782539 --sampling random --roulette mcml --boundaries mesh --tolerance 1e-1 \
         --normals vertex --engine $engine
     tail -n 1 "$work/out" | grep -q '^# reflected after 6 interactions and 32 boundary events' ||
         complain "light in a groove, $engine: $(tail -n 1 "$work/out")"
 done
-# Light that a gently rough plate holds back for more than 10000 boundary events, and lets out before it absorbs it, has left: outside nothing is trapped.
+# A gently rough plate holds light back for more than 10000 boundary events, and lets it out before absorbing it. Such light
+# has left: no packet is trapped outside.
 awk 'BEGIN { print "ncols 16\nnrows 16\ncellsize 0.02"; for (j = 0; j < 16; j++) for (i = 0; i < 16; i++)
     printf "%.8f%s", 5e-4 * cos(i * atan2(0, -1) / 8 + 1) * cos(j * atan2(0, -1) / 8), i < 15 ? " " : "\n" }' >"$work/gentle.asc"
 printf '1.0\n1\ngentle.mco A\n60\n0.02 0.02\n5 5 1\nbeam rectangle 0.32 0.32 z=0.1 light=isotropic\n1\n1\n%s\n1.5 1e-4 0 0 0.2\n%s shift=0.1,0.02,0\n1\n' \
@@ -68,7 +70,8 @@ expect_sound "light that left late"
 grep -q '"trapped":0,' "$work/out" || complain "light outside is trapped: $(cat "$work/out")"
 expect_error 2 "--run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" trace samples/two_runs.mci 1 --run 3
 
-# Nothing is asked and nothing floods: no standard input, output to files; a line of progress only after 10 seconds.
+# The program needs no input and prints little: standard input is closed, output goes to files, and a line of progress appears
+# only after 10 seconds.
 "$program" "$work/rough.mci" -o "$work" <&- >"$work/out" 2>"$work/err" || complain "a closed standard input: exit $?"
 test "$(wc -l <"$work/err")" -le 10 || complain "a flood of $(wc -l <"$work/err") lines: $(tail -n 3 "$work/err")"
 test "$(cat "$work/out" "$work/err" | tr -d '\n' | tr -dc '\r' | wc -c)" -eq 0 || complain "a progress bar without a terminal"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# --part and merge: parts of a run, of all runs of a file, of the rows of a sweep, of a run that --more extends: joined they have the
-# bytes of one run, every file. What is missing, not finished, there twice, or of another run is named, and nothing is written.
-# tests/cluster/parts.py has several ranks, kills and all outputs.
+# Tests --part and merge: parts of a run, of all runs of a file, of the rows of a sweep, and of a run that --more extends.
+# Joined parts must have the bytes of one run in every file. Parts that are missing, unfinished, doubled or of another run are
+# named, and nothing is written. tests/cluster/parts.py tests several ranks, kills and all outputs.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 root=$PWD
@@ -19,7 +19,7 @@ compare() { # TEXT: the folders one and parts have the same files
         bare "parts/$name" | cmp -s - a || complain "$1: $name has other bytes"
     done <names
 }
-# One run in the folder one, N parts in parts, both called alike.
+# Flies one run in the folder one and N parts in the folder parts; the command lines in both folders look alike.
 both() { # N ARGUMENTS...
     count=$1
     shift
@@ -49,7 +49,7 @@ printf '1.0\n1\nx.mco A\n3000\n0.01 0.01\n20 20 3\nbeam disk 0.1\nbeam disk 0.2 
 both 3 "$work/x.mci"
 "$program" --version | grep -q 'HDF5 yes' && sed -i '6a photons "saved" limit=50' x.mci && both 4 "$work/x.mci" --tolerance 0.01
 
-# From run to run: more photons, in parts, and again, at once.
+# Parts of extended runs: more photons, in parts, twice, and at once.
 rm -rf one/* parts/*
 scene=$root/samples/skinmap.mci
 more() { # ARGUMENTS...
@@ -73,7 +73,7 @@ for name in skinmap.mco skinmap.map.vti skinmap.volume.vti; do
     test ! -e "one/$name" || test "$(bare "one/$name" | sha256sum)" = "$(bare "parts/$name" | sha256sum)" || complain "--more: $name has other bytes"
 done
 
-# Stopped, and resumed; a part that is finished stays.
+# Parts are stopped and resumed; a finished part stays.
 rm -rf one/* parts/*
 scene=$root/samples/thick.mci
 cd parts || exit 1
@@ -97,7 +97,7 @@ cd ../one && "$program" "$scene" --photons 1e6 --quiet
 cd ..
 compare "stopped"
 
-# Refusals: one line, nothing written.
+# Wrong parts are refused in one line, and nothing is written.
 rm -rf one/* parts/*
 refuses() { # MESSAGE ARGUMENTS-OF-MERGE...
     message=$1
@@ -158,7 +158,7 @@ expect_error 2 "--part: /dev/null is no file (expected a result in a file)" thic
 expect_error 2 "--part (expected a command line of at most 4095 bytes, in one line)" thick.mci --part 1/2 --set "layer1.mua=1
 "
 
-# Of several runs of one file, each is complete or named.
+# Each of several runs in one file is complete or named.
 for k in 1 2; do expect_code 0 "$root/samples/two_runs.mci" --photons 100 --part $k/2 --quiet; done
 expect_code 2 merge two_runs_flat.mco.part*
 grep -q '^clustermcml: two_runs_hill.mco: no part of it (expected all its parts)$' err || complain "half of the runs: $(cat err)"
@@ -171,14 +171,14 @@ expect_error 2 "rows.csv:4: row 3, layer1.mua = 1, layer1.mus = 60: thick-0003.m
     merge rows/*.part* -o new
 test ! -e new || complain "refused rows: wrote $(ls new)"
 
-# What a killed process leaves beside parts is passed over.
+# Files that a killed process left beside parts are ignored.
 : >two_runs_flat.mco.part1of2.lock
 echo older >two_runs_flat.mco.part1of2.old
 expect_error 2 "merge: no parts (expected those of a run, NAME.partKofN)" merge two_runs_flat.mco.part1of2.*
 expect_code 0 merge --quiet two_runs*.part*
 test -e two_runs_flat.mco || complain "beside a lock: no result"
 
-# Files of other content stay.
+# Files with foreign content stay.
 echo mine >thick.mco.part1of3
 cp thick.mco.part1of3 thick.mco
 for words in "--part 1/3" "--part 1/3 --resume"; do

@@ -1,5 +1,6 @@
 #!/bin/sh
-# --mesh-budget: meshes of too many triangles are refused in one line, before they take memory; large ones are announced.
+# Tests --mesh-budget: meshes of too many triangles are refused in one line, before they take memory; large meshes are
+# announced.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -12,7 +13,7 @@ refused() { # MESSAGE ARGUMENTS...
     expect_error 2 "$work/$message" "$@"
 }
 
-# The number in the message is the number that is made.
+# The message states the number of triangles that would be made.
 scene field "b 3 0.1 0.5 0.05 0.5 0 1"
 expect_code 0 check "$work/field.mci" --boundaries mesh --mesh-budget 256
 grep -q 'boundary 0: mesh at z = 0 cm, 256 triangles' "$work/out" || complain "$(cat "$work/out")"
@@ -23,7 +24,7 @@ for command in check mesh run crosscheck; do
 done
 expect_code 0 check "$work/field.mci" --mesh-budget 1 # cones
 
-# Every face as the triangles that it becomes, whatever stands around it.
+# Every face of an OBJ file counts as its triangles, whatever else stands on the line.
 printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n#f 1 2 3\n  f 1/1 2 3 \\\n 4 # 5\ng f 1 2 3\n' >"$work/quad.obj"
 scene quad 'm "quad.obj"'
 expect_code 0 check "$work/quad.mci" --boundaries mesh --mesh-budget 2
@@ -31,7 +32,7 @@ grep -q 'mesh at z = 0 cm, 2 triangles' "$work/out" || complain "$(cat "$work/ou
 refused "quad.mci:9: boundary 0 needs 2 triangles, 6.52e-07 GiB (expected at most 1, or a coarser mesh or a larger --mesh-budget)" \
     check "$work/quad.mci" --mesh-budget 1
 
-# With the skirt, and after merging: a larger tolerance helps.
+# The count includes the skirt, after merging; a larger tolerance reduces it.
 {
     printf 'ncols 9\nnrows 9\nxllcorner 0\nyllcorner 0\ncellsize 0.1\nNODATA_value -1\n'
     awk 'BEGIN { for (y = 0; y < 9; y++) { for (x = 0; x < 9; x++) printf "%g ", (x * x + y * y) / 1000; print "" } }'
@@ -47,7 +48,8 @@ expect_code 2 check "$work/map.mci" --tolerance 1e-12 --mesh-budget 1
 grep -q "boundary 0 needs $made triangles" "$work/err" || complain "only counted: $(cat "$work/err")"
 expect_code 0 check "$work/map.mci" --tolerance 0.1 --mesh-budget $((made - 1))
 
-# A short file that asks for millions: counted, not made. 100 rings, 9e5 triangles at 3e-7, 5e6 at 1e-8.
+# A short file that asks for millions of triangles is counted, not made. It has 100 rings: 9e5 triangles at a tolerance of
+# 3e-7, 5e6 at 1e-8.
 scene rough "b 100 $(awk 'BEGIN { for (i = 0; i < 100; i++) printf "%.4f 0.0002 ", (i * 37 % 100) / 1e4 }')"
 cat >"$work/most.py" <<'P'
 import resource, subprocess, sys
@@ -62,7 +64,7 @@ code=0
 python3 "$work/most.py" 150 "$program" check "$work/rough.mci" --boundaries mesh --tolerance 1e-8 2>"$work/err" || code=$?
 test $code -eq 2 || complain "refused after it took memory: $(cat "$work/err")"
 
-# On a terminal what takes more than a second is announced; not in a log, and not with --quiet.
+# On a terminal, a mesh that takes more than a second is announced; not in a log, and not with --quiet.
 cat >"$work/terminal.py" <<'P'
 import os, pty, subprocess, sys
 ours, its = pty.openpty()

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Meshes as scanners and modelling tools write them: what check and run say was done to them, where they lie, and what beam
-# and map miss. Boxes, counts and distances are worked out by hand.
+# Tests meshes as scanners and modelling tools write them: check and run report the repairs, the position of the mesh, and how
+# far beam and map miss it. Boxes, counts and distances are worked out by hand.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -15,7 +15,7 @@ scene() { # MESH-LINE [LINE OF OPTIONS]...
     } >"$work/scene.mci"
 }
 
-# 4 x 2 mm in x and y of the file, y up: a roof along the file's x axis with bent gable quads.
+# A roof, 4 x 2 mm in x and y of the file, y up, along the file's x axis, with bent gable quads.
 cat >"$work/roof.obj" <<'END'
 v 0 0 0
 v 4 0 0
@@ -39,7 +39,7 @@ grep -q 'boundary 0: 2 faces lie in no plane' "$work/out" || complain "run does 
 expect_code 0 "$work/scene.mci" --photons 100 --quiet -o "$work"
 test ! -s "$work/out" || complain "--quiet speaks"
 
-# Turned by a quarter, then moved: (x, y) -> (-y, x) + (0.2, 0).
+# The roof is turned by a quarter, then moved: (x, y) -> (-y, x) + (0.2, 0).
 scene 'm "roof.obj" up=y units=mm rotate=90 shift=0.2,0,0.01' 'map 10 10 0.01 0.01'
 expect_code 0 check "$work/scene.mci"
 expect_line "mesh of boundary 0: x 0..0.2, y 0..0.4, z -0.05..-0.01 cm"
@@ -57,7 +57,7 @@ for command in "check $work/scene.mci" "check $work/scene.mci --json" "$work/sce
     test "$(cat "$work/err")" = "$beyond" || complain "$command: no note of the beam: $(cat "$work/err")"
 done
 
-# A border level in single precision is levelled; one that is not needs a skirt.
+# A border that is level in single precision is levelled; one that is not level gets a skirt.
 sed 's/^v 4 0 0/v 4 0.000001 0/' "$work/roof.obj" >"$work/single.obj"
 scene 'm "single.obj" up=y units=mm'
 expect_code 0 check "$work/scene.mci"
@@ -73,7 +73,7 @@ expect_line "boundary 0: skirt of 0.05 cm around the mesh to its border's mean h
 expect_code 0 "$work/scene.mci" --photons 1e4 -o "$work"
 grep -q 'boundary 0: skirt of 0.05 cm' "$work/out" || complain "run does not say that a skirt was added"
 
-# A mushroom whose cap hangs lower than its stem's foot, which is not level: the skirt would pass through the cap.
+# A mushroom whose cap hangs lower than its stem's foot. The foot is not level, and a skirt would pass through the cap.
 cat >"$work/lid.obj" <<'END'
 v -1 -1 0.1
 v 1 -1 0

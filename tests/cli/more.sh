@@ -1,12 +1,12 @@
 #!/bin/sh
-# --keep and --more: a result that is extended, twice, by numbers of photons that are no multiple of anything, has the bytes
-# of one run of all photons, maps and facets included; so has one whose extension was stopped in the middle. What cannot be
-# extended is refused.
+# Tests --keep and --more: a result extended twice, by numbers of photons that are no multiple of anything, has the bytes of
+# one run of all photons, maps and facets included. A stopped extension that is continued has them, too. Results that cannot
+# be extended are refused.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 mkdir "$work/one" "$work/more" "$work/two"
 
-# Results of the folders one and more: same files, same bytes, but for times and how the program was called (.h5).
+# Compares the folders one and more: same files, same bytes, but for times and the command line (.h5).
 compare() { # TEXT
     (cd "$work/one" && ls) >"$work/names"
     (cd "$work/more" && ls | grep -v checkpoint) | cmp -s - "$work/names" || complain "$1: $(ls "$work/more")"
@@ -43,13 +43,13 @@ for scene in samples/skinmap.mci samples/two_runs.mci samples/pulse.mci "$work/v
     compare "$scene, once more with --resume"
 done
 
-# Stopped in the middle, and continued; a second extension instead is refused.
+# An extension is stopped in the middle and continued; a second extension in its place is refused.
 rm -f "$work"/one/* "$work"/more/*
 more=$((${MORE:-400000}))
 expect_code 0 samples/thick.mci --photons 1e4 --keep --quiet -o "$work/more"
 "$program" samples/thick.mci --more $more --quiet -o "$work/more" --chunk 64 2>"$work/err" &
 run=$!
-# The extension begins with a checkpoint that is not finished (byte 40).
+# Waits until the extension has an unfinished checkpoint (byte 40).
 until test "$(od -An -tu1 -j40 -N1 "$work/more/thick.mco.checkpoint")" -eq 0 || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
 kill -TERM $run
 code=0
@@ -75,7 +75,7 @@ expect_error 2 "--more (expected no --target-error beside it)" samples/thick.mci
 expect_error 2 "--keep (expected no --target-error beside it)" samples/thick.mci --keep --target-error 0.1 -o "$work"
 expect_error 2 "--more 0 (expected a whole number from 1 to 281474976710656)" samples/thick.mci --more 0 -o "$work"
 
-# With --no-clobber what is extended is what is replaced, and no result of another run.
+# --no-clobber lets an extension replace its own result, and no result of another run.
 mkdir "$work/mine" "$work/theirs"
 expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/mine"
 expect_code 0 samples/thick.mci --photons 100 --seed 2 --quiet -o "$work/theirs"
@@ -92,7 +92,7 @@ cp "$work/theirs/thick.mco" "$work/mine"
 expect_error 2 "--no-clobber: $work/mine/thick.mco is there, but of that run $work/mine/thick.mco is of another run (expected all its files, or none that would be replaced)" \
     samples/thick.mci --more 5 --no-clobber --resume --quiet -o "$work/mine"
 
-# So is that of an extension that was stopped.
+# --no-clobber also lets a stopped extension replace its own result.
 rm "$work/mine"/*
 expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/mine"
 cp "$work/mine/thick.mco" "$work/own"
@@ -114,7 +114,7 @@ code=0
 wait $run || code=$?
 test $code -eq 75 || complain "--more --resume --no-clobber: $code: $(cat "$work/err")"
 
-# A finished run whose result was taken away is flown again.
+# A finished run whose result was removed is flown again.
 cp "$work/thick.mco" "$work/expected"
 rm "$work/thick.mco"
 expect_code 0 samples/thick.mci --photons 100 --resume --quiet -o "$work"
@@ -123,7 +123,7 @@ grep -q "thick.mco.checkpoint is of a finished run, but its result thick.mco is 
 sed '/^# User time/d' "$work/expected" >"$work/a"
 sed '/^# User time/d' "$work/thick.mco" | cmp -s - "$work/a" || complain "a lost result has other bytes"
 
-# One whose tallies were kept is written again, and they stay; those of another run stay, too.
+# A finished run with kept tallies writes its removed result again, and the tallies stay. Tallies of another run stay, too.
 rm -f "$work/more"/*
 for scene in samples/skinmap.mci samples/thick.mci; do
     name=$(basename $scene .mci)
@@ -139,7 +139,7 @@ for scene in samples/skinmap.mci samples/thick.mci; do
     expect_code 0 $scene --more 5 --quiet -o "$work/more"
 done
 
-# So it is where a file beside the result is gone, whichever, and every file has the bytes that it had.
+# A finished run also writes again when any file beside the result is missing; every file has its former bytes.
 cat >"$work/many.mci" <<'EOF'
 1.0
 1
@@ -171,7 +171,7 @@ for path in "$work"/many/*; do
     grep -q "its result $name is gone: it is written again" "$work/err" || complain "no word of $name: $(cat "$work/err")"
     cmp -s "$work/taken" "$path" || case $name in *.h5) test -s "$path" ;; *) false ;; esac || complain "$name: other bytes"
 done
-# An empty file, a part of a result, and another run's are none of its own.
+# An empty file, a part of a result, and a result of another run do not count as the run's own.
 cp "$work/many/many.mco" "$work/whole"
 harmed() { # WORDS COMMAND: what it prints takes the place of the result
     words=$1 harm=$2
@@ -209,7 +209,7 @@ rm "$work/many/many.mco.checkpoint" # all its files say that they are of this ru
 expect_code 0 "$work/many.mci" --resume --no-clobber -o "$work/many"
 grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "all files are there, and no checkpoint: $(cat "$work/out" "$work/err")"
 
-# The object of a finished run names files where they are now, in a folder that was moved, and is the same else.
+# The JSON object of a finished run names files in their present folder, which was moved, and is otherwise the same.
 mkdir "$work/there"
 for output in thick.h5 thick.mco; do
     expect_code 0 samples/thick.mci --photons 100 --resume --output $output --json -o "$work/there"
@@ -222,7 +222,7 @@ for output in thick.h5 thick.mco; do
     mv "$work/moved" "$work/there"
 done
 
-# Tallies that would be lost are told, or kept.
+# A run that would lose kept tallies notes the loss; with --no-clobber it is refused, and the tallies stay.
 mkdir "$work/tallies"
 expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/tallies"
 rm "$work/tallies/thick.mco"
@@ -235,7 +235,7 @@ expect_code 0 samples/thick.mci --photons 200 -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew$" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"
 
-# What is replaced is told, with its photons, or kept.
+# A run that replaces a result notes the result and its photons; with --no-clobber it is refused, and the result stays.
 grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
 kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
 expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
@@ -247,7 +247,7 @@ grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew
 expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber --quiet -o "$work"
 test -s "$work/err" && complain "a finished run is noted: $(cat "$work/err")"
 expect_error 2 "$kept" samples/thick.mci --photons 300 --no-clobber -o "$work"
-# Without a checkpoint the result says whether it is of this run.
+# A result without a checkpoint still says if it is of this run.
 rm "$work/thick.mco.checkpoint"
 expect_code 0 samples/thick.mci --photons 300 --resume --no-clobber -o "$work"
 test ! -s "$work/err" && grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "--no-clobber, a result of this run: $(cat "$work/err")"
@@ -256,7 +256,7 @@ grep -q '^300 ' "$work/thick.mco" || complain "--no-clobber replaced a result"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
 expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two"
 grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"
-# No file of a run is replaced, also that of saved packets, whose name is not the result's.
+# --no-clobber replaces no file of a run, including that of saved packets, whose name is not the result's.
 sed -e '6a map 4 4 0.1 0.1' -e '6a photons "saved"' samples/thick.mci >"$work/saved.mci"
 if "$program" --version | grep -q 'HDF5 yes'; then
     for name in saved.photons.h5 thick.h5 thick.map.vti; do

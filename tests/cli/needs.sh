@@ -1,5 +1,5 @@
 #!/bin/sh
-# A machine without what building needs is told all of it at once, and the ways to get it.
+# Tests that a machine without the packages for building is told all of them at once, and the ways to get them.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 without="-DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DCMAKE_DISABLE_FIND_PACKAGE_ZLIB=ON"

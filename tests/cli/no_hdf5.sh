@@ -1,6 +1,7 @@
 #!/bin/sh
-# A program without HDF5 (CLUSTERMCML_ALONE) refuses by name every line and option whose results only an .h5 file holds, and writes nothing.
-# All other scenes give the .mco of the program with HDF5 (CLUSTERMCML), byte by byte, and no .h5; sweeps, --classic and --resume too.
+# Tests a program built without HDF5 (CLUSTERMCML_ALONE). It refuses by name every line and option whose results only an .h5
+# file holds, and writes nothing. All other scenes give the .mco of the program with HDF5 (CLUSTERMCML), byte by byte, and no
+# .h5; sweeps, --classic and --resume too.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 alone=${CLUSTERMCML_ALONE:?names no program}
@@ -10,7 +11,7 @@ scene() { # LINE OF_THE_RUN LINE_OF_THE_LAYER FORMAT: writes plain.mci; a line o
     printf '%s\n' 1.0 1 "plain.mco $3" 2000 '0.01 0.02' '20 15 3' ${1:+"$1"} 1 1.0 '1.4 1 90 0.8 0.2' ${2:+"$2"} 1.0 >"$work/plain.mci"
 }
 
-# Both programs know no other line that needs an .h5: report_files.c lists what outgrows an .mco.
+# Both programs agree on the lines that need an .h5: report_files.c lists the quantities that do not fit into an .mco.
 refused() { # NUMBER WORD: plain.mci
     expect_error 2 "$work/plain.mci:$1: line = $2 $none" "$work/plain.mci" --quiet -o "$work/got"
 }
@@ -32,7 +33,7 @@ expect_error 2 "run: --derivatives (expected none: this program was built withou
 expect_error 2 "run: --aim (expected none: this program was built without HDF5)" "$work/plain.mci" --aim Tt --quiet -o "$work/got"
 test -z "$(ls -A "$work/got")" || complain "refused runs wrote $(ls -A "$work/got")"
 
-# FILES: names below got that both programs write alike; there is nothing else
+# Checks that both programs wrote these files in the folder got alike, and no other file.
 same() {
     for file in "$@"; do
         for side in got expected; do sed -e '/^# User time/d' -e '/^# clustermcml/d' "$work/$side/$file" >"$work/$side.text"; done

@@ -1,8 +1,11 @@
-"""Memory runs out: requests for memory that the program makes for a scene fail, one a run. Then it either does
-without (a thread that is not bound) and has saved as many packets as ever, or says so in one line, exits with 2, or with 5
-where a file was to be written, and leaves nothing half written. Shares nothing with the program but its words. Requests of libraries do not fail.
+"""Tests a machine that runs out of memory: requests for memory that the program makes for a scene fail, one per run.
 
-no_memory.py PROGRAM: tests/lib/failing_memory.c linked into clustermcml. WHOLE=1: every request, else every eleventh (of two beams every third)."""
+The program must do without (for example, a thread is not bound) and save as many packets as ever. Or it must say so in one
+line, exit with 2, or with 5 if a file was to be written, and leave no half-written file. Shares nothing with the program but
+its words. Requests of libraries do not fail.
+
+no_memory.py PROGRAM: clustermcml linked with tests/lib/failing_memory.c. WHOLE=1: every request, else every eleventh (every
+third for two beams)."""
 import concurrent.futures
 import os
 import re
@@ -53,7 +56,8 @@ COMMANDS = {
 
 
 def call(folder, arguments, failing):
-    """Exit code, lines of standard error but for notes, names left in the folder of results, what is said of saved packets."""
+    """Runs the program. Returns its exit code, lines of standard error without notes, names in the folder of results, and the
+    line about saved packets."""
     with tempfile.TemporaryDirectory() as out:
         arguments = [argument.replace("OUT", out) for argument in arguments]
         run = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, errors="replace",
@@ -63,7 +67,8 @@ def call(folder, arguments, failing):
 
 
 def fault(code, lines, names, saved, whole):
-    """What is wrong with how a run ended; an empty text when nothing is. whole: what one without failure says of saved packets."""
+    """Returns the complaint about how a run ended; an empty text if all is right. whole: the line about saved packets of a
+    run without failure."""
     left = [name for name in names if not re.fullmatch(r"[\w.]+\.(mco|h5|vti|vtp|obj|svg|mco\.checkpoint|mco\.checkpoint\.old)", name)]
     if left:
         return f"left {' '.join(left)}"
@@ -75,7 +80,7 @@ def fault(code, lines, names, saved, whole):
 
 
 def prepare(folder):
-    """Inputs."""
+    """Writes the input files."""
     def write(name, text):
         with open(os.path.join(folder, name), "w", encoding="ascii") as file:
             file.write(text)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# What the program says in cases that are seldom: notes and warnings of check, mesh and compare, refusals that only
-# one command has, and the progress bar, which needs a terminal.
+# Tests rare messages: notes and warnings of check, mesh and compare, refusals that only one command has, and the progress
+# bar, which needs a terminal.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -12,8 +12,8 @@ scene() { # OUTPUT BOUNDARY-LINE [LINE OF OPTIONS]
     printf '1.0\n1\n%s A\n1000\n%s\n0.01 0.02\n20 20 10\n1\n1.0\n%s\n1.4 0.5 50 0.8 0.1\n1.0\n' "$1" "${3-}" "$2" >"$work/scene.mci"
 }
 
-# A pyramid 2 m wide over a layer of 1 mm. One vertex stands twice, one is not used; one triangle has no area, one is
-# turned round.
+# A pyramid 2 m wide over a layer of 1 mm. The mesh has a doubled vertex, an unused one, a triangle without area, and a
+# flipped one.
 cat >"$work/pyramid.obj" <<'END'
 v 1 1 0
 v -1 1 0
@@ -38,14 +38,14 @@ expect_code 0 check "$work/scene.mci" --boundaries plane
 expect_line "boundary 0: plane at z = 0 cm (shape ignored) from $work/pyramid.obj"
 expect_error 2 "$work/scene.mci:10: --boundaries cone cannot represent a mesh (expected auto or mesh)" \
     run "$work/scene.mci" --boundaries cone --quiet -o "$work"
-# 1e-6 of the width between two vertices: 16 roundings of single precision
+# Two vertices lie 1e-6 of the width apart: 16 roundings of single precision.
 sed 's/^v 0 0 1/v 0.999999 0.9999995 0.0000001/' "$work/pyramid.obj" >"$work/flat.obj"
 scene p.mco 'm "flat.obj" units=cm'
 expect_code 0 check "$work/scene.mci"
 grep -q "warning: single precision resolves 2.4e-07 cm here, more than 1e-4 of the shortest edge" "$work/out" ||
     complain "no warning of precision: $(cat "$work/out")"
 
-# the corners of the file, whose heights count upwards
+# The corners of the file, whose heights are positive upwards.
 expect_code 0 check samples/vein.mci
 expect_line "mesh of body 1: x -0.091393..0.062454, y -0.405566..0.403847, z 0.014012..0.057993 cm"
 expect_code 0 mesh samples/fig5.mci -o "$work"
@@ -57,7 +57,7 @@ grep -q '^usage: clustermcml ' "$work/out" || complain "-h shows no usage"
 expect_error 2 "--group 0 (expected a whole number from 1 to 65536)" samples/fig5.mci --engine opencl --group 0
 expect_code 0 samples/fig5.mci --photons 10 --quiet --output-dir "$work"
 
-# compare: other layers, no absorption, packets too few for profiles, or for anything
+# compare notes other layers, missing absorption, and too few packets for profiles or for any test.
 scene one.mco ''
 expect_code 0 "$work/scene.mci" --photons 100 --quiet -o "$work"
 expect_code 0 "$work/scene.mci" --photons 100 --quiet -o "$work" --ignore-absorption --seed 2
@@ -72,7 +72,7 @@ code=0
 "$program" compare "$work/one.mco" "$work/two.mco" >"$work/out" 2>&1 || code=$?
 test $code -le 1 && grep -q '^note: 1 and 2 layers$' "$work/out" || complain "other layers: exit $code: $(cat "$work/out")"
 
-# What reads well and was perhaps not meant: marks that are missing, thicknesses in mm, runs beyond the announced number.
+# Scenes that can be read but were perhaps not meant: missing #@ marks, thicknesses in mm, runs beyond the announced number.
 cat >"$work/odd.mci" <<'END'
 1.0
 1
@@ -109,7 +109,7 @@ clustermcml: note: $work/odd.mci:19: layer 3: d = 50.1 cm (lengths are in cm: wa
 clustermcml: note: $work/odd.mci:22: the run second.mco and what follows it is not read: the number of runs is 1
 END
 cmp -s "$work/expected" "$work/err" || complain "notes on the input: $(diff "$work/expected" "$work/err")"
-# mua and mus that may have changed places; media that do not scatter are meant so.
+# mua and mus that were perhaps exchanged are noted; media without scattering are not.
 sed -e 's/^1.4 .* 50 0.8 50$/1.4 410.1 20.5 0.8 50/' -e 's/^1.4 .* 0.1$/1.4 410 20.5 0.8 0.1\ni sphere 0 0 0.05 0.01 1.4 9 0.4 0\ni sphere 1 0 0.05 0.01 1.4 9 0 0/' \
     -e '/^second/d' -e '/^#/d' -e 's/50.1/50/' "$work/odd.mci" >"$work/swapped.mci"
 expect_code 0 check "$work/swapped.mci"
@@ -122,7 +122,7 @@ sed '/^second/d; /^#/d; s/50.1/50/' "$work/odd.mci" >"$work/even.mci"
 expect_code 0 check "$work/even.mci"
 test ! -s "$work/err" || complain "a number behind the last run, and nothing else, is noted: $(cat "$work/err")"
 
-# A total of 0 has an error of 0: the summary says what that tells, but where a backing lets nothing pass.
+# A total of 0 has an error of 0. The summary says what that means, unless a backing lets nothing pass.
 printf '1.0\n1\ndeep.mco A\n200\n0.1 0.1\n5 5 1\n1\n1\n1.4 9 50 0.8 5\n1\n' >"$work/deep.mci"
 expect_code 0 "$work/deep.mci" -o "$work"
 grep -q '^  Tt   0.000000 +- 0.000000   exact .*   no packet came: below 0.015 at 95 %$' "$work/out" && test "$(grep -c 'no packet' "$work/out")" -eq 1 ||
@@ -131,8 +131,9 @@ sed 's/^1$/&/; $s/.*/backing 0.5\n1/' "$work/deep.mci" >"$work/backed.mci"
 expect_code 0 "$work/backed.mci" --output backed -o "$work"
 grep -q 'no packet came' "$work/out" && complain "light below a backing: $(cat "$work/out")"
 
-# A pencil shows of a mesh or a map the point that it meets: of a roof of slope 0.5, 0.2 cm high, 0.1 cm from its ridge; in
-# slanted light where 0.25 + h = x and h = 0.2 - x / 2; of a map two periods from its middle.
+# A pencil beam sees only one point of a mesh or heightmap, and a note names it. Points by hand: on a roof of slope 0.5, 0.2
+# cm high, 0.1 cm from its ridge; in slanted light where 0.25 + h = x and h = 0.2 - x / 2; on a map two periods from its
+# middle.
 {
     printf 'v 0.4 0.4 0\nv -0.4 0.4 0\nv -0.4 -0.4 0\nv 0.4 -0.4 0\nv 0 0.3 0.2\nv 0 -0.3 0.2\n'
     printf 'f 1 5 6 4\nf 2 3 6 5\nf 1 2 5\nf 3 4 6\n'
@@ -173,7 +174,8 @@ for mus in 0 50; do
     scene n.mco 'b 2 0.1 0.1 0 0.1' 'beam pencil at=0.1,0.05'
 done
 
-# On a terminal a bar stands on one line, which is empty at the end. It is as long as the terminal is wide, less a column.
+# On a terminal, a progress bar occupies one line, which is empty at the end. The bar is one column shorter than the terminal
+# is wide.
 python3 - "$program" "$work" <<'END' || complain "the progress bar"
 import fcntl, os, pty, re, struct, subprocess, sys, termios
 program, work = sys.argv[1:]
@@ -217,7 +219,7 @@ for columns, bar in ((0, 79), (80, 79), (60, 59), (200, None), (30, None), (8, N
             sys.exit(f"{columns} columns: {line!r}")
 END
 
-# Gates of 3 media: 21844 and one for what is later are few enough.
+# Gates of 3 media: 21844 and one for later light are few enough.
 for gates in 21844 21845; do
     scene times.mco "" "time 100 $gates"
     sed -i '/^$/d' "$work/scene.mci"

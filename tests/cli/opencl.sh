@@ -1,6 +1,6 @@
 #!/bin/sh
-# The opencl engine at the command line: every sample that it can fly against the cpu, and everything that can go wrong
-# with a device: one clear line, the right exit code, nothing written.
+# Tests the opencl engine at the command line: every sample that it can fly, against the cpu engine, and every possible error
+# of a device: one clear line, the right exit code, nothing written.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 expect_code 0 devices
@@ -8,7 +8,7 @@ grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
 sample=samples/fig5.mci
 mkdir "$work/results"
 
-# A failure of the device: exit 3, a last line that matches, no file.
+# Expects a failure of the device: exit code 3, a last line that matches, no file.
 expect_device_error() { # PATTERN ARGUMENTS...
     pattern=$1
     shift
@@ -17,7 +17,7 @@ expect_device_error() { # PATTERN ARGUMENTS...
     test -z "$(ls "$work/results")" || complain "$*: wrote $(ls "$work/results")"
 }
 
-# Devices that are not there, and texts that name none.
+# Devices that do not exist, and texts that name no device.
 expect_device_error "no OpenCL device 99: there " $sample --device 99
 expect_error 2 "--device x (expected a number, several like 0,1, or all)" $sample --engine opencl --device x --quiet
 expect_error 2 "--device 0, (expected a number, several like 0,1, or all)" $sample --engine opencl --device 0, --quiet
@@ -27,7 +27,7 @@ test "$(grep -v "^clustermcml: note: " "$work/err")" = "clustermcml: samples/rid
     complain "mesh: $(cat "$work/err")"
 test -z "$(ls "$work/results")" || complain "a refused mesh left files"
 
-# What only the other engines record.
+# Quantities that only the other engines record.
 for line in "map 3 3 0.1 0.1" "map 3 3 0.1 0.1 volume" facets "time 10 5" "directions 3 4" fluence "detector disk 1" 'photons "exits"'; do
     sed "s/^\([0-9].*\)# nz, nr, na/\1\n$line #/" $sample >"$work/maps.mci"
     grep -q "^$line" "$work/maps.mci" || complain "$line was not inserted"
@@ -40,13 +40,13 @@ for line in "map 3 3 0.1 0.1" "map 3 3 0.1 0.1 volume" facets "time 10 5" "direc
     test -z "$(ls "$work/results")" || complain "$line: a refused run left files"
 done
 
-# The compiler: bad options, text that it refuses (its whole log is shown), another layout of structs.
+# Errors of the compiler: bad options, refused source text (its whole log is shown), another layout of structs.
 expect_device_error "opencl device 0 (.*): " $sample --build-options "--no-such-option"
 expect_device_error "opencl device 0 (.*): the kernel does not compile: .*error" $sample --build-options "-D cml_step=1"
 test "$(wc -l <"$work/err")" -gt 1 || complain "the build log is not shown"
 expect_device_error "opencl device 0 (.*): layout entry 0 is " $sample --build-options "-D CML_DOUBLE"
 
-# A device that fails at some call, now or in the middle of the flight.
+# A device fails at some call, at once or in the middle of the flight.
 with_fault() { # "FUNCTION N CODE" PATTERN
     CML_FAULT=$1 LD_PRELOAD=$OPENCL_FAULT
     export CML_FAULT LD_PRELOAD
@@ -65,7 +65,7 @@ if test -n "${OPENCL_FAULT:-}"; then
     with_fault "clEnqueueReadBuffer 9 -5" "opencl device 0 (.*): reading results: CL_OUT_OF_RESOURCES (-5)"
 fi
 
-# The options of the 2019 program's kernel give what they give on the cpu; so does a run of several files' worth.
+# Options that the kernel of the 2019 program had, and a flight of a single photon, give the results of the cpu engine.
 same_as_cpu() { # OUTPUT ARGUMENTS...
     output=$1
     shift
@@ -80,7 +80,7 @@ same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --ignore-heigh
 same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --no-reentry
 same_as_cpu fig5.mco $sample --photons 1
 
-# Binaries are cached; a spoilt cache, or none, does no harm.
+# Kernel binaries are cached; a damaged cache, or none, does no harm.
 XDG_CACHE_HOME=$work/cache HOME=$work
 export XDG_CACHE_HOME HOME
 same_as_cpu fig5.mco $sample --photons 1001
@@ -90,7 +90,7 @@ for spoil in 'printf broken >' 'truncate -s -1' 'truncate -s 0'; do
     same_as_cpu fig5.mco $sample --photons 1001
     test "$(wc -c <"$binary")" -gt 1000 || complain "a spoilt binary was not replaced"
 done
-# What another user could have written, or written to, is not run: not used, and said once.
+# A cache that another user could have written or changed is not used, which is said once.
 refuses_cache() { # WHAT NAME
     rm -f "$work/fig5.mco"
     expect_code 0 $sample --engine opencl --photons 1001 --quiet -o "$work"

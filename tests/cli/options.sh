@@ -1,6 +1,6 @@
 #!/bin/sh
-# Every option stands in a text that users read (README.md, the manual), and every option that those texts name is there;
-# where a text shows a whole command, the option belongs to it. The program's help is what counts.
+# Tests that every option appears in a text for users (README.md, the manual), and that every option named there exists. Where
+# a text shows a whole command, the option must belong to that command. The program's help is the reference.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 need_package
@@ -9,7 +9,7 @@ import glob, re, subprocess, sys
 
 PROGRAM = sys.argv[1]
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
-# Of other programs, where a text names them alone: cmake, Open MPI, Slurm, scripts of bench.
+# Options of other programs that texts name alone: cmake, Open MPI, Slurm, scripts of bench.
 FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mca", "--mpi", "--quick"}
 
 

@@ -1,9 +1,10 @@
 #!/bin/sh
-# Outputs that would destroy something are refused before a packet flies, and two processes do not write the same
-# file. SPDX-License-Identifier: MIT
+# Tests that outputs which would destroy a file are refused before a packet flies, and that two processes do not write the
+# same file.
+# SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
-# --classic ends the .mco with the sections of MCML, and changes nothing else of them; --resume knows the file.
+# --classic ends the .mco after the sections of MCML and changes nothing else in them; --resume knows the file.
 mkdir "$work/classic" "$work/ours"
 expect_code 0 samples/two_runs.mci --photons 500 --quiet -o "$work/ours"
 expect_code 0 samples/two_runs.mci --photons 500 --quiet --classic -o "$work/classic"
@@ -41,7 +42,7 @@ f 3 4 5
 f 4 1 5
 E2
 
-# inputs
+# Outputs with the name of an input are refused.
 scene a.mco >a.mco
 refused 2 'a.mco:3: output name = a.mco (expected another one: it would overwrite the input a.mco)' a.mco
 refused 2 'run: --output ./a.mco would overwrite its input a.mco (expected another name)' a.mco --output ./a.mco
@@ -57,26 +58,26 @@ cp c.mci b.mci
 refused 2 'b.mci:3: output name = link.mco (expected another one: it would overwrite the input b.mci)' b.mci
 rm link.mco
 
-# two runs of one file
+# Two runs of a file must not have the same output.
 (scene a.mco | sed 's/^1$/2/;q'; printf '2\n'; scene a.mco | sed 1,2d; scene ./a.mco | sed 1,2d) >two.mci
 refused 2 "two.mci:11: output name = ./a.mco (expected another one: run 1, a.mco, writes a.mco, too)" two.mci
 (printf '1.0\n2\n'; scene a.map.vti | sed 1,2d; scene a.mco 'map 2 2 0.1 0.1
 ' | sed 1,2d) >two.mci
 refused 2 "two.mci:11: output name = a.mco (expected another one: run 1, a.map.vti, writes a.map.vti, too)" two.mci
 
-# the program's own endings
+# Output names must not have endings that the program uses itself.
 for ending in checkpoint checkpoint.old lock tmp mci; do
     scene a.mco.$ending >c.mci
     refused 2 "c.mci:3: output name = a.mco.$ending (expected no ending .mci, .checkpoint, .checkpoint.old, .lock or .tmp)" c.mci
 done
 
-# a name beside it that is too long is found before the flight, not after
+# A name of a file beside the output that is too long is found before the flight, not after.
 long=$(printf '%0246d' 0)
 scene $long.mco 'map 2 2 0.1 0.1 volume
 ' >c.mci
 refused 5 "$PWD/$long.volume.vti: cannot be written (File name too long)" c.mci
 
-# no regular files
+# Outputs that are no regular files are refused.
 mkdir folder && scene folder >c.mci
 refused 5 'folder: cannot be written (a directory)' c.mci
 mkdir d.map.vti && scene d.h5 'map 2 2 0.1 0.1
@@ -88,15 +89,15 @@ mkfifo pipe && scene pipe >c.mci
 rm a.mco b.mci two.mci wedge.obj
 expect_error 5 'pipe: cannot be written (no regular file)' c.mci
 rm pipe
-# /dev/null and /dev/stdout are written to: unit.atomic_file, which cannot put a file in their place
+# /dev/null and /dev/stdout are written to; unit.atomic_file tests that no file is put in their place.
 
-# a link's target is written, the link stays
+# An output that is a link: its target is written, the link stays.
 ln -s target.mco link.mco && echo old >target.mco
 scene link.mco >c.mci
 expect_code 0 c.mci --quiet
 test -L link.mco && grep -q '^RAT' target.mco || complain "the link's target was not written"
 
-# but not where another user has made it; a link is no lock either
+# A link that another user has made is not followed, and a link is no lock.
 if test "$(id -u)" -eq 0; then
     ln -s target.mco others.mco && chown -h 65534 others.mco
     scene others.mco >c.mci
@@ -115,7 +116,7 @@ refused 5 "$PWD/d.lock: Too many levels of symbolic links" c.mci
 test -e empty || complain "a lock's link: its target was removed"
 rm d.lock empty
 
-# the mode of what is replaced stays, whatever the umask
+# A replaced file keeps its mode, whatever the umask.
 scene mode.mco >c.mci
 : >mode.mco
 for mode in 600 664; do
@@ -124,12 +125,12 @@ for mode in 600 664; do
     test -s mode.mco && test "$(stat -c %a mode.mco)" = $mode || complain "mode $mode: now $(stat -c %a mode.mco)"
 done
 
-# a name that leaves -o is allowed, and noted
+# A name that leads out of -o is allowed and noted.
 scene ../elsewhere.mco >c.mci
 expect_code 0 c.mci --quiet -o folder
 grep -q "note: $PWD/elsewhere.mco is not below -o folder" err || complain "no note: $(cat err)"
 
-# plots
+# Plots follow the rules of results.
 scene r.svg >c.mci
 expect_code 0 c.mci --quiet
 refused 2 'plot: -o ./r.svg would overwrite its input r.svg' plot r.svg -o ./r.svg
@@ -138,7 +139,7 @@ refused 2 'compare: -o r.svg would overwrite its input r.svg' compare r.svg r.sv
 scene r.svg >c.mci && sed -i 's/^2 2 1/2 4 1/' c.mci
 expect_code 0 c.mci --quiet
 
-# what a killed command left of its file goes, and no lock stays
+# A file that a killed command left is removed, and no lock stays.
 scene hill.mco '' 'b 2 0.1 0.1 0 1
 ' >hill.mci
 for call in 'crosscheck hill.mci --photons 100 --dump p.svg' 'mesh hill.mci -o .'; do
@@ -149,7 +150,7 @@ for call in 'crosscheck hill.mci --photons 100 --dump p.svg' 'mesh hill.mci -o .
 done
 rm -f p.svg* hill.*
 
-# another process: the second is refused in one line, the first is complete
+# Two processes write one output: the second is refused in one line, the first completes.
 scene long.mco >c.mci
 "$program" c.mci --photons 3e6 --threads 1 --quiet &
 first=$!
@@ -159,7 +160,7 @@ wait $first || complain "the first writer failed"
 test "$(grep -c '^RAT' long.mco)" -eq 1 || complain "the first writer's result is not complete"
 test ! -e long.lock || complain "the lock is left"
 
-# what killed processes left goes, what belongs to others stays
+# Files that killed processes left are removed; files of others stay.
 : >long.mco.123-0.tmp
 : >long.mco.checkpoint.9-12.tmp
 : >other.mco.1-0.tmp
@@ -167,14 +168,14 @@ expect_code 0 c.mci --quiet
 test "$(echo ./*.tmp)" = ./other.mco.1-0.tmp || complain "temporary files: $(echo ./*.tmp)"
 rm other.mco.1-0.tmp
 
-# a lock that a killed process left does not hold
+# A lock that a killed process left does not block.
 : >long.lock
 expect_code 0 c.mci --quiet
 echo precious >long.lock
 expect_error 5 "$PWD/long.lock: is no lock (expected no such file, or an empty one)" c.mci
 rm long.lock
 
-# many rounds of two writers: whatever comes out is one of the two results, whole
+# Many rounds of two writers: the file is always one of the two results, whole.
 scene race.mco >c.mci
 result() { grep -v '^# User time' race.mco | grep -v '^# engine' | cksum; }
 expect_code 0 c.mci --quiet --seed 1 && one=$(result)

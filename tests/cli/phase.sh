@@ -1,6 +1,7 @@
 #!/bin/sh
-# A line `phase`: what results and `check` say of it, a run whose table was changed is
-# not continued, rows of a sweep have the bytes of runs with --set; a hint where the mark is missing; any number of threads.
+# Tests a line `phase` of a scene: its description in results and `check`, and a hint where the #@ mark is missing. A run
+# whose table was changed is not continued. Rows of a sweep have the bytes of runs with --set. Results do not depend on the
+# number of threads.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 mkdir "$work/a" "$work/b"
@@ -16,14 +17,14 @@ scene p.mco 'phase hg2 0.8 0.8 0.25' >"$work/hg2.mci"
 scene p.mco 'phase table "t.txt"' >"$work/table.mci"
 table 1 >"$work/t.txt"
 
-# The same function in three ways: the same light, in other digits.
+# One function written in three ways gives the same light, in other digits.
 for kind in gk hg2 table; do
     expect_code 0 "$work/$kind.mci" --json -o "$work/a" --threads 1
     sed 's/.*"Rd":\(0\.[0-9]\{3\}\).*/\1/' "$work/out" >>"$work/Rd"
 done
 test "$(sort -u "$work/Rd" | wc -l)" -eq 1 || complain "Rd: $(cat "$work/Rd")"
 
-# What is said of it.
+# Descriptions of the phase function in results and check.
 expect_code 0 "$work/gk.mci" --quiet -o "$work/a"
 grep -qx '# phase of layer 1: gk 0.8 0.5' "$work/a/p.mco" || complain "the .mco: $(grep phase "$work/a/p.mco")"
 expect_code 0 check "$work/table.mci"
@@ -38,7 +39,7 @@ sed '/^# User time/d' "$work/a/p.mco" >"$work/two"
 expect_code 0 "$work/gk.mci" --quiet -o "$work/a" --threads 1 --chunk 100
 sed '/^# User time/d' "$work/a/p.mco" | cmp -s - "$work/two" || complain "one thread, other bytes"
 
-# A table that was changed makes another run.
+# A changed table makes another run.
 expect_code 0 "$work/table.mci" --quiet --keep -o "$work/b"
 table 2 >"$work/t.txt"
 expect_code 2 "$work/table.mci" --quiet --more 100 -o "$work/b"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# clustermcml plan: its words and exit codes, and that a run of as many photons as it says has the error that was asked for.
-# Pilots have a fixed number of photons here, so nothing depends on the speed of the machine.
+# Tests clustermcml plan: its words and exit codes, and that a run of the planned number of photons reaches the error asked
+# for. Pilots have a fixed number of photons here, so nothing depends on the speed of the machine.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -19,14 +19,14 @@ grep -Eq '^  (opencl +lattice|without opencl: .*) ' "$work/out" || complain "pla
 grep -q 'pilots of up to 4.1e+03 photons' "$work/out" || complain "plan: not the pilot of --photons: $(cat "$work/out")"
 test ! -s "$work/err" && test "$(ls "$work")" = "$(printf 'err\nfig6.mci\nout')" || complain "plan wrote: $(ls "$work")"
 
-# What fewer than four packets have shown is none, while Rd and A stand.
+# A total that fewer than four packets have shown has no plan, while Rd and A have one.
 sed 's/^1.34 0.1 1 0.5 1 /1.34 90 1 0.5 0.07 /' samples/fig6.mci >"$work/dim.mci"
 expect_code 0 plan "$work/dim.mci" --photons 1024 --json
 grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: dim slab: $(cat "$work/out")"
 expect_code 0 plan "$work/dim.mci" --photons 65536 --json
 grep -q '"Tt":{"photons":[0-9]' "$work/out" || complain "plan: dim slab, more photons: $(cat "$work/out")"
 
-# What a run flies: the least number, and the file's.
+# plan prints the number of photons that a run with --target-error flies, from few photons in the file and from more.
 for photons in 1000 30000; do
     sed "s/^1000000 /$photons /" samples/fig6.mci >"$work/few.mci"
     expect_code 0 plan "$work/few.mci" --photons 4096 --target-error 0.1
@@ -37,14 +37,15 @@ for photons in 1000 30000; do
 done
 rm -f "$work"/fig6.mco*
 
-# What nothing reaches is not planned; meshes are not for devices.
+# A total that no light reaches is not planned; meshes are not for devices.
 sed 's/^1.34 0.1 1 0.5 1 /1.34 90 1 0.5 9 /' samples/fig6.mci >"$work/dark.mci"
 expect_code 0 plan "$work/dark.mci" --photons 1024 --json
 grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: dark slab: $(cat "$work/out")"
 expect_code 0 plan samples/shapes/hihill.mci --boundaries mesh --photons 1024
 grep -q '^  without opencl: .' "$work/out" || complain "plan: a mesh for opencl: $(cat "$work/out")"
 
-# Thin and thick, within the pilot (both sides of a factor of 1.5) and beyond it (an upper estimate with the lattice).
+# The plan holds for a thin and a thick scene. Within the pilot it holds to a factor of 1.5 on both sides; beyond the pilot it
+# is an upper estimate, because of the lattice.
 for scene in shapes/hihill thick; do
     for photons in 1024 65536; do
         for sampling in lattice random; do
@@ -72,7 +73,7 @@ END
     done
 done
 
-# What no pilot sees has no plan, what all see alike takes the fewest photons.
+# A total that no pilot sees has no plan; one that all packets score alike takes the fewest photons.
 printf '1.0\n1\nx.mco A\n1000\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\nbacking metal 0.2 3\n1.0\n' >"$work/clear.mci"
 expect_code 0 plan "$work/clear.mci"
 grep -qE '^  cpu +lattice +[0-9.e+]+ +[0-9.e+]+ +[0-9.e-]+ s +- +- +- +- *$' "$work/out" || complain "plan of a clear layer: $(cat "$work/out")"

@@ -1,5 +1,6 @@
 #!/bin/sh
-# plot: pictures of results, curves of others and sweeps, which are complete or absent, and hold the numbers of their files.
+# Tests plot: pictures of results, of curves from other programs, and of sweeps. Pictures are complete or absent, and hold the
+# numbers of their files.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 warm_python
@@ -13,7 +14,8 @@ has() { # PICTURE TEXT...
     tail -3 "$work/$drawn" | grep -q '</svg>' || complain "$drawn has no end"
 }
 
-# Curves, of others too; heightfields; whatever a name holds is drawn as it stands. The same input has the same bytes.
+# Curves, also of other programs; heightfields; any characters of a name are drawn as they are. The same input gives the same
+# bytes.
 expect_code 0 plot "$work/hinoise.mco" -o "$work/one.svg"
 test "$(cat "$work/out")" = "$work/one.svg" || complain "plot does not name its picture"
 has one.svg '>height  [cm]<' '>r·Rd_r(r)  [1/cm]<' '>radius r  [cm]<' '>hinoise<'
@@ -35,7 +37,7 @@ printf 'image.cmap: magma\nfont.size: 7\n' >"$work/journal.mplstyle"
 expect_code 0 plot "$work/fig5.mco" --of A_rz -o "$work/map.svg" --style "$work/journal.mplstyle"
 grep -q 'font: [0-9]* *7px' "$work/map.svg" || complain "--style does nothing"
 
-# Refusals: one line, nothing written.
+# Wrong files are refused in one line, and nothing is written.
 refused() { expect_error 2 "$@" -o "$work/none.svg"; }
 expect_error 2 "--output p.jpg (expected a name that ends in .svg, .png, .pdf or .eps)" plot "$work/fig5.mco" -o p.jpg
 refused "$work/missing.mco: cannot be opened (No such file or directory)" plot "$work/missing.mco"
@@ -51,7 +53,7 @@ expect_code 2 plot "$work/bad.csv" --of Rd_r -o "$work/none.svg"
 grep -q "bad.csv:2: 0.5 x (expected 2 numbers" "$work/err" || complain "$(cat "$work/err")"
 test ! -e "$work/none.svg" || complain "a refused plot left a picture"
 
-# Sweeps: columns over each other, by what tells rows apart, and in colours.
+# Sweeps are drawn over each column, with lines named by the columns that differ, and in colours.
 printf '1.0\n1\ngrid.mco A\n300\n0.1 0.1\n5 5 2\n1\n1\n1.4 1 50 0.8 0.1\n1\n' >"$work/grid.mci"
 printf 'layer1.mua,layer1.mus\n3,50\n0.5,50\n1,50\n0.5,20\n1,20\n' >"$work/grid.csv"
 expect_code 0 "$work/grid.mci" --sweep "$work/grid.csv" --quiet -o "$work"
@@ -63,7 +65,7 @@ has swept.svg '>layer1.mus  [1/cm]<' 'grey: no row'
 expect_code 2 plot "$grid" --of nix -o "$work/none.svg"
 grep -q -e "--of nix (expected a column of $grid: row, layer1.mua, " "$work/err" || complain "$(cat "$work/err")"
 
-# An .h5: every array that has axes is drawn, by these, and its numbers are those of the file.
+# Every array of an .h5 that has axes is drawn over them, and the numbers drawn are those of the file.
 if "$program" --version | grep -q "HDF5 yes"; then
     printf '1.0\n1\nv.h5 B\n2e3\nmap 8 6 0.05 0.05 angles volume\nfluence\nfacets\ntime 100 10\ndirections 4 6\ndetector map 8 8 0.05 0.05 na=0.9 name=cam\n0.02 0.05\n10 8 4\n2\n1\nb 3  0.05 0.02  0.02 0.04  0 0.05\n1.4 1 50 0.7 0.2\ni sphere 0.1 0.1 0.1 0.05 1.4 5 50 0.7\n1.5 2 30 .8 .1\n1\n' >"$work/v.mci"
     expect_code 0 "$work/v.mci" --quiet -o "$work"
@@ -81,7 +83,7 @@ if "$program" --version | grep -q "HDF5 yes"; then
 fi
 check_texts
 
-# Without Python, and with one that lacks the modules: one line.
+# Without Python, or with a Python that lacks the modules, plot ends with one line.
 lacks() { # PYTHON LINE [FILE [PATH]]
     code=0
     PATH=${4:-$PATH} CLUSTERMCML_PYTHON=$1 "$program" plot "$work/${3:-fig5.mco}" -o "$work/none.svg" 2>"$work/err" || code=$?
@@ -107,13 +109,13 @@ lacks "$work/bare" "plot: .* has no module matplotlib"
 with 'sys.version_info = (3, 8, 18)'
 lacks "$work/bare" "plot: .* is older than Python 3.9"
 
-# An empty PYTHONPATH does not let modules of the current folder in; what a library refuses is one line.
+# An empty PYTHONPATH does not let modules of the current folder in. An error of a library becomes one line.
 mkdir "$work/evil"
 echo 'raise ValueError("of the current folder")' >"$work/evil/matplotlib.py"
 (cd "$work/evil" && PYTHONPATH='' CLUSTERMCML_PYTHON=$cold_python "$program" plot "$work/fig5.mco" -o good.svg >/dev/null 2>"$work/err") || complain "a module of the folder: $(cat "$work/err")"
 code=0
 PYTHONPATH=$work/evil CLUSTERMCML_PYTHON=$cold_python "$program" plot "$work/fig5.mco" -o "$work/none.svg" 2>"$work/err" || code=$?
-# the package stands first on the path, what it imports does not
+# The package is first on the path, but its imports are not.
 test $code -eq 2 && test "$(cat "$work/err")" = "clustermcml: plot: ValueError: of the current folder (set CLUSTERMCML_TRACEBACK=1 to see where)" ||
     complain "a library's error: $code $(cat "$work/err")"
 finish

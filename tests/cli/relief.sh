@@ -1,6 +1,6 @@
 #!/bin/sh
-# Drawn reliefs: what check says of them, the heightmap that mesh writes is the same surface, factors and shifts, the same
-# bytes from the same seed, energy balances, and what is refused.
+# Tests random reliefs: the words of check, factors and shifts, equal bytes from equal seeds, energy balance, and refusals.
+# The heightmap that mesh writes is the same surface.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 scene() { # NAME LINE
@@ -16,14 +16,14 @@ grep -q 'tile of boundary 0: 64 x 64 heights, 0.0002 x 0.0002 cm apart, repeated
     complain "check does not describe the tile: $(cat "$work/out")"
 drawn "$work/out" | awk '{ exit !($2 == 0.3 && $3 > 0.0015 && $3 < 0.0025) }' || complain "what was drawn: $(drawn "$work/out")"
 
-# The factors of --set: heights and slopes, or all lengths.
+# Factors of --set scale heights and slopes, or all lengths.
 expect_code 0 check "$work/one.mci"
 drawn "$work/out" >"$work/plain"
 expect_code 0 check "$work/one.mci" --set boundary0.height=0.5 --set boundary0.scale=2
 drawn "$work/out" | paste - "$work/plain" | awk '{ exit !($2 == 0.15 && $1 - $4 < 1e-9 && $4 - $1 < 1e-9 && $3 - 2 * $6 < 1e-8 && 2 * $6 - $3 < 1e-8) }' ||
     complain "a scaled relief: $(drawn "$work/out"), plain $(cat "$work/plain")"
 
-# The file that mesh writes, read again: the same slopes in single precision, the same light within errors.
+# The file that mesh writes, read again, has the same slopes in single precision and gives the same light within errors.
 expect_code 0 mesh "$work/one.mci" -o "$work"
 grep -q "one period as heights -> $work/one.mco.boundary0.gsf" "$work/out" || complain "mesh: $(cat "$work/out")"
 scene read 'm "one.mco.boundary0.gsf" tile'
@@ -38,7 +38,7 @@ sed -n '/^RAT/,/^$/p' "$work/read.mco" >"$work/b"
 paste "$work/a" "$work/b" | awk 'NR > 1 && NF > 2 { n++; if (($1 - $(NF / 2 + 1)) ^ 2 > 1e-4) exit 1 } END { exit n != 4 }' ||
     complain "drawn: $(cat "$work/a") read: $(cat "$work/b")"
 
-# A seed is a surface, and another one another.
+# A seed always gives the same surface, and another seed gives another one.
 scene again 'm gaussian 0.3 0.002 tile seed=4 points=64'
 scene other 'm gaussian 0.3 0.002 tile seed=5 points=64'
 for name in one again other; do
@@ -47,7 +47,7 @@ done
 cmp -s "$work/one.mco.boundary0.gsf" "$work/again.mco.boundary0.gsf" || complain "the same seed is another surface"
 cmp -s "$work/one.mco.boundary0.gsf" "$work/other.mco.boundary0.gsf" && complain "another seed is the same surface"
 
-# Original MCML passes over it, and so does --ignore-heightfields.
+# Original MCML ignores the line, and so does --ignore-heightfields.
 scene hidden '#@ m gaussian 0.3 0.002 tile spectrum=fractal:0.7 points=32 shift=0,0,0.001'
 expect_code 0 check "$work/hidden.mci"
 grep -q '^  boundary 0: mean height 0.001 cm over a period$' "$work/out" || complain "a shifted relief: $(grep mean "$work/out")"

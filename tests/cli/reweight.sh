@@ -1,6 +1,7 @@
 #!/bin/sh
-# --sweep with --reweight: rows that differ in mua alone come of one flight, the others of as many as it takes, rows in which a medium is clear apart; same bytes on any
-# number of threads, and after a stop; engines agree within rounding; what rows of one flight have not is refused by name.
+# Tests --sweep with --reweight: rows that differ only in mua come from one flight, other rows from as few flights as
+# possible, and rows in which a medium is clear have flights of their own. Bytes are the same for any number of threads and
+# after a stop; engines agree within rounding. Quantities that rows of one flight cannot have are refused by name.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 bare() { sed -e '/^# User time/d' "$1"; }
@@ -15,7 +16,7 @@ printf '1.0\n1\ntwo.mco A\n20000\n0.02 0.02\n20 20 5\n2\n1\n1.37 0.5 50 0.8 0.05
 printf 'layer1.mua,layer2.mua,layer1.mus,"name"\n0.5,0.2,50,a\n1,2,50,b\n5,0.3,50,c\n1,2,60,d\n0,0.2,50,e\n9,90,50,f\n' >"$work/t.csv"
 mkdir "$work/one" "$work/three" "$work/reference" "$work/own" "$work/stopped" "$work/whole"
 
-# Rows with another mus, and one in which the first layer is clear of absorption, have flights of their own.
+# Rows with another mus, and a row whose first layer does not absorb, have flights of their own.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/one" --threads 1
 grep -q ': 6 rows of .* in 3 flights$' "$work/out" || complain "flights: $(cat "$work/out")"
 test "$(cat "$work/err")" = "clustermcml: note: Tt of 1 of 4 rows comes of fewer than 100 effective packets, that of row 6 of $(sed -n \
@@ -29,7 +30,8 @@ grep -q '"sweep":{"rows":6,"flights":3}' "$work/out" || complain "check --json: 
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --threads 3 --chunk 77 --quiet
 same_rows "$work/one" "$work/three" "threads"
 
-# The palest row, and rows alone in their flights, are flights of their own but for the rounding of their weights.
+# The row with the least absorption, and rows alone in their flights, equal flights of their own but for the rounding of their
+# weights.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --ignore-absorption -o "$work/own" --quiet
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/reference" --quiet --engine reference
 for row in 1 4 5; do
@@ -41,7 +43,8 @@ for row in 1 4 5; do
     done
 done
 
-# A medium that does not scatter gives light up as trapped where it is clear: rows in which it is clear fly apart, and the others absorb that light.
+# A medium without scattering gives up light as trapped where it is clear. Rows in which it is clear fly apart, and the others
+# absorb that light.
 printf '1.0\n1\ntrap.mco A\n500\n0.02 0.02\n5 5 1\nbeam pencil z=0.15 light=isotropic\n3\n1\n1 0 0 0 0.1\ni sphere 0.05 0 0.05 0.01 1 0 0 0\n1.5 0 0 0 0.1\n1 0 0 0 0.1\n1\n' >"$work/trap.mci"
 printf 'layer2.mua\n0\n1e-3\n3e-3\n' >"$work/trap.csv"
 expect_code 0 "$work/trap.mci" --sweep "$work/trap.csv" -o "$work/own" --quiet
@@ -61,7 +64,8 @@ printf 'layer2.mua,layer2.mus\n0,0\n1e-3,0\n0,1\n1e-3,1\n' >"$work/trap.csv"
 expect_code 0 check "$work/trap.mci" --sweep "$work/trap.csv" --reweight
 grep -q ": 3 flights$" "$work/out" || complain "mus of a row: $(tail -1 "$work/out")"
 
-# So are what detectors have seen, gates and directions, light that was never inside with them, below a clear layer and a rough one.
+# Detectors, gates and directions of rows agree with flights of their own. Light that was never inside counts, below a clear
+# layer and below a rough one.
 sed -e '4a time 20 30\ndirections 4 6\ndetector ring 0 0.1 name=a\ndetector disk 0.1 na=0.5 at=0.1,0 name=b' -e 's/^20000$/5000/' "$work/two.mci" >"$work/seen.mci"
 sed 's/^1.37 /b 4 0.05 0.1 0.15 0.05 0.04 0.02 -0.03 0\n1.5 0 0 0 0.1\n&/; s/^2$/3/' "$work/seen.mci" >"$work/rough.mci"
 printf 'layer2.mua\n0.5\n2\n' >"$work/seen.csv"
@@ -85,7 +89,7 @@ for scene in seen rough; do
     done
 done
 
-# The sum of A_z of a row near the limit comes of few samples; beyond it there are none.
+# The sum of A_z of a row near the limit comes from few samples; beyond the limit there are none.
 for mua in 60000:"note: A_z of 1 of 2 rows comes of fewer than 100 effective packets, that of row 2 of " \
     70000:"note: no A_z and A_rz of rows: in medium 1 one absorbs more than 1250 times what scatters there, or where nothing does what the palest absorbs"; do
     printf 'layer1.mua\n0.5\n%s\n' "${mua%%:*}" >"$work/dark.csv"
@@ -93,18 +97,18 @@ for mua in 60000:"note: A_z of 1 of 2 rows comes of fewer than 100 effective pac
     grep -qF "${mua#*:}" "$work/err" || complain "dark row: $(cat "$work/err")"
 done
 
-# Means of many detectors, media and rows would take too much.
+# Means for many detectors, media and rows would take too much memory. They are left out, with a note.
 awk 'FNR == 5 { for (i = 0; i < 100; i++) print "detector disk 0.1" } { print } /^1.37/ { for (i = 0; i < 1000; i++)
     print "i sphere", i % 25 * 0.01, int(i / 25) * 0.01, 0.025, 0.004, 1.37, 1, 50, 0.8 }' "$work/two.mci" | sed 's/^20000$/10/' >"$work/many.mci"
 expect_code 0 "$work/many.mci" --sweep "$work/seen.csv" --reweight -o "$work/three" --quiet --ignore-absorption
 grep -qF "note: no means of detectors of rows: 2 of 100 detectors and 1004 media take 5.14e+07" "$work/err" || complain "means: $(cat "$work/err")"
 
-# --json: one object a row, in the order of the table.
+# --json prints one object per row, in the order of the table.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --json
 test "$(sed 's/.*"row":\([0-9]*\),.*"residue":\([0-9.]*\)[,}].*/\1:\2/' "$work/out" | tr '\n' ' ')" = "1:0.0 2:0.0 3:0.0 4:0.0 5:0.0 6:0.0 " ||
     complain "--json: $(cut -c1-300 "$work/out")"
 
-# Stopped and resumed, with gates and detectors.
+# A sweep with gates and detectors is stopped and resumed.
 expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/whole" --photons 100000 --quiet
 "$program" "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 100000 --quiet 2>"$work/err" &
 sleep 0.3
@@ -116,7 +120,7 @@ expect_code 0 "$work/seen.mci" --sweep "$work/t.csv" --reweight -o "$work/stoppe
 same_rows "$work/whole" "$work/stopped" "resumed again"
 test -z "$(ls "$work/stopped" | grep 'old$')" || complain "resumed again: left $(ls "$work/stopped")"
 
-# So it is while rows are written, of which the flight's checkpoint holds all.
+# A sweep is stopped while rows are being written: the flight's checkpoint holds all rows.
 sed -e 's/^20000/100/' -e 's/^20 20 5/20 200 90/' "$work/two.mci" >"$work/slow.mci"
 awk 'BEGIN { print "layer1.mua"; for (i = 0; i < 60; i++) print 0.5 + i / 100 }' >"$work/many.csv"
 mkdir "$work/halted" "$work/unhalted"
@@ -130,7 +134,7 @@ expect_code 0 "$work/slow.mci" --sweep "$work/many.csv" --reweight -o "$work/hal
 expect_code 0 "$work/slow.mci" --sweep "$work/many.csv" --reweight -o "$work/unhalted" --quiet
 same_rows "$work/unhalted" "$work/halted" "stopped while writing"
 
-# Refused.
+# Refusals.
 awk 'BEGIN { print "layer1.mua"; for (i = 0; i < 16000; i++) print 1 + i / 1000 }' >"$work/many.csv"
 sed '4a time 1000 50000' "$work/two.mci" >"$work/more.mci"
 for command in run check; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Rough boundaries: alpha 0 and equal indices are the smooth scene's bytes, a tiny alpha its totals; threads, settings and
-# sweeps; backings; what check and the summary say; what is refused.
+# Tests rough boundaries: alpha 0 and equal indices give the bytes of the smooth scene, a tiny alpha gives its totals. Also
+# tests threads, settings, sweeps, backings, the words of check and the summary, and refusals.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 scene() { # NAME TOP BOTTOM [N]
@@ -45,7 +45,7 @@ plain "$work/both.mco" >"$work/a"
 plain "$work/threads.mco" | cmp -s - "$work/a" || complain "one thread has other bytes"
 totals "$work/smooth.mco" | paste - "$work/a" | cmp -s "$work/a" - && complain "rough is smooth"
 
-# Settings: the file in which the number stands.
+# Settings give the bytes of a file that holds the number.
 scene set 'rough ggx 0.1' 'rough beckmann 0'
 expect_code 0 "$work/set.mci" --quiet --set boundary0.alpha=0.3 --set boundary1.alpha=0.5 -o "$work"
 totals "$work/set.mco" >"$work/a"
@@ -53,7 +53,7 @@ totals "$work/both.mco" | cmp -s - "$work/a" || complain "--set boundary0.alpha:
 printf 'boundary0.alpha,boundary1.alpha\n0.3,0.5\n0,0\n' >"$work/table.csv"
 expect_code 0 "$work/set.mci" --quiet --sweep "$work/table.csv" -o "$work"
 
-# check --json has it of boundaries and bodies, and of no others.
+# check --json lists roughness for rough boundaries and bodies, and for no others.
 printf '1.0\n1\nx.mco A\n200\n0.02 0.02\n20 20 5\n2\n1\nrough ggx 0.6\n1.4 1 20 0.8 0.5\ni sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5\ni sphere 0 0 0.4 0.05 1.5 1 10 0.5\n1.5 1 20 0.8 0.5\nrough ggx 0\n1\n' >"$work/told.mci"
 expect_code 0 check "$work/told.mci" --json
 python3 - "$work/out" <<'EOF' || complain "check --json: $(cat "$work/out")"
@@ -63,7 +63,7 @@ assert [b.get("rough") for b in told["boundaries"]] == [{"kind": "ggx", "alpha":
 assert [b.get("rough") for b in told["bodies"]] == [{"kind": "beckmann", "alpha": 0.5}, None]
 EOF
 
-# trace: one line for each event at a rough boundary, on each engine that traces.
+# trace prints one line for each event at a rough boundary, with each engine that traces.
 shape() { # NAME RIPPLE
     printf '1.0\n1\n%s.mco A\n20000\n0.02 0.02\n20 20 5\n1\n1\nrough ggx 0.6\nb 5 0 0.1 %s 0.1 0 0.1 %s 0.1 0 0.1\n1.4 1 20 0.8 0.5\ni sphere 0 0 0.2 0.05 1.5 1 10 0.5 rough=beckmann,0.5\nrough beckmann 0.8\n1\n' "$1" "$2" "$2" >"$work/$1.mci"
 }
@@ -77,13 +77,13 @@ for photon in 0 1 2 3; do
 done
 for photon in 0 1 2 3 4 5 6 7 8 9; do "$program" trace "$work/hill.mci" "$photon"; done | grep -q '^# rough: [2-9] steps$' || complain "no walk of two steps"
 
-# What is nearly flat becomes a plane that is as rough; the flat twin is smooth and takes nothing away.
+# A nearly flat surface becomes a plane of the same roughness.
 shape ripple 1e-6
 sed -i '/^i sphere/d' "$work/ripple.mci"
 expect_code 0 "$work/ripple.mci" --tolerance 0.05 -o "$work"
 grep -q '^  boundary 0: plane at z = 0 cm, rough ggx 0.6 (radial heightfield, as a plane' "$work/out" || complain "--tolerance: $(cat "$work/out")"
 
-# Below the last rough boundary --aim knows what comes out, and only there.
+# --aim below the last rough boundary has expected values, and only there.
 scene aimed 'rough ggx 0.6' '# nothing'
 expect_code 0 "$work/aimed.mci" --aim Tt --json --quiet -o "$work"
 python3 -c 'import json, sys
@@ -92,13 +92,14 @@ assert told["Tt_expected"] and abs(told["Tt"] - told["Tt_expected"]) < 4 * told[
 expect_code 0 "$work/both.mci" --aim Tt --json --quiet -o "$work"
 ! grep -q Tt_expected "$work/out" || complain "--aim Tt knows what comes out of a rough face"
 
-# A mirror keeps nothing, and a facet that light meets twice keeps a share twice.
+# A rough mirror absorbs nothing. A facet with reflectance R that light meets twice absorbs twice.
 scene mirror '# nothing' 'rough ggx 1
 backing 1 mirror'
 expect_code 0 "$work/mirror.mci" -o "$work"
 grep -q '^  A_backing 0.000000' "$work/out" || complain "a perfect mirror keeps light: $(grep -i backing "$work/out")"
 
-# Adding-doubling walks on facets, as often as it says, and the same in each call. A run compares itself, and `check` knows it beforehand.
+# Adding-doubling walks on facets a stated number of times, with the same result in each call. A run compares its totals with
+# it, and `check` says so beforehand.
 expect_code 0 exact "$work/both.mci"
 cp "$work/out" "$work/a"
 grep -q 'adding-doubling, order [0-9]*, 524288 walks at each rough boundary$' "$work/out" &&
@@ -128,14 +129,15 @@ backing 0.8 lambertian'
 expect_error 2 "$work/bad.mci:12: backing = lambertian (expected mirror or metal beside a rough line: light from a lambertian backing has no facets)" check "$work/bad.mci"
 printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0 rough=ggx\n1\n' >"$work/bad.mci"
 expect_error 2 "$work/bad.mci:10: body 1: rough = ggx (expected ggx,ALPHA or beckmann,ALPHA, with ALPHA 0, or a number of 1e-4..2)" check "$work/bad.mci"
-# Behind a layer other words are passed over, as by original MCML, but roughness has a line of its own.
+# Other words behind a layer are ignored, like in original MCML. Roughness is refused there, because it needs a line of its
+# own.
 for word in rough=ggx,0.3 "rough ggx 0.3"; do
     printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3 %s\n1\n' "$word" >"$work/bad.mci"
     expect_error 2 "$work/bad.mci:9: layer 1 = $word (expected a line \`rough KIND ALPHA\` before the layer whose top it is)" check "$work/bad.mci"
 done
 printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3 rough skin\n1\n' >"$work/bad.mci"
 expect_code 0 check "$work/bad.mci"
-# Behind a sphere text is no option, but what looks like one is not passed over. A tab parts words, too.
+# Text behind a sphere is ignored, but text that looks like an option must be one. A tab separates words, too.
 words() { # WORDS
     printf '1.0\n1\nbad.mco A\n20\n0.01 0.01\n20 20 5\n1\n1\n1.4 1 50 0.8 0.3\ni sphere 0 0 0.1 0.01 1.5 0 0 0%b\n1\n' "$1" >"$work/bad.mci"
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The same .mco, byte by byte but for its line of time, whatever the number of threads and the size of chunks; and the
-# same .h5, .vti and .vtp, which hold no time at all.
+# Tests that the .mco is the same, byte by byte but for its line of time, for any number of threads and any size of chunks.
+# The .h5, .vti and .vtp, which hold no time, are the same in all bytes.
 # SPDX-License-Identifier: MIT
 set -eu
 scratch=$(mktemp -d)
@@ -14,7 +14,7 @@ result() { # scene, then options: prints a checksum of all lines but the time
 
 timed=$(mktemp -d)
 trap 'rm -rf "$scratch" "$timed"' EXIT
-# a fluence of so many bins that threads share it
+# A fluence of so many bins that threads share its array.
 sed "s/^90 200 1/90 400 1/; s/^\(.*# nz, nr, na\)/\1\ntime 100 200 radii\ndirections 9 12\nfluence\ndetector ring 0.1 2 na=0.6\ndetector disk 1 side=bottom/; s#\"\.\./meshes#\"$PWD/meshes#" samples/mixed.mci >"$timed/mixed.mci"
 grep -q "^time" "$timed/mixed.mci" && grep -q "^90 400" "$timed/mixed.mci"
 
@@ -28,8 +28,8 @@ for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci "$timed/mixed.mc
     echo "$scene: same bits"
 done
 
-# All files of a run with maps, also when the program is called from another folder. In the .h5 the command line and the
-# input's path, 4096 bytes each, are taken out; every other byte counts, their number, too.
+# Compares all files of a run with maps, also when the program is called from another folder. In the .h5 the command line and
+# the input's path, 4096 bytes each, are masked; every other byte counts, and the size, too.
 masked() { # FILE COMMAND INPUT
     python3 -c '
 import sys

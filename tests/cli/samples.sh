@@ -1,17 +1,17 @@
 #!/bin/sh
-# Every sample flies with 2e4 photons and another seed than that of the table in samples/manual/recipes/samples.md: no packet may be
-# lost, the weight must balance, and the totals must agree with the table within 5 standard errors, as the table's
-# must with those of the independent results beside them.
+# Flies every sample with 2e4 photons and another seed than in the table of samples/manual/recipes/samples.md. No packet may
+# be lost, and the weight must balance. Totals must agree with the table within 5 standard errors, and so must the table with
+# the independent results beside it.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 table=samples/manual/recipes/samples.md
 
-# "name value error" for the totals of one JSON line; names: Rsp Rd A Tt
+# Prints "name value error" for the totals of one JSON line; names: Rsp Rd A Tt.
 json_value() { # KEY OUTPUT
     sed -n "/\/$2\"/s/.*\"$1\":\([^,}]*\).*/\1/p" "$work/json"
 }
 
-# 5 sigma of both errors; half a digit of what the table rounds away comes on top.
+# Expects agreement within 5 sigma of both errors; half of the last digit in the table is allowed on top.
 agree() { # WHAT VALUE ERROR EXPECTED ERROR
     awk -v a="$2" -v s="$3" -v b="$4" -v t="$5" 'BEGIN {
         exit !((a - b) ^ 2 <= (5 * sqrt(s * s + t * t) + 1e-5) ^ 2)
@@ -41,7 +41,7 @@ for sample in samples/*.mci samples/shapes/*.mci; do
     cp "$work/out" "$work/json"
     grep -F "| \`$name\` |" $table >"$work/rows" || complain "$sample is not in the table"
     while read -r row; do
-        # columns 2 (sample), 3 (output), 5 to 10 (totals): words without the signs between them
+        # Columns 2 (sample), 3 (output), 5 to 10 (totals), without the signs between them.
         set -- $(printf '%s\n' "$row" | awk -F'|' '{ gsub(/[`±]|^-$| - /, " "); print $2, $3, $5, $6, $7, $8, $9, $10 }')
         compare_row "$@"
         rows=$((rows + 1))

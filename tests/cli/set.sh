@@ -1,11 +1,11 @@
 #!/bin/sh
-# --set and --output. Every name: the result has the bytes of a file in which that number was changed by hand, but for the
-# line that says so. Wrong names and values are refused in the words of the file's own reader.
+# Tests --set and --output. For every name, the result has the bytes of a file in which that number was changed by hand, but
+# for the line that says so. Wrong names and values are refused in the words of the file's own reader.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 cp meshes/ridges.obj "$work/mesh.obj"
 
-# The scene; each name=value in the arguments takes the place of its number.
+# Writes the scene; each name=value of the arguments replaces its number.
 scene() { # FILE NAME=VALUE...
     file=$1
     shift
@@ -35,7 +35,7 @@ m "mesh.obj" scale={boundary0.scale}
 END
 }
 
-# That the settings give the bytes of edited.mci, but for the line that says so.
+# Checks that the settings give the bytes of edited.mci, but for the line that says so.
 same_as_edited() { # "NAME=VALUE ..." FILE
     mkdir "$work/a" "$work/b"
     expect_code 0 "$work/edited.mci" --quiet -o "$work/a"
@@ -60,13 +60,13 @@ for setting in photons=2000 above.n=1.1 below.n=1.5 layer1.n=1.5 layer1.mua=2 la
     same_as_edited $setting "$work/plain.mci"
 done
 
-# Heights of a mesh alone: the mesh that is written is half as high, and as wide.
+# A factor for heights alone: the written mesh is half as high, and as wide as before.
 expect_code 0 mesh "$work/plain.mci" -o "$work" --set boundary0.height=0.5 --quiet
 awk 'NR == FNR { if ($1 == "v") plain[++n] = $2 " " $3 " " $4; next }
      $1 == "v" { split(plain[++k], p); if (p[1] != $2 || p[2] != $3 || p[3] / 2 - $4 > 1e-12 || $4 - p[3] / 2 > 1e-12) exit 1 }' \
     "$work/mesh.obj" "$work/result.mco.boundary0.obj" || complain "boundary0.height: not half as high"
 
-# All commands that read a scene take it; several at once.
+# All commands that read a scene accept --set, also several times.
 expect_code 0 check "$work/plain.mci" --set layer1.mua=7 --set layer2.d=0.9 --json
 grep -q '"mua":7.0' "$work/out" && grep -q '"d":0.9' "$work/out" || complain "check --set: $(cat "$work/out")"
 expect_code 0 exact samples/skin7.mci --set layer1.mua=0 --json
@@ -78,7 +78,7 @@ grep -qx 'clustermcml: note: photon 3 is not among those of result.mco (0 to 2, 
 expect_code 0 "$work/plain.mci" --set photons=1e3 --set layer1.mua=7 --json -o "$work"
 grep -q '"set":{"photons":1000.0,"layer1.mua":7.0}' "$work/out" || complain "--json: $(cat "$work/out")"
 
-# Bodies: spheres and meshes.
+# --set changes bodies: spheres and meshes.
 body() { # NAME=VALUE of a body
     python3 - "$@" >"$work/body.mci" <<'END'
 import sys
@@ -113,7 +113,7 @@ expect_error 2 "--set: body1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" 
 expect_error 2 "--set: body3.n = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam with .x .y .angle .azimuth)" \
     "$work/bodies.mci" --set body3.n=1
 
-# Detectors, by the words of their lines.
+# Detectors are set by the words of their lines.
 seen() { # FILE DETECTORS
     printf '1.0\n1\nresult.mco A\n2000\n0.02 0.02\n20 20 5\n%b1\n1\n1.4 1 20 0.8 0.5\n1\n' "$2" >"$1"
 }
@@ -155,7 +155,7 @@ expect_error 2 "--set: photons = 9 (expected no value beside that of --photons)"
 expect_error 2 "--set layer1.n (expected NAME=VALUE, like layer1.mua=0.3)" "$work/plain.mci" --set layer1.n
 expect_error 2 "--set layer1.n= (expected NAME=VALUE, like layer1.mua=0.3)" "$work/plain.mci" --set layer1.n=
 
-# --output names the result, and its ending says the format.
+# --output names the result, and its ending sets the format.
 expect_code 0 "$work/plain.mci" --quiet --output other.mco -o "$work"
 grep -q '^other.mco' "$work/other.mco" || complain "--output other.mco"
 if "$program" "$work/plain.mci" --quiet --output other.h5 -o "$work" --set layer1.mua=3 2>"$work/err"; then

@@ -1,7 +1,7 @@
 #!/bin/sh
-# samples/slurm-array.sh without Slurm: stand-ins for srun and scontrol. A task that is stopped asks to be requeued, and goes on
-# when it is; the joined parts have the bytes of one run. samples/slurm.sh likewise; neither asks for more
-# time that it would use for nothing.
+# Tests samples/slurm-array.sh and samples/slurm.sh without Slurm, with stand-ins for srun and scontrol. A stopped task asks
+# to be requeued, and goes on when it is; the joined parts have the bytes of one run. Neither script asks for more time if
+# that time would be useless.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 case $program in /*) ;; *) program=$PWD/$program ;; esac
@@ -40,7 +40,7 @@ for name in thick-0001.mco thick-0002.mco thick.sweep.csv; do
 done
 test "$(wc -l <"$work/study/merged.json")" -eq 2 || complain "merged.json: $(cat "$work/study/merged.json")"
 
-# parts that lack something, and no parts: said, and nothing written
+# Missing or incomplete parts are named, and nothing is written.
 refuses() { # EXPECTED TEXT
     code=0
     cp "$work/study/merged.json" "$work/before.json"
@@ -66,7 +66,7 @@ test $code -eq 75 && test "$(cat "$work/asked")" = "requeue 91" || complain "sto
 task 1 "$work/long.csv" || complain "requeued: exit $?"
 test "$(ls "$work/study" | grep -c 'mco.part1of2$')" -eq 200 || complain "requeued: $(ls "$work/study" | wc -l) files"
 
-# ---- slurm.sh: what has got on is requeued, what has not would be for ever
+# ---- slurm.sh: a job that made progress is requeued; one that did not would be requeued for ever
 
 mkdir "$work/job" "$work/job/d"
 job() { # CODE ARGUMENTS...
@@ -93,7 +93,8 @@ flies KILL 137 -o"$work/job" --output d/thick.mco
 flies KILL 137 --output-dir="$work/job"
 flies KILL 137 --output "$work/job/thick.mco"
 flies KILL 137 --output="$work/job/d/thick.mco"
-# where no checkpoint is found the last line says that there is one
+# A checkpoint far away counts, too: in the folder of an absolute output name, or behind a link. If the script finds none, the
+# run's last line says that there is one.
 mkdir "$work/far"
 sed "s#^[^ ]*.mco A#$work/far/thick.mco A#" samples/thick.mci >"$work/far.mci"
 STOP="$work/far/*.checkpoint" SIGNAL=TERM job 75 "$work/far.mci" --photons 1e9

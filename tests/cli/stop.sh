@@ -1,5 +1,5 @@
 #!/bin/sh
-# Signals stop a run so that it can be resumed, also where they come twice; --checkpoint off leaves them alone.
+# Tests that signals, even two in a row, stop a run in a way that it can be resumed. --checkpoint off leaves signals alone.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 scene=samples/thick.mci
@@ -28,7 +28,7 @@ for signal in TERM HUP USR1 USR2 XCPU; do
 done
 expect_error 2 "--no-clobber: $work/thick.mco.checkpoint is there, of a run that was stopped (expected --resume, which goes on, or none)" \
     $scene --photons 1000 --no-clobber --quiet -o "$work"
-# A shell's background jobs ignore SIGINT, and what was ignored stays ignored: so by way of another parent.
+# A shell's background jobs ignore SIGINT, and an ignored signal stays ignored, so another parent starts the program.
 python3 - "$program" "$work" <<'E2' || complain "SIGINT"
 import signal, subprocess, sys, time
 program, work = sys.argv[1:]
@@ -41,7 +41,7 @@ run.stdout.read()
 sys.exit(run.wait() != 75)
 E2
 
-# While surfaces are tried as planes nothing flies that a checkpoint could hold: a signal ends the program at once.
+# While surfaces are tried as planes there is nothing to save in a checkpoint: a signal ends the program at once.
 "$program" samples/shapes/hihill.mci --tolerance 1e-5 --photons 1e8 --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
 run=$!
 until test -e "$work/hihill.lock" || ! kill -0 $run; do sleep 0.02; done
@@ -53,7 +53,8 @@ test "$(cat "$work/err")" = 'clustermcml: stopped before the flight: nothing was
 test "$(ls "$work" | grep -c '^hihill\.[^l]')" = 0 || complain "before the flight: $(ls "$work")"
 rm -f "$work"/hihill*
 
-# A launcher's wish, to the process and to its group: both come before the program can look at the first. (A later one: unit.stop.)
+# A launcher sends a signal to the process and to its group: both arrive before the program can look at the first. (unit.stop
+# tests a later one.)
 rm -f "$work"/thick.mco*
 begin "  boundary 1" $long --engine reference
 kill -STOP $run
@@ -65,8 +66,8 @@ wait $run || code=$?
 test $code -eq 75 || complain "two signals: exit $code, not 75: $(cat "$work/err")"
 test -e "$work/thick.mco.checkpoint" || complain "two signals: there is no checkpoint"
 
-# A packet that makes 5e6 boundary events, totally reflected below the flank of a cone: a signal is not put off until it ends,
-# and what it scored by then counts for nothing.
+# A packet has 5e6 boundary events, totally reflected below the flank of a cone. A signal does not wait for its end, and its
+# scores so far are discarded.
 printf '1.0\n1\nlong.mco A\n1\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\nb 2 0.17320508075688773 0.1 0 0\n2 2e-7 0 0 0.5\n1\n' \
     >"$work/long.mci"
 expect_code 0 "$work/long.mci" --quiet -o "$work"
@@ -99,8 +100,8 @@ expect_error 2 "--checkpoint 0 (expected seconds above 0, up to 1e9)" $scene --c
 expect_error 2 "--target-error 1 (expected a relative error between 0 and 1)" $scene --target-error 1
 expect_error 2 "--patience x (expected seconds above 0, up to 1e9)" $scene --patience x
 
-# Several runs: the first stays finished while the second is stopped twice. At the end small checkpoints say that all are
-# finished, because --resume was given; with it once more nothing flies, and --json lists all runs.
+# Several runs: the first stays finished while the second is stopped twice. With --resume, small checkpoints say at the end
+# that all runs are finished. With --resume once more nothing flies, and --json lists all runs.
 sed -e 's/^1  *# number of runs/2/' -e 's/^thick.mco/first.mco/' -e 's/^200000 /1000 /' $scene >"$work/two.mci"
 sed -e '1,/# number of runs/d' -e 's/^200000 /400000 /' $scene >>"$work/two.mci"
 expect_code 0 "$work/two.mci" --checkpoint off --quiet -o "$work"
@@ -133,7 +134,8 @@ test "$(date -r "$work/thick.mco" +%Y)" = 2001 || complain "a finished file flew
 expect_error 2 "$work/first.mco.checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here (expected that run; without --resume or --more this one begins anew)" \
     "$work/two.mci" --resume --seed 2 --json -o "$work"
 
-# Without a checkpoint a result counts that says to be of this run, but for --json, which has more digits than it.
+# Without a checkpoint, a result that says to be of this run counts as finished; but not for --json, whose numbers have more
+# digits.
 names=again.mco
 test "$("$program" --version | grep -c 'HDF5 yes')" -eq 0 || names="again.mco again.h5"
 for name in $names; do
@@ -150,13 +152,13 @@ for name in $names; do
         rm "$work/$name.checkpoint"
     done
 done
-# Nor where its end is missing.
+# A result whose end is missing does not count as finished.
 "$program" $scene --photons 1000 --quiet -o "$work" --output again.mco || complain "again"
 head -n -1 "$work/again.mco" >"$work/cut" && mv "$work/cut" "$work/again.mco"
 expect_code 0 $scene --photons 1000 --resume -o "$work" --output again.mco
 grep -q "finds no $work/again.mco.checkpoint: the run begins anew, as $work/again.mco is no whole result; what is there" "$work/err" || complain "cut off: $(cat "$work/err")"
 
-# Files beside it say of which run they are, too.
+# Files beside the result say, too, of which run they are.
 "$program" samples/skinmap.mci --photons 100 --quiet -o "$work" || complain "skinmap"
 expect_code 0 samples/skinmap.mci --photons 100 --resume -o "$work"
 grep -q '^  finished before: nothing was written, its results stand$' "$work/out" && test ! -s "$work/err" || complain "several files: $(cat "$work/err")"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Standard streams that are closed, full or read by nobody, and disks that are full at any size.
+# Tests standard streams that are closed, full or without a reader, and disks that are full at any size.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 scene=samples/shapes/hihill.mci
@@ -8,7 +8,7 @@ cp "$work/hihill.mco" "$work/a.mco"
 cp "$work/hihill.h5" "$work/a.h5"
 expect_code 0 plot "$work/a.mco" -o "$work/whole.svg"
 
-# closed: everything is written as ever, but what belongs to standard output, which is told as any failed write
+# Closed streams: everything is written as usual but for standard output, whose failure is reported like any failed write.
 closed() { # CODE FILE COMMAND...: FILE must be as it was
     wanted=$1
     file=$2
@@ -33,7 +33,7 @@ for words in "$scene --photons 100 -o $work" "check $scene" help --version 'trac
     test "$(cat "$work/err" | grep -v ' note: ')" = 'clustermcml: standard output cannot be written' || complain "$words >&-: $(cat "$work/err")"
 done
 
-# a device without end as input; a name that is not UTF-8
+# An input that is an endless device; a name that is not UTF-8.
 expect_error 2 '/dev/zero: cannot be read: it is a device (expected a file)' /dev/zero
 name=$(printf 'caf\351.mci')
 sed 's/hihill.mco/caf.mco/' $scene >"$work/$name"
@@ -42,7 +42,7 @@ python3 -c 'import json, sys; scene = json.load(sys.stdin)["scene"]; sys.exit(no
     complain "not UTF-8: $(cat "$work/out" "$work/err")"
 rm "$work/$name"
 
-# Names that would drive a terminal, or are not seen: escaped on standard output, and in JSON a name still.
+# Names with control or invisible characters: they are escaped on standard output, and stay valid names in JSON.
 name=$(printf 'a\302\233b\342\200\256c\342\200\213d\357\273\277\303\251\377.mco')
 LC_ALL=C sed "s/hihill.mco/$name/" $scene >"$work/strange.mci"
 expect_code 0 "$work/strange.mci" --photons 100 -o "$work"
@@ -63,7 +63,8 @@ python3 -c 'import json, sys; text = open(sys.argv[1], encoding="utf-8").read()
 sys.exit(not json.loads(text)["scene"].endswith("/a\x9bb\u202ec\x7fd\U000e0041.mci") or "\U000e0041" in text or "\u202e" in text or "\x7f" in text)' "$work/out" || complain "JSON: $(cat -v "$work/out")"
 rm -f "$work"/*
 
-# full, or nobody reads: the result is there, and the exit code says that it was not told (nobody: as of other tools)
+# Standard output is full, or has no reader: the result is written, and the exit code says that it was not printed (no reader:
+# like other tools).
 closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >/dev/full 2>\"$work/err\""
 grep -q "standard output cannot be written" "$work/err" || complain "full: $(cat "$work/err")"
 mkfifo "$work/pipe"
@@ -76,7 +77,7 @@ for words in "$scene --photons 1000 --json -o $work" 'trace samples/thick.mci 3'
 done
 rm "$work"/*
 
-# full disks: a limit on the size of files, from 8 kB to that of the result. Whatever is not complete is not there.
+# Full disks: the size of files is limited from 8 kB to that of the result. An incomplete file does not appear.
 mkdir "$work/disk"
 full() { # SCENE FILE
     rm -f "$work/disk"/*

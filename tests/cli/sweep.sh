@@ -1,7 +1,7 @@
 #!/bin/sh
-# --sweep: a row's result has the bytes of a run with --set of its cells, but for its name; the tables of all rows say what the
-# rows' files say; shapes are loaded once unless they change; all rows are validated before the first one flies, and a wrong
-# cell is named. The .h5 has the parameters as axes where the table is a full grid.
+# Tests --sweep. A row's result has the bytes of a run with --set of its cells, but for its name. The table of all rows agrees
+# with the rows' files. Shapes are loaded once unless they change. All rows are validated before the first one flies, and a
+# wrong cell is named. The .h5 has the parameters as axes if the table is a full grid.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 bare() { sed -e '/^# User time/d' -e 's/^[^ ]* \tA\t/NAME /' "$1"; }
@@ -9,7 +9,7 @@ mkdir "$work/rows" "$work/meshes"
 cp meshes/ridges.obj "$work/meshes/"
 sed 's,"../meshes/,"meshes/,' samples/ridges.mci >"$work/ridges.mci"
 
-# Media, a shape that changes, the beam, photons and seeds, in one table.
+# One table sets media, a shape, the beam, photons and seeds.
 cat >"$work/table.csv" <<'END'
 # a comment
 layer1.mua, boundary0.height , beam.angle,photons,seed
@@ -31,7 +31,7 @@ for set in "0.5 1 0 2000 1" "2 1 30 2000 1" "0.5 0.5 0 1500 7" "0.5 1 0 2000 2";
     bare "$work/single/ridges.mco" >"$work/a"
     bare "$work/rows/ridges-000$row.mco" >"$work/b"
     cmp -s "$work/a" "$work/b" || complain "row $row: not the bytes of a run with --set: $(diff "$work/a" "$work/b" | head -5)"
-    # the table has the totals of the file, with more digits
+    # The table has the totals of the file, with more digits.
     wanted=$(awk '/^RAT/ { getline; a = $1; getline; b = $1; getline; c = $1; getline; print a, b, c, $1; exit }' "$work/rows/ridges-000$row.mco")
     found=$(awk -F, -v row=$row 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == row {
         printf "%.6G %.6G %.6G %.6G %.4G %.4E\n", $at["Rsp"], $at["Rd"], $at["A"], $at["Tt"], $at["layer1.A"], $at["layer1.A_se"] }' "$work/rows/ridges.sweep.csv")
@@ -44,13 +44,13 @@ test "$(head -1 "$work/rows/ridges.sweep.csv")" = \
     "row,layer1.mua,boundary0.height,beam.angle,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,layer1.A,layer1.A_se,lost,file" ||
     complain "the header: $(head -1 "$work/rows/ridges.sweep.csv")"
 
-# --json: one object a row, with its number.
+# --json prints one object per row, with its number.
 mkdir "$work/out.d"
 expect_code 0 "$work/ridges.mci" --sweep "$work/table.csv" -o "$work/out.d" --json
 test "$(grep -c '"row":[1-4],' "$work/out")" -eq 4 && test "$(wc -l <"$work/out")" -eq 4 || complain "--json: $(cat "$work/out")"
 test "$(ls "$work/out.d" | grep -c -v -e 'ridges-000[1-4].mco$' -e 'ridges-000[1-4].h5$' -e '^ridges.sweep')" -eq 0 || complain "left: $(ls "$work/out.d")"
 
-# Bodies: rows with other media, and one whose layers lie elsewhere.
+# Bodies: rows with other media, and a row whose layers lie elsewhere.
 printf 'v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n' \
     >"$work/octahedron.obj"
 printf '1.0\n1\nbodies.mco A\n2000\n0.1 0.1\n20 20 5\n2\n1\n1.4 0.1 5 0.8 0.1\n1.4 1 20 0.8 1\n' >"$work/bodies.mci"
@@ -70,14 +70,14 @@ for set in "2 1 0.1" "5 1.4 0.1" "5 1.4 0.15"; do
     rm -r "$work/single"
 done
 
-# The format is the file's.
+# The format of results is that of the scene file.
 sed 's/^ridges.mco A/ridges.mco B/' "$work/ridges.mci" >"$work/binary.mci"
 mkdir "$work/binary"
 expect_code 0 "$work/binary.mci" --sweep "$work/table.csv" -o "$work/binary" --quiet
 test "$(ls "$work/binary" | grep -c 'ridges-000[1-4].h5$')" -eq 4 && test ! -e "$work/binary/ridges-0001.mco" ||
     complain "format B: $(ls "$work/binary")"
 
-# Nothing flies when a row is wrong.
+# Nothing flies if a row is wrong.
 wrong() { # MESSAGE TABLE
     printf "$2" >"$work/wrong.csv"
     rm -rf "$work/none"
@@ -103,8 +103,9 @@ wrong ":1: label = a_b (expected a name that no other column has, with _ for /)"
 wrong ":1: label = a/b (expected a name that no other column has, with _ for /)" '"a_b",layer1.mua,"a/b"\n1,2,3\n'
 wrong ":2: label = . (expected a name other than .)" '# names\nlayer1.mua,"."\n1,2\n'
 wrong ":1: label = detector/1 (expected a name that the table of results has not already)" '"detector/1",layer1.mua\n1,2\n'
-# A label must have a name that nothing in the scene has: who quotes layer1.mua means to set it. A name without marks that is far
-# from all that is set is a label, and a note says so; one that is near is refused, and the way out named.
+# A column is a parameter or a label. A label in quotes must have a name that nothing in the scene has. A name without quotes
+# that is far from all settable names is a label, with a note. A name that is close to one is refused, and the message tells
+# the way out.
 label="the name without quotation marks, if it is to be set; a label has a name that nothing in the scene has"
 wrong ":1: column 1 = layer1.mua (expected $label)" '"layer1.mua",layer1.mus\n.5,20\n5,20\n'
 wrong ":1: column 2 = boundary0.height (expected $label)" 'layer1.mua,"boundary0.height"\n1,1\n'
@@ -128,7 +129,8 @@ test "$(cat "$work/err")" = "clustermcml: note: $work/plain.csv:1: column 1, wav
     complain "a label without marks: $(cat "$work/err")"
 expect_code 0 check "$work/ridges.mci" --sweep "$work/plain.csv"
 
-# A layer has its name in columns, too. Numbers of layers are noted where others may be meant, not where names say which.
+# A layer's name can be used in columns. Columns with numbers of layers are noted if other layers may be meant, but not where
+# names are used.
 sed 's/^1.4 0.1 5 .*/& name=gel/' "$work/bodies.mci" >"$work/gel.mci"
 for file in layer1 gel; do
     printf "$file.mua,$file.d\n2,0.1\n3,0.1\n" >"$work/named.csv"
@@ -142,7 +144,7 @@ cmp -s "$work/layer1.out" "$work/gel.out" || complain "gel.mua: $(diff "$work/la
 printf 'layer1.mua,gel.mua\n1,2\n' >"$work/wrong.csv"
 expect_error 2 "$work/wrong.csv:2: column 2, gel.mua = 2 (expected one value, but layer1.mua of $work/wrong.csv has set it to 1)" \
     "$work/gel.mci" --sweep "$work/wrong.csv" -o "$work"
-# With --reweight rows in which the first layer is clear are apart, whatever it is called.
+# With --reweight, rows in which the first layer is clear fly apart, whatever its name.
 printf 'gel.mua\n0\n1\n2\n' >"$work/clear.csv"
 expect_code 0 check "$work/gel.mci" --sweep "$work/clear.csv" --reweight --json
 grep -q '"sweep":{"rows":3,"flights":2}' "$work/out" || complain "a clear layer with a name: $(cat "$work/out")"
@@ -165,7 +167,8 @@ grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a nam
 printf 'layer1.d\n1\n0.0001\n' >"$work/wrong.csv"
 expect_code 2 samples/mixed.mci --sweep "$work/wrong.csv" -o "$work"
 grep -q "^clustermcml: $work/wrong.csv:3: row 2, layer1.d = 0.0001: samples/mixed.mci:[0-9]*: boundaries 0 and 1 cross at" "$work/err" || complain "boundaries that cross: $(cat "$work/err")"
-# Whether light may start where a row puts it is known before the first row flies, and is said of the row; so of runs of one file.
+# A start of light that a row makes impossible is found before the first row flies, and the message names the row. The same
+# holds for runs of one file.
 printf '1.0\n1\nstart.mco A\n100\nbeam pencil z=0.2 light=na:0.5\n0.1 0.1\n2 2 2\n1\n1.0\n1.4 1 9 0.8 1\n' >"$work/start.mci"
 { cat "$work/start.mci" && echo 'backing 0.5' && echo 1; } >"$work/backed.mci"
 echo 1 >>"$work/start.mci"
@@ -202,7 +205,7 @@ mkdir "$work/saved"
 expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet -o "$work/saved"
 expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 -o "$work/saved"
 test "$(cat "$work/err")" = "clustermcml: note: replaces $work/saved/ridges.sweep.csv" || complain "no word of the table replaced: $(cat "$work/err")"
-# A sweep whose rows all have finished, as their checkpoints say, is finished for --no-clobber, too.
+# A sweep whose rows have all finished, by their checkpoints, also counts as finished for --no-clobber.
 mkdir "$work/done"
 expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --resume -o "$work/done"
 expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --resume --no-clobber -o "$work/done"
@@ -212,7 +215,7 @@ expect_code 2 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --
 grep -q '^clustermcml: --no-clobber: .* is there (expected no result that would be replaced)$' "$work/err" || complain "rows without checkpoints: $(cat "$work/err")"
 test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
-# A table that is too large is refused before it is read: so of sweeps, and of what a line of the scene names.
+# A file that is too large is refused before it is read: a table of a sweep, or a file that the scene names.
 truncate -s 20G "$work/large.csv"
 large="cannot be read: it has 21474836480 bytes (expected a table of at most 268435456 bytes)"
 expect_error 2 "$work/large.csv: $large" "$work/ridges.mci" --sweep "$work/large.csv"
@@ -231,8 +234,8 @@ test $code = 2 && grep -q '^clustermcml: standard input: cannot be read: it has 
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"
-# --resume of a sweep that was flown without it flies all rows anew, and says so once; results of more photons stay, unless --replace
-# is given, also of rows that come of one flight, and of one run.
+# --resume of a sweep that was flown without --resume flies all rows anew, and says so once. Results of more photons stay
+# unless --replace is given, also for rows that come from one flight.
 anew() { # PHOTONS ARGUMENTS... : rows in $work/anew
     photons=$1
     shift
@@ -270,7 +273,8 @@ for more in "--resume" "--resume --replace" "--resume --reweight --replace"; do
 done
 expect_code 0 "$work/two.mci" --photons 299 --resume --replace --quiet -o "$work/anew"
 grep -q '^299 ' "$work/anew/bodies.mco" || complain "--replace: $(sed -n 1,20p "$work/anew/bodies.mco")"
-# What detectors have seen stands in both tables, behind the names of the scene, as the rows' own records say, also of rows that were finished before.
+# The light of detectors is in both tables, under the names of the scene. It equals that of the rows' own records, also for
+# rows that were finished before.
 printf '1.0\n1\nseen.mco A\n2000\n0.1 0.1\n5 5 5\ndetector disk 0.2\ndetector ring 0.2 1 name=far\n1\n1\n1.4 1 50 0.8 0.2\n1\n' >"$work/seen.mci"
 printf 'detector1.x,layer1.mua\n0,1\n0.3,1\n0.3,2\n' >"$work/seen.csv"
 mkdir "$work/seen"
@@ -285,7 +289,7 @@ for name in detector_1 detector_1_se detector_far detector_far_se; do
     sed "s/.*\"$name\":\([^,]*\),.*/\1/" "$work/seen/json" | awk '{ printf "%.10g\n", $1 }' >"$work/b"
     test "$(sort -u "$work/a" | wc -l)" -ge 2 && cmp -s "$work/a" "$work/b" || complain "$name: $(cat "$work/a") in the table, $(cat "$work/b") of the rows"
 done
-# A row that loses packets says so itself.
+# The message about lost packets names the row that loses them.
 printf '1.0\n1\nlosing.mco A\n500\nbeam disk 0.1\n0.01 0.01\n10 10 3\n2\n1.0\nm "%s/meshes/furrows.gsf" tile\n1.4 1 50 0.8 0.3\n1.5 2 20 0.5 0.3\n1.0\n' "$PWD" >"$work/losing.mci"
 printf 'boundary0.scale\n1e-5\n' >"$work/small.csv"
 expect_code 4 "$work/losing.mci" --sweep "$work/small.csv" --quiet -o "$work"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
-# a note where more are asked for than the process may use, or the system starts fewer; a mesh where it starts none;
-# small stacks and huge ones, and one that is too small.
+# Tests the number of threads. Without --threads there are as many threads as the process may use cores, even if OpenMP binds
+# its threads before main begins. A note tells if more are asked for than the process may use, or if the system starts fewer.
+# Also tests a mesh without further threads, and stacks that are small, huge or too small.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
@@ -36,7 +36,8 @@ expect_threads "two threads on one core" 2 taskset -c "$first" env OMP_NUM_THREA
 grep -q '^clustermcml: note: 2 threads on 1 core ' "$work/err" || complain "two threads on one core: $(cat "$work/err")"
 expect_threads "OMP_THREAD_LIMIT" 1 env OMP_THREAD_LIMIT=1 OMP_NUM_THREADS="$cores" "$program"
 
-# The system starts no more threads: those that fly are counted and give the same bytes; without any the caller flies.
+# The system refuses to start more threads: those that fly are counted and give the same bytes; if there are none, the caller
+# flies.
 bits() { grep -v '^# User time' "$work/fig5.mco" | cksum; }
 expected=$(bits)
 unset OMP_NUM_THREADS
@@ -48,7 +49,7 @@ for refused in 1 2 3; do
     test "$(bits)" = "$expected" || complain "thread $refused is refused: other bytes"
 done
 
-# A mesh needs no thread beside the caller, by any engine. CML_THREADS=0 refuses those of TBB, too.
+# A mesh needs no thread but the caller, with any engine. CML_THREADS=0 refuses those of TBB, too.
 without_threads() { # ARGUMENTS
     LD_PRELOAD="$SYSTEM_FAULT" CML_THREADS=0 "$program" "$@" >"$work/out" 2>"$work/err" ||
         complain "no thread, $*: exit $?: $(cat "$work/err")"
@@ -58,7 +59,7 @@ for option in --threads=1 --threads=4 --engine=reference; do
     without_threads samples/skinmap.mci $option --photons 100 -o "$work"
 done
 
-# Stacks have a size of their own: neither OpenMP's nor the limit of the process, which may be gigabytes.
+# The program sets the size of stacks itself, not OpenMP or the limit of the process, which may be gigabytes.
 for limit in 256 1000000 unlimited; do
     (
         ulimit -s $limit && ulimit -v 3000000 || exit 0

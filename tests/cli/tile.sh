@@ -1,6 +1,6 @@
 #!/bin/sh
-# Heightmaps repeated over the whole plane: what check, mesh, plot and crosscheck say of them, a level one is the plane to
-# the byte, Embree and the walk agree, facets are those of one period, and what is refused.
+# Tests heightmaps repeated over the whole plane: the words of check, mesh, plot and crosscheck, and refusals. A level one is
+# the plane to the byte, Embree and the walk over cells agree, and facets are those of one period.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 scene() { # NAME LINE [BEFORE]
@@ -16,14 +16,15 @@ grep -q 'tile of boundary 0: 64 x 64 heights, 0.0025 x 0.0025 cm apart, repeated
 grep -q 'the beam does not repeat' "$work/out" || complain "check does not say that the beam does not repeat"
 grep -q 'skirt' "$work/out" && complain "check names a skirt"
 
-# Half of mm heights go into a mirrored map's period: 2 (60 - 1) x 2 (40 - 1) cells of 0.05 mm.
+# Heights every 0.05 mm go into the period of a mirrored map: 2 (60 - 1) x 2 (40 - 1) cells of 0.05 mm.
 scene mirror "m \"$PWD/meshes/grooves.asc\" units=mm tile=mirror"
 expect_code 0 check "$work/mirror.mci"
 grep -q '60 x 40 heights, 0.005 x 0.005 cm apart, mirrored and repeated every 0.59 x 0.39 cm' "$work/out" ||
     complain "a mirrored tile: $(grep tile "$work/out")"
 
-# Of a period of one high sample in two by two the triangles' mean is a third of it or a sixth, by which ends of diagonals it
-# is: here diagonals meet in it. A layer of the mean's thickness is named, and its flat scene has the volume.
+# A period of two by two samples has one high sample. The mean height of the triangles is a third or a sixth of it, depending
+# on the ends of the diagonals: here diagonals meet in it. A layer as thick as the mean is named, and its flat scene has the
+# volume.
 printf 'ncols 2 nrows 2 cellsize 0.1\n0 0\n0.06 0\n' >"$work/peak.asc"
 scene peak 'm "peak.asc" units=cm tile'
 expect_code 0 check "$work/peak.mci"
@@ -38,7 +39,7 @@ grep -q 'in the mean' "$work/out" && complain "planes differ from their mean: $(
 scene peak 'm "peak.asc" units=cm tile shift=0,0,-0.02'
 expect_code 0 check "$work/peak.mci"
 grep -q '^  note: layer' "$work/out" && complain "a tile about its mean: $(grep mean "$work/out")"
-# A cone of 0.06 cm over a radius of 0.2 cm fills a third of its cylinder; a roof's half prism, on a plane 0.01 cm up.
+# A cone of 0.06 cm over a radius of 0.2 cm fills a third of its cylinder. A roof is a half prism, on a plane 0.01 cm up.
 scene peak 'b 2 0.06 0.2 0 1'
 expect_code 0 check "$work/peak.mci"
 grep -q '^  boundary 0: mean height 0.02 cm over its 0.1257 cm2$' "$work/out" || complain "the mean of a cone: $(cat "$work/out")"
@@ -50,7 +51,7 @@ scene peak 'm "tent.obj" shift=0,0,0.01' # the prism, and slopes to both ends: p
 expect_code 0 check "$work/peak.mci"
 grep -q '^  boundary 0: mean height 0.0225 cm over its 0.16 cm2$' "$work/out" || complain "the mean of a mesh: $(grep -e mean -e error "$work/out")"
 
-# A level tile is a plane.
+# A level tile becomes a plane.
 printf 'ncols 3 nrows 2 cellsize 1\n0 0 0\n0 0 0\n' >"$work/level.asc"
 scene level 'm "level.asc" units=cm tile'
 scene plane ''
@@ -60,7 +61,8 @@ plain "$work/level.mco" | grep -v '^# more of this run' >"$work/a"
 plain "$work/plane.mco" >"$work/b"
 cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
 
-# Steeper than light in its grooves can be followed; as a heightmap with a skirt, too.
+# Slopes above 5000 are refused, in a tile and in a heightmap with a skirt: light that steeper grooves turn back would count
+# as trapped.
 printf 'ncols 3 nrows 2 cellsize 1e-4\n0 0.3 0.79\n0 0.3 0.79\n' >"$work/steep.asc"
 scene steep 'm "steep.asc" units=cm tile=mirror'
 expect_code 0 check "$work/steep.mci"
@@ -71,13 +73,13 @@ expect_error 2 "$where: slope 5100 at x = 0, y = -5e-05 cm $why" check "$work/st
 scene steep 'm "steep.asc" units=cm'
 expect_error 2 "$where: slope 5100 at x = 0.0001, y = 5e-05 cm $why" check "$work/steep.mci"
 
-# Found by Embree's triangles instead of the walk over cells; statistics must not tell.
+# Embree's triangles instead of the walk over cells give the same light within errors.
 expect_code 0 "$work/mirror.mci" --quiet --photons 1e5 --seed 4 -o "$work"
 mv "$work/mirror.mco" "$work/walked.mco"
 expect_code 0 "$work/mirror.mci" --quiet --photons 1e5 --seed 5 --mesh-search embree -o "$work"
 expect_code 0 compare "$work/walked.mco" "$work/mirror.mco" --quiet
 
-# One period as OBJ; its facets are those that are scored, in any copy.
+# mesh writes one period as OBJ; its facets are those that are scored in any copy.
 expect_code 0 mesh samples/furrows.mci -o "$work"
 grep -q 'boundary 0: 8192 triangles' "$work/out" || complain "mesh writes another sheet: $(cat "$work/out")"
 expect_code 0 samples/furrows.mci --quiet --photons 5e3 -o "$work"
@@ -94,7 +96,8 @@ grep -q 'boundary 0 is a mesh' "$work/err" || complain "opencl: $(cat "$work/err
 expect_code 2 "$work/mirror.mci" --boundaries cone -o "$work"
 grep -q ':11: --boundaries cone cannot represent a mesh' "$work/err" || complain "cones: $(cat "$work/err")"
 
-# The seam's step may be the largest by chance: a note, from check and run. One of more than three times is refused, as-is not.
+# The step at the seam may be the largest by chance: check and run note it. A step of more than three times the others is
+# refused, but not with as-is.
 seam() { # HEIGHT OPTION: of the last column, behind steps of 1
     printf 'ncols 4 nrows 2 cellsize 1\n0 1 2 %s\n0 1 2 2\n' "$1" >"$work/seam.asc"
     scene seam "m \"seam.asc\" units=mm $2"
@@ -113,7 +116,8 @@ expect_code 0 check "$work/seam.mci"
 test ! -s "$work/err" || complain "tile=as-is: $(cat "$work/err")"
 grep -q 'largest step across the seam 0.4 cm along x' "$work/out" || complain "tile=as-is: $(cat "$work/out")"
 
-# A rectangle of the tile is as large as the period is at its angle, which may be set; one that lights no whole periods is noted.
+# `beam rectangle tile` is as large as one period at the beam's angle, which may be set. A beam that does not light whole
+# periods is noted.
 lit() { # BEAM LINE [LAYER AND LINE]: a scene with that light and that boundary
     printf '1.0\n1\nlit.mco A\n1000\n0.01 0.01\n20 20 5\nbeam %s\n%s\n1\n%s\n1.4 1 50 0.8 0.3\n1\n' "$1" "$(test $# -eq 2 && echo 1 || echo 2)" \
         "$2${3:+

@@ -1,13 +1,13 @@
 #!/bin/sh
-# --tolerance: what becomes a plane and what does not, with the reason; every command, engine, number of threads and resumed
-# run flies the same surfaces; without it nothing curved is a plane.
+# Tests --tolerance: the boundaries that become planes, those that do not, and the stated reasons. Every command, engine,
+# number of threads and resumed run flies the same surfaces. Without --tolerance no curved boundary becomes a plane.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
 scene() { # NAME BEAM NR-LINES N-ABOVE SURFACE LAYER N-BELOW
     printf '1.0\n1\n%s.mco A\n20000\nbeam %s\n%s\n50 50 10\n1\n%s\n%s\n%s\n%s\n' "$@" >"$work/$1.mci"
 }
-# Height times mut plus slope is below the tolerance in these; what a plane changes is not (stat.tolerance).
+# Height times mut plus slope is below the tolerance in these scenes; the change that a plane makes is not (stat.tolerance).
 scene grazing "pencil at=-0.02,0 angle=88.9" "0.01 0.01" 1.0 "b 2 0.002 0.05 0 0.05" "1.4 0.5 0.5 0 1" 1.0
 scene critical "disk 0.05 angle=42.2" "0.01 0.01" 1.5 "b 2 0.0015 0.1 0 0.1" "1.0 0.1 1 0 1" 1.0
 lens=$(awk 'BEGIN { n = 41; printf "b %d", n
@@ -42,7 +42,8 @@ for quiet in ripple level; do
     done
 done
 
-# One choice for all: of the .mco file, which names it, all lines but time, engine and seed.
+# The choice of surfaces is the same for all options: compares all lines of the .mco, which names it, but time, engine and
+# seed.
 choice() { # OPTIONS...
     expect_code 0 "$work/ripple.mci" --tolerance 0.05 --quiet -o "$work" "$@"
     grep '^# *boundary\|boundary 0' "$work/ripple.mco"
@@ -60,7 +61,7 @@ grep -v '^# User time' "$work/ripple.mco" >"$work/one"
 choice --seed 4 --threads 3 >"$work/none"
 grep -v '^# User time' "$work/ripple.mco" | cmp -s - "$work/one" || complain "3 threads: other bits"
 
-# A run that is stopped goes on with the same surfaces. It may have ended before the signal came.
+# A stopped run goes on with the same surfaces. The run may have ended before the signal came.
 long="$work/ripple.mci --tolerance 0.05 --photons 1e6 -o $work"
 expect_code 0 $long --quiet
 grep -v '^# User time' "$work/ripple.mco" >"$work/one"

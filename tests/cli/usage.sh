@@ -1,5 +1,5 @@
 #!/bin/sh
-# Options, operands and exit codes of the command line.
+# Tests options, operands and exit codes of the command line.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 sample=samples/fig5.mci
@@ -22,7 +22,7 @@ expect_error 2 "unknown command cross (did you mean crosscheck?)" cross a.mci
 expect_error 2 "unknown command devcies (did you mean devices?)" devcies
 expect_error 2 "plann.mci: cannot be read: No such file or directory (expected a file)" plann.mci
 
-# Names are written out; what was probably meant is said.
+# Option names must be written in full; a message proposes the closest one.
 expect_error 2 "unknown option --fotons (did you mean --photons?)" $sample --fotons 3
 expect_error 2 "unknown option --phot (did you mean --photons?)" $sample --phot 3
 expect_error 2 "unknown option --phot (did you mean --photons?)" $sample --phot=3
@@ -52,7 +52,7 @@ expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings w
 expect_error 2 "--mesh-search grid (expected one of auto tree embree)" $sample --mesh-search grid
 expect_error 2 "trace: photon x (expected an index from 0)" trace $sample x
 
-# An option belongs to some commands, and some to one engine only. A command that is not named is run.
+# An option belongs to some commands, and some options to one engine only. A command that is not named is run.
 belongs() { # COMMAND OPTION OWNERS ARGUMENTS...
     refused="$1: $2 does not apply (it belongs to: $3)"
     shift 3
@@ -75,7 +75,7 @@ expect_error 2 "trace: --build-options does not apply to engine cpu $only" trace
 expect_error 2 "run: --mesh-search does not apply to engine reference (it belongs to: cpu)" \
     $sample --mesh-search embree --engine reference
 test ! -e "$work/fig5.mco" || complain "an option was refused after the run"
-# with --help nothing is refused that is known
+# With --help no known option is refused.
 expect_code 0 check --resume --help
 
 expect_code 2 "$work/missing.mci"
@@ -88,7 +88,7 @@ printf 'v 0 0 0\n' >"$work/mesh.obj"
 expect_error 2 "$work/mesh.obj:1: file version = v (expected 1.0; this is a mesh, which an m line of a scene names)" "$work/mesh.obj"
 expect_error 2 "run: -o $work/none.mco (expected a folder; --output names the result)" $sample -o "$work/none.mco"
 
-# Nothing is written, and nothing said on standard output, when the input is wrong.
+# With wrong input no file is written, and standard output is empty.
 printf '1.0\n1\nx.mco A\nten\n' >"$work/wrong.mci"
 expect_code 2 "$work/wrong.mci" -o "$work"
 grep -q "^clustermcml: $work/wrong.mci:4: " "$work/err" || complain "no file and line: $(cat "$work/err")"
@@ -103,7 +103,7 @@ cp "$work/out" "$work/list"
 expect_code 0 help
 cmp -s "$work/list" "$work/out" || complain "help and --help are two things"
 
-# help COMMAND is what COMMAND --help prints
+# help COMMAND prints the same as COMMAND --help.
 sed -n '/^commands/,/^$/s/^  \[*\([a-z][a-z]*\).*/\1/p' "$work/list" >"$work/commands"
 test "$(wc -l <"$work/commands")" -ge 10 || complain "--help lists few commands"
 while read -r command; do
@@ -116,14 +116,14 @@ while read -r command; do
     cmp -s "$work/text" "$work/out" || complain "$command --help and help $command are two things"
 done <"$work/commands"
 
-# options of the command, and no others
+# The help of a command lists its options, and no others.
 expect_code 0 help exact
 test "$(grep -o -e '^  [-a-z, ]*--[a-z-]*' "$work/out" | tr -d '\n')" = \
     "  --set  --tolerance  --mesh-budget  --json  --quiet  -h, --help  --version" || complain "help exact: $(cat "$work/out")"
 expect_code 0 help options
 test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
 
-# pages are those of the sources, by name, by the last part of it, or by folder
+# Pages of help are those of the sources, by name, by the last part of it, or by folder.
 for page in input/index input/beams output/standard-errors recipes/fit options glossary; do
     last=${page##*/}
     test $last != index || last=${page%/index}
@@ -140,7 +140,7 @@ test "$(grep -c '^| key | unit | range | default | meaning |$' "$work/out")" -eq
     test "$(grep -c '^| `[^|]* | [^|]* | [^|]* | [^|]* | [^|]* |$' "$work/out")" -gt 100 &&
     grep -q '^| `mua`, `layer1.mua` | 1/cm | 0 to 1e30 | required | ' "$work/out" &&
     grep -q '^| `limit` | - | 1 to 1e9, whole | 1e6 | ' "$work/out" || complain "help keys: $(cat "$work/out")"
-# sections of the manual whose heading names a word, rows of tables, and the glossary
+# help WORD finds sections of the manual whose heading names the word, rows of tables, and the glossary.
 says() { # WORD PATTERN MOST_LINES
     expect_code 0 help -- "$1"
     grep -q -e "$2" "$work/out" && test "$(wc -l <"$work/out")" -le "$3" || complain "help $1: $(cat "$work/out")"
@@ -166,7 +166,7 @@ for option in aim error-of dump; do # without dashes, where nothing else has tha
     expect_code 0 help $option
     cmp -s "$work/text" "$work/out" || complain "help $option: $(cat "$work/out")"
 done
-# options of the commands that Python does
+# Options of the commands that Python does are known, too.
 for option in $(grep -oh '("--[a-z][a-z-]*"' src/python/clustermcml/plot.py src/python/clustermcml/view.py src/python/clustermcml/compare.py src/python/clustermcml/brdf.py src/python/clustermcml/profile.py | tr -d '("' | sort -u); do
     expect_code 0 help "$option"
     test "$(grep -c -e "$option" "$work/out")" -ge 1 || complain "help $option: $(cat "$work/out")"
@@ -181,7 +181,7 @@ expect_error 2 "unknown option --sett (did you mean --set?)" help --sett
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything
 
-# nobody reads on, which is no error
+# A reader that closes the pipe early is no error.
 for words in help --help "help input"; do
     { sleep 0.1; "$program" $words 2>"$work/err"; } | true
     test ! -s "$work/err" || complain "$words without a reader: $(cat "$work/err")"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The picture of a scene: what must stand in it, that no two texts overlap, and which run of a file it shows.
+# Tests the picture of a scene: it has the expected texts, no two texts overlap, and it shows the right run of a file.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 warm_python
@@ -21,14 +21,14 @@ draw skinmap samples/skinmap.mci 'map, ' ', angle ' 'Boundary 0: '
 draw scan samples/scan.mci 'Boundary 0: skin.gsf. Boundary 1: grooves.asc.'
 test -z "${ALL_CASES:-}" || draw skin7 samples/skin7.mci 'layer 1, n = 1.53' 'layer 2, n = 1.34' 'layer 3, n = 1.4' 'layer 4, n = 1.39' 'layer 7, n = 1.44'
 
-# More layers than lines, beams at the edge, nearly level ones, layers as deep as the sea.
+# More layers than lines of text, beams at the edge and nearly level ones, layers as deep as the sea.
 {
     printf '1.0\n1\nmany.mco A\n1000\nbeam gaussian 0.3 at=0.9,0.2 angle=80 azimuth=180\n0.01 0.02\n20 50 10\n60\n1.0\n'
     for i in $(seq 60); do printf '1.%d 1 10 0.8 0.00%d\n' $((30 + i)) $((1 + i % 3)); done
     printf '1.0\n'
 } >"$work/many.mci"
 draw many "$work/many.mci" 'layer 4, n = 1.34' 'layer 60, n = 1.9' 'at y = 0.2 cm'
-# As many as there may be, which takes ten seconds.
+# The largest number of layers, which takes ten seconds.
 awk 'BEGIN { print "1.0\n1\nmost.mco A\n1000\n0.01 0.02\n20 50 10\n100000\n1.0"
     for (i = 0; i < 100000; i++) print "1.4 1 10 0.8 1e-5"
     print "1.0" }' >"$work/most.mci"
@@ -44,7 +44,8 @@ done
 
 draw paint samples/paint.mci 'layer 1, n = 1.5<' '>lambertian, R = 0.8<'
 draw foil samples/foil.mci '>metal, 1.37+7.62i<'
-# The widest rays of an aperture are those in the medium where it lies, whatever is above; those of a table are at half its maximum.
+# The widest rays of an aperture are those in the medium of the source, whatever lies above; those of a table are at half its
+# maximum.
 told() { "$program" check "$1" --json | sed 's/.*"spread":\([^,}]*\).*/\1/'; }
 for n in 1.0 1.4; do
     printf '1.0\n1\nna.mco A\n1000\nbeam pencil light=na:0.7 z=0.05\n0.01 0.02\n20 50 10\n1\n%s\n1.4 1 10 0.8 0.1\n1.0\n' "$n" >"$work/na.mci"
@@ -60,7 +61,7 @@ draw lamp "$work/lamp.mci" 'light of a table (rays: half its maximum)<'
 draw camera samples/camera.mci '>detector cam<'
 test -z "${ALL_CASES:-}" || draw fibres samples/fibres.mci '>detector near<' '>detector far<'
 
-# Detectors are as wide as they are, and their names lie in the frame, before what stands beside it.
+# Detectors are drawn to scale, and their names lie in the frame, before the texts beside it.
 printf '1.0\n1\nd.mco A\n1000\n0.01 0.01\n50 60 10\ndetector disk 0.1 at=0.5,0 name=near\ndetector rectangle 0.2 0.1 at=0.7,0 name=the_rightmost_one\n1\n1.0\n1.4 1 10 0.8 0.1\n1.0\n' >"$work/d.mci"
 draw d "$work/d.mci" '>detector near<' 'times as high as x is wide'
 "$CLUSTERMCML_PYTHON" - "$work/d.svg" <<'END' || complain "detectors"
@@ -75,13 +76,13 @@ for shape, size, nx, half in (("disk", (0, 0.03), 1, 0.03), ("ring", (0.1, 0.2),
     assert abs(_reach({"shape": shape, "size": size, "nx": nx, "ny": 1}) - half) < 1e-12, shape
 END
 
-# Bodies: all of them are in the picture, each with its name, in it or beside it.
+# All bodies are in the picture, each with its name inside or beside it.
 printf '1.0\n1\nbodies.mco A\n1000\n0.02 0.02\n20 20 5\n1\n1.0\n1.4 1 50 0.8 1e9\ni sphere 0.1 0 0.3 0.2 1.5 2 10 0.5\n' >"$work/bodies.mci"
 printf 'i cylinder -0.4 -1 2.5 -0.4 1 2.5 0.02 1.6 2 10 0.5\ni sphere 0.1 0 0.3 0.1 1.3 2 10 0.5\n1.0\n' >>"$work/bodies.mci"
 draw bodies "$work/bodies.mci" '>body 1, n = 1.5<' '>body 2, n = 1.6<' '>body 3, n = 1.3<'
 test -z "${ALL_CASES:-}" || draw glow samples/glow.mci '>body 1, n = 1.37<'
 
-# One run of a file with several.
+# A file with several runs: the picture shows one of them.
 draw first samples/two_runs.mci "$(awk 'NR > 3 && / A/ { print $1; exit }' samples/two_runs.mci), seen along y"
 expect_code 0 view samples/two_runs.mci --run 2 -o "$work/second.svg" --quiet
 cmp -s "$work/first.svg" "$work/second.svg" && complain "--run 2 draws the first run"
@@ -91,7 +92,7 @@ expect_error 2 "--output $work/a.txt (expected a name that ends in .svg, .png, .
 expect_code 0 view samples/two_runs.mci -o "$work/again.svg" --quiet
 cmp -s "$work/first.svg" "$work/again.svg" || complain "the same scene has other bytes"
 
-# What the plane cuts, where that is known: a pyramid has its slopes, and goes on as a plane.
+# The cut by the plane is drawn where it is known: a pyramid has its slopes, and goes on as a plane.
 "$CLUSTERMCML_PYTHON" - <<'END' || complain "sections"
 import sys
 sys.path.insert(0, "src/python")

@@ -1,6 +1,8 @@
 #!/bin/sh
-# --aim: expected values, and windows for all light below or a detector, have the bytes of one rank on several, also where they
-# decide how many photons fly, and where the run was stopped or killed and is continued on other ranks. SPDX-License-Identifier: MIT
+# Tests --aim on several ranks: expected values have the bytes of one rank, and so have flights with windows for all light
+# below or for a detector. This holds if expected values decide how many photons fly, and if a stopped or killed run continues
+# on other ranks.
+# SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 printf '1.0\n1\nx.mco A\n1000\ndetector disk 0.05 at=0.3,0 name=near\n0.01 0.01\n20 20 3\n%s\n' \
     "2\n1.0\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n1.4 1 60 0.8 0.3\n1.5 2 20 0.5 0.4\n1.0" | sed 's/\\n/\n/g' >"$work/x.mci"
@@ -19,11 +21,11 @@ for options in "--photons 20000 --aim Tt,Tt_r" "--photons 20000 --aim near" "--p
         expect_bits "$options on $1 ranks x $2 threads" "$work/x.mco" "$work/expected"
     done
 done
-# the expected Tt is known to 1 %, the counted one is not
+# The expected Tt is known to 1 %, the counted one is not.
 awk -v Tt="$(value Tt_expected "$work/out")" -v e="$(value Tt_expected_se "$work/out")" -v counted="$(value Tt_se "$work/out")" \
     'BEGIN { exit !(e <= 0.01 * Tt && counted > 0.01 * Tt) }' || complain "--target-error: $(cat "$work/out")"
 
-# Killed or stopped, and continued on two ranks.
+# A run is killed or stopped, and continued on two ranks.
 expect_code 0 "$work/x.mci" --photons 1.5e5 --aim Tt,near --quiet -o "$work"
 mv "$work/x.mco" "$work/expected"
 for end in "KILL 137" "TERM 75"; do

@@ -1,10 +1,12 @@
-"""SIGKILL aimed at every kind of call (open, write, fsync, close, rename, link, unlink) on every file that a run touches,
-before the first such call and after the last one, and in the middle of a write; with an older result in the folder
-or without. What stands under a final name is then a whole file, old or new; --resume on other threads or ranks, or a
-run from the beginning, leaves the bytes of the run that nobody stopped, and nothing else.
-Every third of these kills is tried, and all where the environment has ALL_CASES.
+"""Tests that SIGKILL at any moment never spoils a result.
 
-Shares all of the program with what it judges, but for the kill. Standard library only."""
+SIGKILL is aimed at every kind of call (open, write, fsync, close, rename, link, unlink) on every file of a run: before the
+first such call, after the last one, and in the middle of a write, with an older result in the folder or without. A file under
+a final name must be whole, old or new. --resume on other threads or ranks, or a run from the beginning, must give the bytes
+of an undisturbed run, and no other file.
+Every third of these kills is tried, and all if the environment has ALL_CASES.
+
+Shares with the program everything but the kill. Standard library only."""
 import os
 import sys
 
@@ -15,7 +17,7 @@ SIGKILL = -9
 
 
 def aims(folder):
-    """(call, which, action, file)"""
+    """Yields (call, which, action, file)."""
     for (call, name), count in folder.occurrences().items():
         yield call, 1, "before", name
         yield call, count, "after", name
@@ -24,7 +26,7 @@ def aims(folder):
 
 
 def end(folder, number):
-    """Goes on with what a killed run left: mostly --resume, now and then from the beginning, now and then on ranks."""
+    """Continues what a killed run left: mostly by --resume, sometimes from the beginning, sometimes on ranks."""
     if number % 8 == 7:
         for name in os.listdir(folder.path):
             if ".checkpoint" in name and not name.endswith(".tmp"):
@@ -34,7 +36,7 @@ def end(folder, number):
 
 
 def kill(folder, number, aim, ranks=0):
-    """What is wrong after this kill."""
+    """Kills one run and returns complaints about what follows."""
     complaints = []
     folder.clear(older=number % 2 == 0)
     call, n, action, name = aim

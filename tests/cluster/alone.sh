@@ -1,7 +1,7 @@
 #!/bin/sh
-# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE; run.sh gives the thread sanitizer's build, by another
-# compiler, which is slow: few packets): the same bits, checkpoints and resume; refused where
-# several copies were started, which would all write the same files; srun without PMI starts such copies of any build.
+# Tests a build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE): the same bits, checkpoints and resume. It refuses
+# to run as several copies, which would all write the same files; srun without PMI starts such copies of any build. run.sh
+# passes the thread sanitizer's build, by another compiler, which is slow; hence few packets.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 alone=${CLUSTERMCML_ALONE:?names no program}
@@ -25,7 +25,8 @@ sed '/^# clustermcml/d' "$work/hinoise.mco" >"$work/a"
 sed '/^# clustermcml/d' "$work/expected" >"$work/b"
 expect_bits "without MPI" "$work/a" "$work/b"
 ranks 1 $scene --photons 5e3 --quiet -o "$work" || complain "one copy under mpiexec"
-# every copy says so, unless mpiexec ends it first; into a file each, because mpiexec may mix what two say
+# Every copy prints the message unless mpiexec ends it first. Each has a file of its own, because mpiexec may mix two
+# messages.
 code=0
 mpiexec -n 2 $mpi_options sh -c 'exec "$0" "$1" 2>"$2/copy.$$"' "$program" $scene "$work" >"$work/out" 2>&1 </dev/null || code=$?
 test $code -eq 2 || complain "two copies without MPI: exit $code"

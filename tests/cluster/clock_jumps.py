@@ -1,7 +1,8 @@
-"""The date jumps by an hour or a day, forwards and back again and again, during runs on one process and on two ranks:
-the same bytes, checkpoints, progress that is none of the jump's doing, and a time of flight without the jumps.
+"""Tests that jumps of the date do not disturb a run. The date jumps by an hour or a day, forwards and back again and again,
+during runs on one process and on two ranks. Bytes and checkpoints stay the same, and progress and the time of flight are
+those without jumps.
 
-Shares all of the program with what it judges, but for the date. Standard library only."""
+Shares with the program everything but the date. Standard library only."""
 import os
 import pty
 import re
@@ -20,7 +21,7 @@ def bits(path):
 
 
 def read_terminal(terminal):
-    """All that comes until the other side is closed."""
+    """Reads everything until the other side of the terminal is closed."""
     text = b""
     while True:
         try:
@@ -33,7 +34,7 @@ def read_terminal(terminal):
 
 
 def run(folder, seconds, ranks):
-    """Returns the exit code and what a terminal as standard error showed."""
+    """Runs the program with a terminal as standard error. Returns the exit code and the terminal's text."""
     words = ["env", f"LD_PRELOAD={os.environ['FILE_FAULT']}:{os.environ['SYSTEM_FAULT']}", f"CML_CLOCK=jump {seconds}",
              f"CML_CLOCK_LOG={folder}/jumps", f"CML_FAULT_FOLDER={folder}/", f"CML_FAULT_LOG={folder}/calls", PROGRAM,
              "samples/thick.mci", "--photons", str(PHOTONS), "--threads", "1", "--checkpoint", "1e-9", "-o", folder]
@@ -62,7 +63,7 @@ def check(folder, seconds, ranks, expected):
     shares = [share for share, _, _ in bars]
     if bits(result) != expected:
         complaints.append("other bytes")
-    if checkpoints == 0 or (ranks and not jumps):  # one process alone never asks for the date
+    if checkpoints == 0 or (ranks and not jumps):  # a single process never asks for the date
         complaints.append(f"jumped: {jumps}, {checkpoints} checkpoints")
     if not 0 <= took < HOUR / 2:
         complaints.append(f"took {took} s")

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whatever goes wrong on any rank ends all with one message and one exit code, and spoils no file.
+# Tests failures on any rank: all ranks end with one message and one exit code, and no file is spoilt.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 sample=samples/fig5.mci
@@ -10,8 +10,8 @@ expect_ranks_error 3 5 "$sample: cannot be made (File exists; expected a folder)
 printf '1.0\n1\nx.mco A\nten\n' >"$work/wrong.mci"
 expect_ranks_error 3 2 "$work/wrong.mci:4: photons = ten (expected a whole number of 1..2^48)" "$work/wrong.mci"
 
-# One rank alone fails: too little memory for the result, other options than rank 0's.
-# Not as two programs of one mpiexec: that of Open MPI 5.0.7 itself crashes where its command line holds a colon.
+# A single rank fails: too little memory for the result, or other options than rank 0's. Two programs of one mpiexec are not
+# used: Open MPI 5.0.7's mpiexec crashes if its command line holds a colon.
 two_kinds() { # COMMAND OF RANK 0 and of rank 1, each one word to sh -c
     code=0
     mpiexec $mpi_options -n 2 sh -c 'test "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" -eq 0 || shift; exec sh -c "$1"' sh "$1" "$2" \
@@ -32,7 +32,7 @@ for other in "--seed 2" "--error-of A_l:1" "--aim A_l:2"; do
 done
 test ! -e "$work/fig5.mco" && test ! -e "$work/S6b.mco" || complain "a failed run wrote a result"
 
-# The same of a sweep, whose ranks fly rows of their own (four) or each row together (two): before the first one.
+# A sweep meets these failures before its first row. Four ranks fly rows of their own; two fly each row together.
 version=$("$program" --version | sed -n 's/^clustermcml //p')
 LC_ALL=C sed "s/$version/$(echo "$version" | tr 0-9 1-90)/g" "$program" >"$work/other"
 chmod +x "$work/other"
@@ -51,7 +51,8 @@ for rows in 2 4; do
     done
 done
 
-# A rank whose system starts no threads: without that which answers others it cannot take part, else it flies alone.
+# The system starts no threads for a rank. Without the thread that answers others the rank cannot take part; otherwise it
+# flies with one thread.
 run="$program $sample --photons 1000 --threads 2 --quiet -o $work"
 two_kinds "$run" "LD_PRELOAD=$SYSTEM_FAULT CML_THREADS=1 $run"
 test $code -eq 5 && test "$(cat "$work/said")" = "clustermcml: rank 1: the thread that answers other ranks cannot start" ||
@@ -63,7 +64,7 @@ rm "$work/fig5.mco"
 
 c=$work/thick.mco.checkpoint
 
-# A rank that answers no more: after the patience one message, and the checkpoint serves.
+# A rank stops answering: after the patience there is one message, and the checkpoint can be resumed.
 begin() { # ARGUMENTS: starts 2 ranks of a long run, waits until a checkpoint is there; sets launcher and children
     mpiexec -n 2 $mpi_options "$program" samples/thick.mci --photons 1e8 --checkpoint 0.2 --quiet -o "$work" "$@" \
         >"$work/out" 2>"$work/err" &
@@ -80,7 +81,7 @@ test $code -eq 5 && grep -q '^clustermcml: contact lost: nothing heard from rank
     complain "a stopped rank: $code, $(cat "$work/err")"
 test ! -e "$work/thick.mco" && test -e "$work/thick.mco.checkpoint" || complain "a stopped rank: $(ls "$work")"
 
-# What is wrong with a checkpoint is said, and the older one serves where the last is damaged.
+# A damaged checkpoint is reported, and the older one is used instead.
 refuse() { # MESSAGE ARGUMENTS...
     message=$1
     shift
@@ -108,7 +109,7 @@ truncate -s 0 "$c.old"
 refuse "$c.old: the checkpoint is damaged (cut short)"
 rm -f "$c" "$c.old"
 
-# A full disk, and one that became read-only: the results that are there stay.
+# The disk is full, or became read-only: existing results stay.
 expect_code 0 samples/thick.mci --photons 1000 --quiet -o "$work"
 unshare -m true 2>/dev/null || { echo "not tested: full and read-only disk (no right to mount)"; finish; exit 77; }
 cat >"$work/disk.sh" <<'E2'

@@ -1,7 +1,8 @@
-"""Kills at random moments (KILLS of them, or 20), each resumed on another number of ranks and threads: the same bytes at the end.
+"""Tests random kills (KILLS of them, or 20), each resumed on another number of ranks and threads: the bytes at the end are
+the same.
 
-SIGTERM to the program, to one rank or to mpiexec, SIGUSR2 to mpiexec, SIGKILL to one rank or to mpiexec; some in the
-middle of starting. Where the program itself decides, it must say 75."""
+SIGTERM goes to the program, to one rank or to mpiexec, SIGUSR2 to mpiexec, SIGKILL to one rank or to mpiexec, sometimes in
+the middle of starting. If the program itself decides on the exit code, it must be 75."""
 import os
 import random
 import signal
@@ -21,7 +22,7 @@ dice = random.Random(20)
 
 
 def timed_scene(folder):
-    """samples/thick.mci with gates of time, directions, fluence and a rough top, as thick.mci in FOLDER."""
+    """Writes thick.mci in FOLDER: samples/thick.mci with gates of time, directions, fluence and a rough top."""
     path = os.path.join(folder, "thick.mci")
     with open("samples/thick.mci", encoding="utf-8") as sample, open(path, "w", encoding="utf-8") as scene:
         scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\ndirections 9 12\nfluence\ndetector disk 0.3 na=0.5\n1                       # layers")
@@ -30,7 +31,7 @@ def timed_scene(folder):
 
 
 def bits(folder):
-    """The .mco without its time, and all arrays of the .h5 beside it, whose words of the call differ."""
+    """Returns the .mco without its time, and all arrays of the .h5 beside it, whose command lines differ."""
     with open(os.path.join(folder, "thick.mco"), "rb") as file:
         return b"".join(line for line in file if not line.startswith(b"# User time")), repr(cml.read_h5(os.path.join(folder, "thick.h5")))
 
@@ -53,7 +54,7 @@ def children(pid):
 
 
 def victims(process, ranks):
-    """Who may get which signal, and whether the program then decides about the exit code."""
+    """Returns (process, signal, True if the program then decides on the exit code)."""
     if not ranks:
         return [(process.pid, signal.SIGTERM, True), (process.pid, signal.SIGKILL, False)]
     if dice.random() < 0.2:  # mpiexec takes two seconds to end
@@ -70,7 +71,7 @@ def wait_for_flight(process):
 
 
 def gone(pids):
-    """Ranks whose launcher was killed end by themselves."""
+    """Waits for ranks whose launcher was killed; they end by themselves."""
     for _ in range(600):
         if not any(os.path.exists(f"/proc/{pid}") and "clustermcml" in open(f"/proc/{pid}/cmdline").read()
                    for pid in pids):
@@ -80,7 +81,7 @@ def gone(pids):
 
 
 def one_life(folder, shape, resume, complaints):
-    """Starts, kills, waits. Returns whether the run came to its end, and whether it was killed."""
+    """Starts, kills and waits. Returns (True if the run came to its end, True if it was killed)."""
     process = start(folder, shape, resume)
     flying = dice.random() < 0.85
     if flying:
@@ -126,7 +127,7 @@ def main():
                 left = sorted(os.listdir(folder))
                 if bits(folder) != expected:
                     complaints.append(f"{shape}: other bits at the end")
-                if left != ["thick.h5", "thick.mco", "thick.mco.checkpoint"]:  # --resume leaves one that says: finished
+                if left != ["thick.h5", "thick.mco", "thick.mco.checkpoint"]:  # --resume leaves a checkpoint that says: finished
                     complaints.append(f"{shape}: left {left}")
                 remove(folder)
     print(f"{kills} kills in {lives} lives, {ends} runs came to their end")

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Ranks with OpenCL devices give the same bytes as one; crosscheck compares in one process only.
+# Tests ranks with OpenCL devices, which give the same bytes as one rank. crosscheck compares in one process only.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 expect_code 0 devices

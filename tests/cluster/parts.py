@@ -1,6 +1,8 @@
-"""Parts of one run (--part), flown on 1 and 2 ranks, killed and resumed, then joined: every file has the bytes of one run, with
-all outputs on: profiles, times, directions, fluence, maps, voxels, facets, bodies, detectors, saved packets, and how the
-program was called. Likewise the rows of a sweep and their tables. KILLS says how many kills at least (8)."""
+"""Tests parts of one run (--part), flown on 1 and 2 ranks, killed and resumed, then joined: every file has the bytes of one
+run.
+
+All outputs are on: profiles, times, directions, fluence, maps, voxels, facets, bodies, detectors, saved packets, and the
+command line. The rows of a sweep and their tables are tested likewise. KILLS: least number of kills (8)."""
 import os
 import random
 import re
@@ -75,7 +77,7 @@ def differences(name, folder, expected):
 
 
 def fly_killed(folder, part):
-    """A part to its end through kills. Returns how many."""
+    """Flies a part to its end through kills. Returns their number."""
     kills, lives = 0, 0
     while True:
         lives += 1
@@ -97,7 +99,7 @@ def fly_killed(folder, part):
             return kills
         if "locked by another process" in error:  # ranks outlive a killed mpiexec for a moment
             time.sleep(0.05)
-        elif code not in (75, -signal.SIGKILL, -signal.SIGUSR2, 1):  # the last of a launcher that is about to end
+        elif code not in (75, -signal.SIGKILL, -signal.SIGUSR2, 1):  # the exit code of a launcher that is about to end
             raise SystemExit(f"FAILED part {part}: exit {code}: {error}")
 
 

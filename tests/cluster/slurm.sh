@@ -1,6 +1,6 @@
 #!/bin/sh
-# samples/slurm.sh under a real Slurm of one node, which this test starts and stops: the time limit's signal stops the
-# job and it has itself requeued; `scontrol requeue` stops it once more; at the end it has the bytes of an undisturbed
+# Tests samples/slurm.sh under a real Slurm of one node, which this test starts and stops. The time limit's signal stops the
+# job, and the job has itself requeued; `scontrol requeue` stops it once more. At the end it has the bytes of an undisturbed
 # run. srun without PMI is refused.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
@@ -50,7 +50,7 @@ start_slurm() {
     munged --key-file="$work/munge.key" --socket="$work/munge.socket" --pid-file="$work/munged.pid" \
         --log-file="$work/munged.log" --seed-file="$work/munge.seed" || return 1
     write_configuration >"$work/slurm.conf"
-    # nothing here needs control groups, but slurmd does not start without their file system unless told
+    # Nothing here needs control groups, but without their file system slurmd starts only if told so.
     grep -q '/sys/fs/cgroup' /proc/mounts || echo CgroupPlugin=disabled >"$work/cgroup.conf"
     export SLURM_CONF="$work/slurm.conf"
     began=$(date +%s)
@@ -62,12 +62,12 @@ start_slurm() {
     return 1
 }
 
-# A step that runs, or is being killed, has a socket in the spool folder.
+# True if a step runs or is being killed; it then has a socket in the spool folder.
 steps_run() {
     test -n "$(find "$work/spool" -name "*_$job.*" 2>/dev/null)"
 }
 
-# Ended, or a zombie where nobody waits for those whose parent has gone.
+# True if the process has ended, or is a zombie whose parent has gone and for which nobody waits.
 ended() { # PID
     ! grep '^State:' "/proc/$1/status" 2>/dev/null | grep -qv 'Z (zombie)'
 }
@@ -113,13 +113,13 @@ expect_code 0 "$scene" --threads 2 --photons $photons --quiet -o "$work/undistur
 
 # ---- the job, which is stopped twice
 
-# Slurm looks at time limits every 30 s and sends the signal of --signal=USR2@45 when less than 75 s are left: with a
-# limit of a minute at its first look. Submitted ten seconds before one, the job has flown half.
+# Slurm looks at time limits every 30 s and sends the signal of --signal=USR2@45 when less than 75 s are left: with a limit of
+# a minute at its first look. A job submitted ten seconds before a look has flown half by then.
 until test $((($(date +%s) - began) % 30)) -eq 20; do sleep 0.2; done
 job=$(cd "$work/run" && CLUSTERMCML=$program sbatch --parsable --output=log --nodes=1 --ntasks-per-node=2 \
     --cpus-per-task=1 --time=00:01:00 --signal=USR2@45 "$script" "$scene" --photons $photons) || { complain "sbatch fails"; finish; }
 
-# The cores that each rank of the job may use, a line for each.
+# Prints the cores that each rank of the job may use, one line per rank.
 cores_of_ranks() {
     for process in /proc/[0-9]*; do
         test "$(readlink "$process/cwd") $(readlink "$process/exe")" = "$work/run $(readlink -f "$program")" &&
@@ -158,7 +158,7 @@ if test "$(nproc)" -ge 2; then
     echo "$cores" | sort -u | grep -q '[-,]' || test "$(echo "$cores" | sort -u | wc -l)" -eq 2 || complain "both ranks on core $cores"
 fi
 test "$restarts" -ge 2 || complain "restarted $restarts times, not twice"
-# no line about the progress, of any attempt, is behind those before it; "30 %" is up to 40
+# Progress never goes back, over all attempts of the job. A line "30 %" stands for up to 40 %.
 back=$(echo "$log" | awk '/: stopped with/ { least = most = 100 - 100 * $5 / $7 } /^[0-9]+ %/ { least = $1; most = $1 + 10 }
     most < before { print } least > before { before = least }')
 test -z "$back" || complain "an attempt began anew: $back"

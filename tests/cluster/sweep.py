@@ -1,7 +1,7 @@
-"""Sweeps that are killed or stopped in the middle and resumed, on 1 to 3 ranks, lose no row and double none: at the end the
-files of all rows and the table have the bytes of the sweep that nobody disturbed. On several ranks each flies rows of its
-own; a signal to one of them stops all. KILLS says how often (4). Same bytes for any number of ranks, and the
-same lines of --json."""
+"""Tests sweeps that are killed or stopped in the middle and resumed, on 1 to 3 ranks. No row is lost or doubled: at the end
+the files of all rows and the table have the bytes of an undisturbed sweep. On several ranks each flies rows of its own; a
+signal to one of them stops all. Bytes and lines of --json are the same for any number of ranks. KILLS: number of kills
+(4)."""
 import json
 import os
 import random
@@ -29,7 +29,7 @@ def start(folder, table, ranks, resume):
 
 
 def read(folder):
-    """{name: bytes but for the time} of results; checkpoints are left out."""
+    """Returns {name: bytes without the time} of results; checkpoints are left out."""
     files = {}
     for name in os.listdir(folder):
         if "checkpoint" in name or name.endswith(".h5"):
@@ -44,7 +44,7 @@ def rows_there(folder):
 
 
 def disturb(process, folder, dice):
-    """A signal when some more rows are there. Whether it was sent before the end."""
+    """Sends a signal when some more rows exist. Returns True if it was sent before the end."""
     goal = rows_there(folder) + dice.randrange(1, 6)
     while process.poll() is None and rows_there(folder) < min(goal, ROWS):
         time.sleep(0.002)
@@ -58,7 +58,7 @@ def disturb(process, folder, dice):
 
 
 def check_few(root):
-    """Two rows on three ranks, which fly each row together."""
+    """Tests two rows on three ranks, which fly each row together."""
     table = os.path.join(root, "two.csv")
     with open(table, "w", encoding="ascii") as file:
         file.write("layer1.g\n0.5\n0.9\n")
@@ -72,7 +72,7 @@ def check_few(root):
 
 
 def objects(root, table, ranks):
-    """(row, totals) of every line of --json, in the order in which they stand there."""
+    """Returns (row, totals) of every line of --json, in the order of the lines."""
     folder = os.path.join(root, f"json{ranks}")
     os.mkdir(folder)
     command = [*launcher_of(ranks), PROGRAM, "samples/thick.mci", "--sweep", table, "--photons", "1000", "--threads", "1", "--json", "-o",

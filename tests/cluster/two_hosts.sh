@@ -1,6 +1,6 @@
 #!/bin/sh
-# Two hosts, each a network namespace with its own address and host name: a run across both over TCP gives the bits of
-# one host; when the link is cut the run ends with a clear error, leaves no process, and can be resumed.
+# Tests two hosts, each a network namespace with its own address and host name. A run across both over TCP gives the bits of
+# one host. If the link is cut, the run ends with a clear error, leaves no process, and can be resumed.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 mpiexec --version | grep -q 'Open MPI\|OpenRTE' || { echo "needs the remote shell of Open MPI's mpiexec"; exit 77; }
@@ -16,7 +16,7 @@ for host in "$a 10.77.0.1" "$b 10.77.0.2"; do
     ip -n "$1" link set cml0 up
 done
 
-# What mpiexec starts the other host's commands with, in place of ssh.
+# This script starts commands on the other host for mpiexec, in place of ssh.
 cat >"$work/shell" <<E2
 #!/bin/sh
 shift
@@ -25,8 +25,8 @@ E2
 chmod +x "$work/shell"
 printf '10.77.0.1 slots=1\n10.77.0.2 slots=1\n' >"$work/hosts"
 
-# With a keepalive of mpiexec's own connections that finds a lost host in 4 to 6 s; its default takes minutes. The
-# program says so within its patience of 3 s and gives mpiexec 6 s more.
+# Runs on both hosts. mpiexec's keepalive for its own connections is set to find a lost host in 4 to 6 s; its default takes
+# minutes. The program reports the loss within its patience of 3 s and gives mpiexec 6 s more.
 both() { # ARGUMENTS...
     TMPDIR=$work timeout 60 ip netns exec $a unshare --uts sh -c 'hostname host-a; exec "$@"' sh \
         mpiexec --hostfile "$work/hosts" -n 2 --bind-to none --mca plm_rsh_agent "$work/shell" \
@@ -48,7 +48,7 @@ until test -e "$work/thick.mco.checkpoint" || ! kill -0 $run; do sleep 0.05; don
 ip -n $b link set cml0 down
 code=0
 wait $run || code=$?
-# mpiexec has an exit code of its own for a lost host, and that of Open MPI 5 is 0
+# mpiexec has its own exit code for a lost host; that of Open MPI 5 is 0.
 case $code,$(mpiexec --version) in
 0,*"Open MPI) 5"*) ;;
 0,* | 124,*) complain "link cut: exit $code" ;;

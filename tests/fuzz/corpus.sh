@@ -1,5 +1,5 @@
 #!/bin/sh
-# First inputs of the fuzzers, one folder per target: corpus.sh PROGRAM FOLDER. They come from the samples, the meshes,
+# Makes first inputs of the fuzzers, one folder per target: corpus.sh PROGRAM FOLDER. They come from the samples, the meshes,
 # the refused inputs of tests/cli and short runs of the program, so that nothing is stored twice.
 # SPDX-License-Identifier: MIT
 set -eu
@@ -9,7 +9,7 @@ out=$(realpath "$2")
 cd "$(dirname "$0")/../.."
 for target in mci fly obj heightmap mco options checkpoint sweep; do mkdir -p "$out/$target"; done
 
-# A scene and the files that it names become one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
+# Joins a scene and the files that it names into one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
 join() {
     cat "$1"
     grep -o '"\.\./meshes/[^"]*"' "$1" | tr -d '"' | while read -r file; do
@@ -19,7 +19,7 @@ join() {
 }
 for scene in samples/*.mci samples/shapes/*.mci; do join "$scene" >"$out/mci/$(basename "$scene")"; done
 
-# Refused ones: kind, message, then the file. Tables of a beam's light, and of detectors, are no inputs by themselves.
+# Refused inputs: kind, message, then the file. Tables of a beam's light, and of detectors, are no inputs by themselves.
 awk -v out="$out" '
     /^@(table|seen)/ { n++; file = "/dev/null"; next }
     /^@/ { n++; file = sprintf("%s/%s/refused%03d", out, substr($1, 2), n); printf "" > file; next }
@@ -49,7 +49,7 @@ f 4 2 6
 f 1 4 6
 END
 
-# Small scenes, which fly in no time: of every kind of line one, on small grids.
+# Writes small scenes that fly in no time: one of every kind of line, on small grids.
 scene() { # NAME RUN ABOVE BELOW FILES: lines for the whole run, then for both boundaries
     {
         printf '1.0\n1\n%s.mco A\n64\n0.1 0.1\n3 4 2\n%b1\n1\n%b1.4 0.5 20 0.8 1\n%b1.5\n' "$1" "$2" "$3" "$4"
@@ -82,8 +82,8 @@ for name in plane maps hill; do
     cp "$scratch/$name.mco" "$out/mco"
 done
 
-# The grid of fuzz_checkpoint.c, which puts zeros for the cells that are cut off here. The run is ended as soon as it has
-# left a checkpoint, however slow the machine is.
+# This scene has the grid of fuzz_checkpoint.c, which puts zeros for the cells that are cut off here. The run is ended as soon
+# as it has left a checkpoint, however slow the machine is.
 sed 's/3 4 2/1 1 1/' "$out/fly/plane" >"$scratch/one.mci"
 "$program" "$scratch/one.mci" --photons 1e12 --checkpoint 0.1 --quiet --threads 1 -o "$scratch" &
 run=$!
@@ -92,7 +92,7 @@ kill -KILL $run
 wait $run 2>/dev/null || true
 head -c 2300 "$scratch/plane.mco.checkpoint" >"$out/checkpoint/partial"
 
-# Command lines: what the help text names, and the examples in the manual's words.
+# Command lines from the help text, and the examples of the manual.
 printf 'run\nscene.mci\n--photons\n1e7\n--seed=2\n-o\nresults\n' >"$out/options/run"
 printf 'trace\nscene.mci\n7\n--run\n2\n--engine\nreference\n--boundaries=mesh\n--normals\nfacet\n--rings\narea\n' >"$out/options/trace"
 printf -- '--checkpoint\noff\n--patience\n1e3\n--target-error\n.01\n--tolerance\n1e-3\n--threads\n2\n--device\n0,1\n' >"$out/options/machine"

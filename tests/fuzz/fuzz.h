@@ -1,4 +1,4 @@
-/* What the fuzzers share: conditions that end the process, inputs as files, inputs of several files.
+/* Helpers of all fuzzers: conditions that end the process, inputs as files, inputs of several files.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -10,10 +10,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* libFuzzer calls it with one input after the other; what it returns is always 0. */
+/* libFuzzer calls this function with one input after the other. It always returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A condition that no input may break. libFuzzer keeps the input that does. */
+/* Ends the process if an input breaks the condition; libFuzzer keeps that input. */
 #define FUZZ_CHECK(condition)                                                                                \
     do {                                                                                                     \
         if (!(condition)) {                                                                                  \
@@ -22,13 +22,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         }                                                                                                    \
     } while (0)
 
-/* A refusal has a status of its own and one line for the user. */
+/* Checks a refusal: it has a status of its own and one line for the user. */
 static inline void fuzz_refused(cml_status status, const struct cml_error *err)
 {
     FUZZ_CHECK(status != CML_OK && err->text[0] != '\0' && strchr(err->text, '\n') == NULL);
 }
 
-/* A file in memory that holds the bytes; its path serves until the next call. */
+/* Returns the path of a file in memory that holds the bytes. The path serves until the next call. */
 static inline const char *fuzz_file(const uint8_t *data, size_t size)
 {
     static char path[64];
@@ -43,8 +43,8 @@ static inline const char *fuzz_file(const uint8_t *data, size_t size)
     return path;
 }
 
-/* Where a writer's output goes: a folder that run.sh makes and removes, or /tmp. Every process has its own.
- */
+/* Returns the path for a writer's output, in a folder that run.sh makes and removes, or in /tmp. Every
+ * process has its own. */
 static inline const char *fuzz_output(void)
 {
     static char path[256];
@@ -53,7 +53,7 @@ static inline const char *fuzz_output(void)
     return path;
 }
 
-/* Pictures and reports are made, and thrown away. */
+/* Returns a stream that discards pictures and reports. */
 static inline FILE *fuzz_nowhere(void)
 {
     static FILE *stream;
@@ -62,16 +62,16 @@ static inline FILE *fuzz_nowhere(void)
     return stream;
 }
 
-/* An input of several files, with FUZZ_CUT between them. The first one is the scene; the files that it names
- * are the others, in the order in which they are read, and the last one again and again. */
+/* Separates the files of an input. The first file is the scene. The others stand for the files that it
+ * names, in the order in which they are read; the last one is used again and again. */
 #define FUZZ_CUT "\n%%%%\n"
 
 struct fuzz_files {
     const uint8_t *data;
-    size_t size; /* not read yet */
+    size_t size; /* bytes not read yet */
 };
 
-/* No input is as long as the limit. */
+/* Reads the next file of the input in place of `path`. No input is as long as the limit `most`. */
 static inline cml_status fuzz_read(void *context, const char *path, size_t most, char **data, size_t *size,
                                    struct cml_error *err)
 {

@@ -1,5 +1,5 @@
-/* Checkpoints whose checksum is right, whatever they hold. The input is a checkpoint without its checksum.
- * SPDX-License-Identifier: MIT */
+/* Fuzzes checkpoints whose checksum is right, with any content. The input is a checkpoint without its
+ * checksum. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "run/checkpoint.h"
@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <zlib.h>
 
-/* Bytes: of a file, of its head, which ends with a record. */
+/* Sizes in bytes: of a file, and of its head, which ends with a record. */
 enum { MOST = 1 << 16, HEAD = 136 + sizeof(struct cml_record) };
 enum {
     IDENTITY_SIZE = 48,
@@ -16,9 +16,9 @@ enum {
     NUM_RANGES = 64,
     NUM_SAVED = 80,
     END = 104
-}; /* where in the head these numbers are */
+}; /* offsets of these numbers in the head */
 
-/* That of the checkpoints which tests/fuzz/corpus.sh makes. */
+/* The grid of the checkpoints that tests/fuzz/corpus.sh makes. */
 static const struct cml_tally_grid grid = {.nr = 1,
                                            .nz = 1,
                                            .na = 1,
@@ -29,7 +29,7 @@ static const struct cml_tally_grid grid = {.nr = 1,
 /* A checkpoint under repair. */
 struct file {
     uint8_t data[MOST + sizeof(uint64_t)];
-    size_t size; /* without the checksum */
+    size_t size; /* bytes without the checksum */
 };
 
 static uint64_t number_at(const struct file *file, size_t place)
@@ -39,7 +39,7 @@ static uint64_t number_at(const struct file *file, size_t place)
     return number;
 }
 
-/* The identity that the file itself claims, so that most files get beyond the question whose they are. */
+/* Copies the identity that the file itself claims, so that most files pass the check of their run. */
 static void claimed(const struct file *file, char identity[MOST])
 {
     const uint64_t length = file->size >= HEAD ? number_at(file, IDENTITY_SIZE) : 0;
@@ -49,8 +49,8 @@ static void claimed(const struct file *file, char identity[MOST])
     identity[length] = '\0';
 }
 
-/* Zeros to the length that the head asks for: few inputs have it by chance. In one of two files the number of
- * packets flown becomes what the ranges leave. */
+/* Appends zeros up to the length that the head asks for, because few inputs have it by chance. In every
+ * second file the number of packets flown is set to what the open ranges leave. */
 static void repair(struct file *file, size_t cells)
 {
     const size_t size = file->size;
@@ -71,8 +71,8 @@ static void repair(struct file *file, size_t cells)
     memcpy(file->data + place + offsetof(struct cml_summary, count[CML_COUNT_PHOTONS]), &flown, sizeof flown);
 }
 
-/* What is open and what was flown make up the round, each index once; run.c relies on it. Nothing need be
- * open: rows that are to be written have flown all. */
+/* Checks that open and flown indices make up the round, each index once; run.c relies on it. No index need
+ * be open: rows that are still to be written have flown all. */
 static void check(const struct cml_run_state *state, const struct cml_result *result)
 {
     const struct cml_ranges *open = &state->open;

@@ -1,5 +1,5 @@
-/* .mci files as in fuzz_mci, and 64 packets of each run with two engines: none is lost, no weight is missing.
- * Scenes that would take long are passed over. SPDX-License-Identifier: MIT */
+/* Fuzzes .mci files like fuzz_mci, and flies 64 packets of each run with two engines: no packet is lost,
+ * no weight is missing. Scenes that would take long are skipped. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "engine/engines.h"
@@ -11,8 +11,8 @@
 
 enum { PHOTONS = 64, MOST_RUNS = 2, MOST_LAYERS = 6, MOST_CELLS = 4096, MOST_PARTS = 256, MOST_BODIES = 32 };
 
-/* Interactions of a packet are many where the albedo is near 1 and the layer is thick, boundary events where
- * it is thin. Lengths: a float resolves 1e-7 of them. */
+/* True if a layer is quick to fly. Packets interact often if the albedo is near 1 and the layer is thick,
+ * and meet boundaries often if it is thin. A float resolves 1e-7 of lengths. */
 static bool is_quick_layer(const struct cml_medium_def *layer, double reach)
 {
     const double mut = layer->mua + layer->mus;
@@ -27,7 +27,7 @@ static bool is_quick_boundary(const struct cml_boundary *boundary)
     return boundary->mesh.num_triangles <= MOST_PARTS && boundary->radial.n <= MOST_PARTS;
 }
 
-/* A body is no larger than its layer; one without absorption is to be thin. */
+/* True if a body is no larger than its layer; a body without absorption must be thin. */
 static bool is_quick_body(const struct cml_scene *scene, int body, double reach)
 {
     const struct cml_medium_def *medium = &scene->media[scene->num_layers + 2 + body];
@@ -36,7 +36,7 @@ static bool is_quick_body(const struct cml_scene *scene, int body, double reach)
            (mut * reach < 25 || medium->mua > 0.009 * mut);
 }
 
-/* How far a packet may have to go across a layer, cm: all layers and all shapes. */
+/* Returns the largest distance (cm) across a layer: all layers and all shapes. */
 static double reach_of(const struct cml_scene *scene)
 {
     double reach = 0;
@@ -71,7 +71,8 @@ static bool is_quick(const struct cml_scene *scene)
     return true;
 }
 
-/* All of the tally is one batch of the result, whichever batches it was noted for before. */
+/* Checks the tally's weight. The whole tally is one batch of the result, whichever batches it was noted
+ * for before. */
 static void check_tally(struct cml_tally *tally)
 {
     struct cml_result result;

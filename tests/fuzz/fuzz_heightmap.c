@@ -1,4 +1,5 @@
-/* Heightmaps, .gsf and .asc: what one reader takes becomes a mesh. SPDX-License-Identifier: MIT */
+/* Fuzzes heightmaps, .gsf and .asc: a map that one reader accepts becomes a mesh. SPDX-License-Identifier:
+ * MIT */
 #include "fuzz/fuzz.h"
 
 #include "input/mesh/esri.h"
@@ -6,7 +7,7 @@
 
 #include <math.h>
 
-enum { MOST_SAMPLES = 1024 }; /* of maps that are made into meshes */
+enum { MOST_SAMPLES = 1024 }; /* limit for maps that are made into meshes */
 
 static void check_map(struct cml_heightmap *map)
 {
@@ -25,7 +26,7 @@ static void check_map(struct cml_heightmap *map)
     cml_heightmap_clear(map);
 }
 
-/* unit 0: the file must name its own, where it can. */
+/* unit 0: the file must name its own unit, if its format can. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     for (int unit = 0; unit < 2; unit++)

@@ -1,4 +1,5 @@
-/* .mci files and all that they name: read, and boundaries checked. SPDX-License-Identifier: MIT */
+/* Fuzzes .mci files and all files that they name: reads them and checks the boundaries.
+ * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "input/mci.h"

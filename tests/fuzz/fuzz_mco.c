@@ -1,4 +1,4 @@
-/* The heads of .mco files. SPDX-License-Identifier: MIT */
+/* Fuzzes the reader of heads of .mco files. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "result/head.h"

@@ -1,4 +1,5 @@
-/* .obj files: read as boundary meshes, written, and read again. SPDX-License-Identifier: MIT */
+/* Fuzzes .obj files: reads them as boundary meshes, writes them, and reads them again.
+ * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "input/mesh/obj.h"
@@ -7,7 +8,8 @@ static const struct cml_obj_options as_written = {.unit = 1, .scale = 1, .height
 static const struct cml_obj_options with_skirt = {
     .unit = 0.1, .scale = 3, .height = 1, .up = CML_UP_MINUS_X, .rotate = 30, .skirt = 0.1};
 
-/* A mesh is a sheet with one border: Euler's number of a disk, with handles less. */
+/* Checks that a mesh is a sheet with one border, by Euler's number: that of a disk, less two for each
+ * handle. */
 static void check_mesh(const struct cml_mesh *mesh)
 {
     FUZZ_CHECK(mesh->num_triangles > 0 && mesh->num_vertices > 2);

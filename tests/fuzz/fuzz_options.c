@@ -1,11 +1,11 @@
-/* Command lines, one word a line. SPDX-License-Identifier: MIT */
+/* Fuzzes command lines; the input has one word per line. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "cli/options/options_parse.h"
 
 enum { MOST_WORDS = 64 };
 
-/* Words of their own, so that a read beyond one is seen. */
+/* Copies each word into memory of its own, so that the sanitizer sees a read beyond a word. */
 static int split(const uint8_t *data, size_t size, char *argv[MOST_WORDS + 1])
 {
     int count = 0;
@@ -35,8 +35,8 @@ static void check(const struct cml_options *options, int argc)
     FUZZ_CHECK(strlen(options->command) < sizeof options->command);
 }
 
-/* Whether the name is the word, less what stands behind '=' or beyond 62 bytes, or a letter of it: -x of -xh.
- * Control characters have become '?'. */
+/* True if the name belongs to the word: the word without text behind '=' or beyond 62 bytes, or one of its
+ * letters (-x of -xh). Control characters of the word have become '?'. */
 static bool is_of(const char *name, size_t length, const char *word)
 {
     const size_t whole = strcspn(word, "=");
@@ -47,8 +47,8 @@ static bool is_of(const char *name, size_t length, const char *word)
     return same || letter;
 }
 
-/* A message of an option that is unknown, or has no value, names one that was given. Messages that are too
- * long are cut, and have no such end. */
+/* Checks that a message about an unknown option, or one without a value, names an option that was given. A
+ * message that was too long is cut and lacks this end. */
 static void check_name(const char *message, int argc, char *const *words)
 {
     static const char head[] = "unknown option ";
@@ -68,7 +68,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const int argc = split(data, size, argv);
     struct cml_options options;
     struct cml_error err = {CML_OK, ""};
-    memcpy(words, argv, sizeof words); /* operands come to the front of argv */
+    memcpy(words, argv, sizeof words); /* parsing moves operands to the front of argv */
     const cml_status status = cml_options_parse(argc, argv, &options, &err);
     if (status == CML_OK) {
         check(&options, argc);

@@ -1,4 +1,4 @@
-/* Tables of sweeps: read, and the first rows put into a scene. SPDX-License-Identifier: MIT */
+/* Fuzzes tables of sweeps: reads them and puts the first rows into a scene. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
 #include "input/mci.h"
@@ -10,7 +10,7 @@ static const char scene_text[] =
     "1.0\n1\ns.mco A\n100\n0.1 0.1\n3 4 2\nbeam disk 0.1\n2\n1\nb 2 -0.1 0.2 0 1\n"
     "1.4 0.5 20 0.8 1\ni sphere 0 0 0.5 0.3 1.33 1 10 0.9\n1.3 0 5 -1 2\n1.5\n";
 
-/* A cell is a value or refused; what is taken is what was written. */
+/* Puts a row into the scene: each cell is accepted or refused, and an accepted value is the one written. */
 static void put_row(const struct cml_sweep_table *table, int row)
 {
     struct cml_settings settings = {0};

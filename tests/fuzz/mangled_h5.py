@@ -1,11 +1,12 @@
-"""Mangled .h5 files under plot, compare and read: each command draws, or refuses the file in one line with exit code 2. Nothing crashes,
-hangs, shows a traceback, or takes more than 3 GB. Half of the files have other bytes; the other half are sound HDF5 of which one object is changed.
+"""Feeds mangled .h5 files to plot, compare and read. Each command draws, or refuses the file in one line with exit code 2. It
+never crashes, hangs, shows a traceback, or takes more than 3 GB. Half of the files have some bytes changed; the other half
+are sound HDF5 in which one object is changed.
 
     mangled_h5.py [NUMBER of files, default 500 [SEED]]
 
-The parent imports all modules and forks a process for every few files. A process that dies by a signal is a fault of the file it was at.
-SPDX-License-Identifier: MIT
-"""
+The parent imports all modules and forks a process for every few files. If a process dies by a signal, its current file is a
+fault.
+SPDX-License-Identifier: MIT"""
 import contextlib
 import io
 import os
@@ -21,7 +22,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "lib"))
 from python_package import h5py, mc, np  # noqa: E402
 from clustermcml import __main__, errors  # noqa: E402
 
-EACH = 25  # files of a process
+EACH = 25  # files per process
 LONGEST = 30.0  # seconds of processor time for a file; SIGPROF ends the process, even inside the HDF5 library
 BLOCKED = 600  # seconds after which SIGALRM ends a process that waits for ever
 ODD = (0.0, -1.0, 0.5, 1e308, -1e308, 1e-320, float("nan"), float("inf"), -float("inf"), 2.0**53, 1e19)
@@ -29,7 +30,7 @@ TYPES = ("<f8", "<f4", "<i4", "<i8", "S9", "f8,f8", "?", "<c16")
 
 
 def sound(folder):
-    """A result with arrays of every kind, flown twice."""
+    """Makes a result with arrays of every kind, flown twice."""
     scene = mc.Scene([mc.Layer(1.4, 1, 60, 0.8, 0.1, bodies=[mc.Sphere(0, 0, 0.05, 0.02, 1.5, 3, 40, 0.5)], top=mc.Heightfield(r=[0, 0.05], h=[0.02, 0]))], photons=500,
                      nr=7, nz=5, na=3, map=mc.Map(4, 3, 0.1, 0.1, angles=True, volume=True), time=mc.Time(100, 4), directions=mc.Directions(3, 4), fluence=True, facets=True,
                      detectors=[mc.Detector("ring", r1=0.01, r2=1, name="far")])
@@ -65,7 +66,7 @@ def _other_shape(dice, item):
 
 
 def mangle_object(dice, path):
-    """One object of the file is another. Returns what was done."""
+    """Replaces one object of the file by another. Returns a description of the change."""
     with h5py.File(path, "r+") as file:
         name = dice.choice(sorted(key for key in file if isinstance(file[key], h5py.Dataset)))
         item, kind = file[name], dice.choice(("values", "values", "shape", "type", "gone", "attribute", "attribute", "link", "promise", "axis"))
@@ -107,7 +108,7 @@ def mangle_object(dice, path):
 
 
 def command(*words):
-    """What is wrong with an answer, or None."""
+    """Runs a command. Returns a complaint about its answer, or None."""
     said, sys.argv = io.StringIO(), ["clustermcml", *words]
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
         code = __main__.main()
@@ -125,7 +126,7 @@ def reads():
 
 
 def fault_of(dice, names):
-    """Of the file bad.h5."""
+    """Returns the complaint about the file bad.h5, or None."""
     jobs = {"read": reads, "compare": lambda: command("compare", "bad.h5", "2/scene.h5", *(["-o", "out.svg"] if dice.random() < 0.2 else [])),
             "plot": lambda: command("plot", "bad.h5", "-o", "out.svg"), "plot --of": lambda: command("plot", "bad.h5", "--of", dice.choice(names), "-o", "out.svg")}
     for name, job in jobs.items():
@@ -139,7 +140,7 @@ def fault_of(dice, names):
 
 
 def work(first, last, seed, content, names):
-    """Files of one process; says where it is, as it may die."""
+    """Tests the files of one process; prints the current file, because the process may die."""
     resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for index in range(first, last):
@@ -170,7 +171,7 @@ def main():
         open("faults", "w", encoding="utf-8").close()
         with h5py.File("1/scene.h5") as file:
             names = sorted(name for name in file if isinstance(file[name], h5py.Dataset) and file[name].ndim)
-        for vtp in os.listdir("1"):  # shapes, beside the file
+        for vtp in os.listdir("1"):  # shapes beside the file
             os.link(os.path.join("1", vtp), vtp.replace("scene", "bad"))
         os.remove("bad.h5")
         for words in (("compare", "1/scene.h5", "2/scene.h5", "-o", "out.svg"), ("plot", "1/scene.h5", "--of", "boundary0_irradiance_above", "-o", "out.svg")):

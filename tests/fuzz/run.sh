@@ -1,8 +1,9 @@
 #!/bin/bash
-# The fuzzers, built and run one after the other: run.sh TIME [TARGET ...] with a time per target like 30 (seconds), 90s,
-# 10m or 2h, or a number of executions like runs=1000000. Prints one line a target; exit code 1 when one crashed, hung or
-# leaked, and then the input is kept below build-asan/found. The seed is 1 unless FUZZ_SEED is set.
-# With one seed and a number of executions the inputs are the same each time; with a time, how many there are differs.
+# Builds the fuzzers and runs them one after the other: run.sh TIME [TARGET ...]. TIME per target is like 30 (seconds), 90s,
+# 10m or 2h, or a number of executions like runs=1000000.
+# Prints one line per target. Exit code 1 if a fuzzer crashed, hung or leaked; its input is then kept below build-asan/found.
+# The seed is 1 unless FUZZ_SEED is set. With one seed and a number of executions the inputs are the same each time; with a
+# time, their number varies.
 # SPDX-License-Identifier: MIT
 set -eu
 cd "$(dirname "$0")/../.."
@@ -30,7 +31,7 @@ export UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
 export OMP_NUM_THREADS=1
 
-# Files that are written go to memory, where there is such a folder.
+# Files are written to memory, if there is such a folder.
 memory=/tmp
 [ -w /dev/shm ] && memory=/dev/shm
 FUZZ_FOLDER=$(mktemp -d "$memory/cml_fuzz_XXXXXX")

@@ -1,6 +1,6 @@
-"""Comments begin with what they are about: a comment's first sentence is a full sentence or a noun phrase. It does not begin
-with a preposition, a relative or a word that leans on the comment above. Docstrings count, comments at the end of a line of code
-too. Runs in the source directory."""
+"""Checks that comments begin with their subject: the first sentence is a full sentence or a noun phrase. It does not begin
+with a preposition, a relative or a word that leans on the comment above. Docstrings count, and so do comments at the end
+of a line of code. Runs in the source directory."""
 import ast
 import io
 import os
@@ -21,7 +21,7 @@ def c_comments(text):
 
 
 def hash_comments(lines):
-    """The first line of each block of lines that begin with #, in a shell script or a CMake file."""
+    """Yields (line number, first line) of each block of lines that begin with #, in a shell script or a CMake file."""
     above = False
     for number, line in enumerate(lines, 1):
         found = re.match(r"\s*#(?!!)\s*(.*)", line)
@@ -55,7 +55,7 @@ def complaints_of(path, text):
 
 
 def check_the_check():
-    """A check that cannot fail is none."""
+    """Checks on made-up files that this check can fail."""
     sound = {"a.c": '/* Packets fly.\n * Of these some stay. */\nputs("/* Of */"); /* Office */ // so\n', "a.sh": "# Runs.\n# That is all.\necho # Of\n",
              "a.py": '"""Reads."""\n# One.\n# So two.\nx = "# Of"  # as it is\n'}
     for path, text in sound.items():

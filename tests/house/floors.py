@@ -1,18 +1,19 @@
-"""A source file includes its own room and those below, never above; modules include and call each other in no circle;
-foreign libraries stay behind one file each; no room grows over 24 files.
+"""Checks the layers of the source tree. A source file includes files of its own room and of rooms below, never above. Modules
+include and call each other in no circle. Each foreign library is used by one file. No room has more than 24 files.
 
-ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it
-belongs. A module is a source file with its header. A header that is code says so in its name and in its first words.
-src/README.md has the rooms in the same order in its table, and a paragraph on each. Runs in the source directory."""
+ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it belongs.
+A module is a source file with its header. A header that is code says so in its name and in its first words. src/README.md has
+the rooms in the same order in its table, and a paragraph on each. Runs in the source directory."""
 import fnmatch
 import os
 import re
 import sys
 
 MOST_FILES = 24
-MORE_FILES = {"kernels": "what a rule says stands in a file of its own, and devices and hosts have theirs"}  # {room: why it may have more}
+MORE_FILES = {"kernels": "what a rule says stands in a file of its own, and devices and hosts have theirs"}  # {room: reason why it may have more files}
 
-# Lowest first. A room may use itself, those it names, and nothing else; a folder is one room, but for the files named.
+# Rooms from the lowest to the highest. A room may use itself and the rooms that it names. A folder is one room, but for the
+# files named here.
 ROOMS = {
     "kernels": "",
     "src/base": "",
@@ -36,7 +37,7 @@ ROOMS = {
     "src/engine": "src/result src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene src/tally src/geometry src/base kernels",
-    "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
+    "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names all engines
     "src/exact": "src/vector src/scene src/base kernels/rough.h",
     "src/aim": "src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
@@ -80,7 +81,7 @@ COMMON = set("""assert.h complex.h ctype.h errno.h float.h inttypes.h limits.h m
 KERNEL_COMMON = set("assert.h math.h stdbool.h stddef.h stdint.h string.h float.h limits.h".split())
 CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream iostream istream limits map new "
                  "sstream streambuf string utility vector".split())
-# Sources that define what others define, and are built in their place.
+# Sources that define the same functions as others and are built in their place.
 STAND_INS = "src/run/cluster_alone src/engine/opencl/opencl_none".split()
 DEFINITION = re.compile(r"^(?:CML_FN )?[a-z][^\n;{}()#]*?\b(cml_\w+)\([^;{}]*\)\n\{", re.M)
 BODY = re.compile(r"\)\n\{\n.*?\n\}\n", re.S)
@@ -95,13 +96,13 @@ def module_of(path):
 
 
 def room_of(path):
-    """The room of a file; None where it has none."""
+    """Returns the room of a file; None if it has none."""
     module = module_of(path)
     return module if module in ROOMS else (os.path.dirname(path) if os.path.dirname(path) in ROOMS else None)
 
 
 def ours(header, files):
-    """The file that a quoted include names: by its path from src, or of kernels by its name."""
+    """Returns the file that a quoted include names: by its path from src, or by its name for kernels."""
     for path in ("src/" + header, "kernels/" + header):
         if path in files:
             return path
@@ -123,8 +124,8 @@ def may_include(path, header):
 
 
 def includes(path, text, files):
-    """(file of ours or None, header as written, bracket) of every include. An include by a device only and one by the
-    host only may name different files; both count."""
+    """Yields (file of ours or None, header as written, bracket) of every include. An include for the device and one for the
+    host may name different files; both count."""
     for bracket, header in INCLUDE.findall(text):
         yield (ours(header, files) if bracket == '"' else None), header, bracket
 
@@ -146,7 +147,7 @@ def check_file(path, text, files):
 
 
 def find_circle(graph):
-    """What includes itself round and round, or nothing. graph: {name: names it includes}."""
+    """Returns a list of names that include each other in a circle; empty if there is none. graph: {name: names it includes}."""
     done, path = set(), []
 
     def visit(module):
@@ -170,7 +171,7 @@ def find_circle(graph):
 
 
 def graph_of(files):
-    """{module: modules it includes}. A header without a source file stands for what it includes."""
+    """Returns {module: modules it includes}. A header without a source file stands for the files that it includes."""
     direct = {}
     for path, text in files.items():
         targets = {module_of(target) for target, _, _ in includes(path, text, files) if target}
@@ -188,8 +189,8 @@ def graph_of(files):
 
 
 def calls_of(files):
-    """{module: modules whose functions it names}: a shared header of declarations hides such a circle from includes. Of
-    a header, code or not, what its functions call; what it declares is another's."""
+    """Returns {module: modules whose functions it names}, because a shared header of declarations hides such a circle from
+    includes. In a header only the bodies of functions count; its declarations belong to another module."""
     texts, calls = {}, {}
     for path, text in files.items():
         module, text = module_of(path), TAG.sub("", COMMENT.sub("", text))
@@ -217,14 +218,14 @@ def check_sizes(files):
 
 
 def check(files):
-    """files: {path: text}. Returns the complaints."""
+    """Returns the complaints. files: {path: text}."""
     complaints = [complaint for path, text in sorted(files.items()) for complaint in check_file(path, text, files)]
     complaints += check_sizes(files)
     return complaints or check_circles(files)  # an include from above often closes a circle: one complaint is enough
 
 
 def check_map(text, rooms):
-    """Complaints about the map: rooms are folders, those of src without it."""
+    """Returns complaints about the map: the rooms are folders, those of src without src/."""
     rows = ROW.findall(text)
     told = {room for rooms_told in PARAGRAPH.findall(text) for room in rooms_told.split(", ")} | {"kernels"}
     complaints = [] if rows == rooms else [f"{MAP}: the rooms of its table are not those of tests/house/floors.py, in their order"]
@@ -232,14 +233,14 @@ def check_map(text, rooms):
 
 
 def check_the_check():
-    """A check that cannot fail is none. Each of these must be the only complaint."""
+    """Checks on made-up trees that this check can fail. Each of these must give exactly one complaint."""
     sound = {"src/run/run.c": '#include "run/run.h"\n#include <stdio.h>\n',
              "src/run/run.h": '#include "engine/engine.h"\n', "src/engine/engine.h": '#include "rng.h"\n',
              "src/surface/bounds.h": '#include "bounds.h"\n', "kernels/rng.h": "#include <stdint.h>\n",
              "kernels/bounds.h": "", "src/tally/tally.h": ""}
     assert check(sound) == [], check(sound)
     for path, text in [("src/tally/tally.h", '#include "run/run.h"\n'), ("kernels/rng.h", '#include "engine/engine.h"\n'),
-                       # of two headers of one name, the one of the room above
+                       # two headers of one name: the one of the higher room
                        ("src/tally/tally.h", '#include "surface/bounds.h"\n'),
                        ("src/run/run.c", "#include <embree3/rtcore.h>\n"), ("src/run/run.c", "#include <jansson.h>\n"),
                        ("src/novelty.c", ""), ("src/run/run.c", '#include "run/missing.h"\n'),

@@ -1,6 +1,6 @@
 #!/bin/sh
-# C, C++ and OpenCL C as clang-format 14 (Debian 12) writes it with the .clang-format of this repository. Other versions
-# write macros otherwise.
+# Checks that C, C++ and OpenCL C are formatted by clang-format 14 (Debian 12) with the .clang-format of this repository.
+# Other versions format macros differently.
 # SPDX-License-Identifier: MIT
 set -eu
 command -v clang-format >/dev/null || { echo "clang-format is missing"; exit 77; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# In the pictures of the benches, which the texts show, no text runs through another or leaves the picture,
-# and all stands on white: a page may be dark.
+# Checks the pictures of the benches that texts show: no text crosses another one or leaves the picture, and the background is
+# white, because a page may be dark.
 # SPDX-License-Identifier: MIT
 set -eu
 exec python3 tests/lib/svg_text.py $(find bench -name "*.svg" | sort)

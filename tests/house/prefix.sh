@@ -1,6 +1,6 @@
 #!/bin/sh
-# Every external symbol that the library defines begins with cml_: prefix.sh LIBRARY.
-# Symbols of C++ (the OBJ parser that obj_tiny.cpp holds) are mangled names and cannot meet those of a C program.
+# Checks that every external symbol of the library begins with cml_: prefix.sh LIBRARY. Symbols of C++ (the OBJ parser in
+# obj_tiny.cpp) are mangled names and cannot clash with those of a C program.
 # SPDX-License-Identifier: MIT
 set -eu
 command -v nm >/dev/null || { echo "nm is missing"; exit 77; }

@@ -1,4 +1,5 @@
-"""The tables of the benches' READMEs are what their commands print from the results that were kept. Runs in the source directory."""
+"""Checks that the tables in the benches' READMEs are what their commands print from the kept results. Runs in the source
+directory."""
 import subprocess
 import sys
 

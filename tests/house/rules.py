@@ -1,6 +1,6 @@
-"""The manual defines the physics rules P1, P2, ...: samples/manual/physics/p01.md has the title `# P1 Name`, and so on. A rule
-that a comment cites has its page; a rule with a page is cited in kernels or src. (texts.py looks for the tests and files that a page
-names.) Runs in the source directory."""
+"""Checks the pages of the physics rules P1, P2, ... in the manual: samples/manual/physics/p01.md has the title `# P1 Name`,
+and so on. A rule that a comment cites has its page; a rule with a page is cited in kernels or src. (texts.py looks for the
+tests and files that a page names.) Runs in the source directory."""
 import ast
 import os
 import re
@@ -11,7 +11,7 @@ CODE = ("src/", "kernels/")
 
 TITLE = re.compile(r"# P(\d+) ")
 RULE = re.compile(r"\bP(\d+)\b")
-RANGE = re.compile(r"\bP\d+ ?(?:\.\.|to|-) ?P\d+\b")  # names a span of the list, cites no rule
+RANGE = re.compile(r"\bP\d+ ?(?:\.\.|to|-) ?P\d+\b")  # a span of the list, which cites no rule
 C_TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 SHELL_COMMENT = re.compile(r"(?:^|\s)#(.*)")
 
@@ -39,7 +39,7 @@ def rules_in(path, text):
 
 
 def check(files):
-    """files: {path: text}. Returns the complaints."""
+    """Returns the complaints. files: {path: text}."""
     titles = {path: TITLE.match(text) for path, text in sorted(files.items()) if re.match(PAGES + r"p\d+\.md$", path)}
     defined = [int(title[1]) if title else 0 for title in titles.values()]
     complaints = []
@@ -57,7 +57,7 @@ def check(files):
 
 
 def check_the_check():
-    """A check that cannot fail is none."""
+    """Checks on made-up files that this check can fail."""
     first, second = PAGES + "p01.md", PAGES + "p02.md"
     sound = {first: "# P1 Launch\n", second: "# P2 Step\nP1 first\n", PAGES + "index.md": "P1 to P9", "kernels/walk.h": "/* P1: go. */\n",
              "src/x/run.c": "// P2, P1 to P9\nputs(\"P7\"); /* as in P2 */ char c = '\"'; /* P1 */\n",

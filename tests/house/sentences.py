@@ -1,5 +1,6 @@
-"""Texts (*.md) read at once: sentences have at most 20 words in the mean of a text and none more than 40; no line has more
-than 160 letters outside tables. Code, tables, headings and quotes of old results do not count. Runs in the source directory."""
+"""Checks that texts (*.md) can be read at once. Sentences have at most 20 words in the mean of a text and none more than 40;
+no line has more than 160 letters outside tables. Code, tables, headings and quotes of old results do not count. Runs in
+the source directory."""
 import os
 import re
 import statistics
@@ -18,14 +19,14 @@ END = re.compile(r"""(?<=[.!?])["*)]*\s+(?=["*(]*[A-Z0-9])""")
 
 
 def without_code(text):
-    """As many lines as before."""
+    """Returns the text without its code, with as many lines as before."""
     for pattern in (HIDDEN, FENCED):
         text = pattern.sub(lambda found: "\n" * found[0].count("\n"), text)
     return text
 
 
 def paragraphs(text):
-    """Paragraphs and items of lists, each on one line."""
+    """Returns paragraphs and items of lists, each on one line."""
     found, lines = [], []
     for line in without_code(text).split("\n") + [""]:
         words, item = line.strip(), ITEM.match(line.strip())
@@ -39,7 +40,7 @@ def paragraphs(text):
 
 
 def sentences(text):
-    """Code in a sentence is one word, and so is a link."""
+    """Yields the sentences of a text. Code in a sentence counts as one word, and so does a link."""
     for paragraph in paragraphs(text):
         plain = CODE.sub("Code", LINK.sub(r"\1", paragraph))
         yield from END.split(DOTTED.sub(r"\1", plain))
@@ -55,7 +56,7 @@ def complaints_of(path, text):
 
 
 def check_the_check():
-    """A check that cannot fail is none."""
+    """Checks on made-up texts that this check can fail."""
     words = "a " * 39
     sound = f"# {words * 2}\n{words}end. It is `a b c`. No. 3 is\nhere, e.g. Rd.\n\n| {words * 5}|\n```sh\n{words * 9}\n```\n- Item.\n- Item.\n- Item.\n- Item.\n"
     assert complaints_of("a.md", sound) == [], complaints_of("a.md", sound)

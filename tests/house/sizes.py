@@ -1,8 +1,8 @@
-"""Files of at most 600 lines, functions of at most 60, half of the functions in src of at most 12.
+"""Checks sizes: files have at most 600 lines, functions at most 60, half of the functions in src at most 12.
 
 A file whose subject would be torn may be longer: its first lines then say "Over 600 lines: " and why.
-C functions are found by the house's format: a brace alone in column 0 opens one, the next one closes it. Runs in the
-source directory."""
+C functions are found by the house's format: a brace alone in column 0 opens one, the next one closes it. Runs in the source
+directory."""
 import ast
 import os
 import statistics
@@ -12,7 +12,7 @@ MOST_IN_FILE, MOST_IN_FUNCTION, MEDIAN = 600, 60, 12
 
 
 def c_functions(lines):
-    """(line number, length) of every function, signature included, comment before it not."""
+    """Yields (line number, length) of every function, with its signature, without the comment before it."""
     start = None
     for i, line in enumerate(lines):
         if line == "{":

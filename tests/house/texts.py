@@ -1,14 +1,13 @@
-"""What the texts (*.md) name is there: every test, as ctest names it, and every file and folder of the repository.
+"""Checks that texts (*.md) name only things that exist: tests as ctest names them, and files and folders of the repository.
 
 - Tests: unit.NAME and cross.NAME stand in test_NAME.c, others in NAME.py or NAME.sh below tests/LABEL, or
-  tests/CMakeLists.txt names them in full. A name in capitals stands for any test. And the other way round:
-  tests/README.md names every test, but for its copy in double precision.
-- Files: words in backquotes or in an indented block that begin with a folder of the repository or end like a source file
-  (in samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as
-  includes do; a name without a slash may stand anywhere below the text's folder. One with * is a pattern, one with <>,
-  {} or a word in capitals is skipped, and so is what a build, a bench or a command of
-  the text itself writes.
-- No marks of a merge that nobody finished.
+  tests/CMakeLists.txt names them in full. A name in capitals stands for any test. Conversely, tests/README.md names every
+  test, but for its copy in double precision.
+- Files: words in backquotes or in an indented block that begin with a folder of the repository or end like a source file (in
+  samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as includes
+  do; a name without a slash may stand anywhere below the text's folder. A name with * is a pattern. Skipped are names with
+  <>, {} or a word in capitals, and files that a build, a bench or a command of the text itself writes.
+- No marks of an unfinished merge.
 
 Runs in the source directory."""
 import fnmatch
@@ -21,16 +20,16 @@ TESTS = {"unit": "c", "cross": "c", "stat": "py", "long": "py", "files": "py", "
 REGISTRY = "tests/CMakeLists.txt"
 LIST = "tests/README.md"
 SOURCES = (".c", ".h", ".cpp", ".cl", ".py", ".sh", ".cmake", ".cases", ".supp")
-DATA = (".mci", ".obj", ".gsf", ".asc")  # where the text's own folder has some
+DATA = (".mci", ".obj", ".gsf", ".asc")  # endings that count in a folder with such files
 TOP = ("README.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE", "CMakeLists.txt", "CMakePresets.json")
-WRITTEN = ("build", "build-*", "bench/out")  # by a build or a bench
-SKIPPED = tuple(f"bench/{room}/results" for room in ("accuracy", "choices", "parts", "peers", "speed", "stability"))  # texts that scripts wrote once: what they name is of their time
+WRITTEN = ("build", "build-*", "bench/out")  # folders that a build or a bench writes
+SKIPPED = tuple(f"bench/{room}/results" for room in ("accuracy", "choices", "parts", "peers", "speed", "stability"))  # texts that scripts wrote once, about the files of that time
 
 REGISTERED = re.compile(r"NAME (\w+\.\w+)\s")
 TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
 QUOTED = re.compile(r"`([^`]+)`")
 LINK = re.compile(r"""(?:\]\(|src=")([^)"#:\s]+)[)"]""")
-REDIRECTED = re.compile(r">([\w.]+)")  # what the commands of a text write
+REDIRECTED = re.compile(r">([\w.]+)")  # files that the commands of a text write
 MERGE = re.compile(r"^(?:<<<<<<<|>>>>>>>) ", re.MULTILINE)
 PLACEHOLDER = re.compile(r"^scene\.mci$|[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
 
@@ -44,7 +43,7 @@ def test_exists(label, name, files):
 
 
 def tests_of(files):
-    """Those that stand in files of their own, and those that the registry names in full."""
+    """Returns (tests in files of their own, tests that the registry names in full)."""
     found = set(REGISTERED.findall(files[REGISTRY]))
     for path in files:
         label, (name, end) = path.split("/")[1:2], os.path.splitext(os.path.basename(path))
@@ -60,7 +59,7 @@ def unlisted(files):
 
 
 def words(text):
-    """What may be a path: words in backquotes, targets of links, words of indented lines."""
+    """Returns possible paths: words in backquotes, targets of links, words of indented lines."""
     indented = [line for line in text.split("\n") if line.startswith("    ")]
     spans = QUOTED.findall("\n".join(line for line in text.split("\n") if not line.startswith("    "))) + indented
     found = [word for span in spans for word in span.split()] + LINK.findall(text)
@@ -77,7 +76,7 @@ def folders_of(files):
 
 
 def is_path(word, home, places, endings):
-    if word in ("beam.h", "detector.h"):  # heights of rectangles, as --set names them
+    if word in ("beam.h", "detector.h"):  # heights of rectangles, by their names in --set
         return False
     if PLACEHOLDER.search(word) or not re.fullmatch(r"[\w./*+-]+", word) or word.startswith((".", "_")):
         return False
@@ -98,7 +97,7 @@ def path_exists(word, home, places):
 
 
 def check_text(path, text, files, places):
-    """places: files and folders."""
+    """Returns complaints about one text. places: files and folders that exist."""
     written = set(REDIRECTED.findall(text))
     home = os.path.dirname(path)
     beside = [file for file in files if os.path.dirname(file) == home]
@@ -113,14 +112,14 @@ def check_text(path, text, files, places):
 
 
 def check(files):
-    """files: {path: text}; only texts and the registry of tests need theirs. Returns the complaints."""
+    """Returns the complaints. files: {path: text}; only texts and the registry of tests need their text."""
     places = set(files) | folders_of(files)
     return [complaint for path, text in sorted(files.items()) if path.endswith(".md") and not path.startswith(SKIPPED)
             for complaint in check_text(path, text, files, places)] + unlisted(files)
 
 
 def check_the_check():
-    """A check that cannot fail is none. Each of these must be the only complaint."""
+    """Checks on made-up texts that this check can fail. Each of these must give exactly one complaint."""
     sound = {"README.md": "`unit.a` cross.b `stat.coverage`, long.d stability.e `house.f` cli.NAME\n`src/room/a.c`\n"
                           "`src/room`\n    sh bench/g.sh --out bench/out >build/x/y.txt\n[h](bench/h.svg) `skin.obj` `1/cm`\n",
              "src/README.md": "`room/a.c` `a.c` `cluster.c` `room/<name>.c` `room/i_NAME.c` `src/room/*.c` `../none.c` `room/*.c`",

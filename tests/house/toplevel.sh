@@ -1,5 +1,5 @@
 #!/bin/sh
-# The top level holds these names and dotfiles, nothing else.
+# Checks that the top level holds these names and dotfiles, and nothing else.
 # SPDX-License-Identifier: MIT
 set -eu
 allowed=" CMakeLists.txt CMakePresets.json README.md LICENSE CONTRIBUTING.md CITATION.cff pyproject.toml src kernels meshes samples tests bench "

@@ -1,9 +1,10 @@
-"""`check` takes time linear in the number of layers: callgrind counts its instructions with 800, 1600 and 3200 layers.
+"""Tests that `check` takes time linear in the number of layers: callgrind counts its instructions with 800, 1600 and 3200
+layers.
 
-So many are too many for adding-doubling, which is left out. The second step from one number to the next costs twice the
-first where time is linear, four times where every layer looks at all others. Instructions are the same on any machine,
-however busy. Skipped without valgrind. SPDX-License-Identifier: MIT
-"""
+Adding-doubling is left out for so many layers. The second step from one number to the next costs twice the first one if time
+is linear, and four times if every layer looks at all others. Instructions are the same on any machine, however busy. Skipped
+without valgrind.
+SPDX-License-Identifier: MIT"""
 import os
 import re
 import shutil
@@ -12,11 +13,11 @@ import sys
 import tempfile
 
 PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
-MOST = 3  # times the first step
+MOST = 3  # limit of the second step, in units of the first
 
 
 def instructions(layers: int, folder: str) -> int:
-    """What `check` of so many layers executes."""
+    """Returns the number of instructions that `check` of so many layers executes."""
     path = os.path.join(folder, f"{layers}.mci")
     with open(path, "w", encoding="ascii") as file:
         file.write(f"1.0\n1\nx.mco A\n1000\n0.01 0.01\n20 20 3\n{layers}\n1.0\n" + "1.4 0.1 10 0.8 0.001\n" * layers + "1.0\n")
@@ -26,7 +27,7 @@ def instructions(layers: int, folder: str) -> int:
 
 
 def main() -> int:
-    """1 where the second step costs too much."""
+    """Returns 1 if the second step costs too much."""
     if not shutil.which("valgrind"):
         return 77
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""compare: rate of false alarms over many pairs, scenes and sizes. See tests/lib/pairs.py."""
+"""Tests the rate of false alarms of compare over many pairs, scenes and sizes. See tests/lib/pairs.py."""
 import os
 import sys
 

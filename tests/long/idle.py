@@ -1,6 +1,8 @@
-"""Ranks hardly wait: 2 ranks on S6a with 1e7 photons are idle for at most 2 % of their time, and asking for ranges and
-summing takes at most 1 %. A rank that is ten times slower, because it is stopped for nine tenths of the time, costs
-the other at most one range (0.75 s). Needs two cores that nobody else uses. Standard library only."""
+"""Tests that ranks hardly wait: 2 ranks on S6a with 1e7 photons are idle for at most 2 % of their time, and asking for ranges
+and summing takes at most 1 %.
+
+A rank that is ten times slower, because it is stopped for nine tenths of the time, costs the other one at most one range
+(0.75 s). Needs two free cores. Standard library only."""
 import os
 import re
 import shutil
@@ -21,7 +23,7 @@ def children(pid):
 
 
 def slow_down(pid, finished):
-    """Ten milliseconds of work in a hundred."""
+    """Lets a process work for ten milliseconds in a hundred."""
     try:
         while not finished.is_set():
             os.kill(pid, signal.SIGSTOP)
@@ -33,7 +35,7 @@ def slow_down(pid, finished):
 
 
 def fly(photons, slow):
-    """Rows (rank, photons, flying, idle, asking, sums; shares in percent), and the seconds they are shares of."""
+    """Returns rows (rank, photons, flying, idle, asking, sums; shares in percent), and the seconds that the shares refer to."""
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.Popen(["mpiexec", "-n", "2", PROGRAM, "samples/thick.mci", "--photons", photons, "--threads",
                                 "1", "--verbose", "-o", folder], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,

@@ -1,7 +1,9 @@
-"""No packet is lost, and no weight, at rough boundaries: alpha 1e-4 to 2, both kinds, planes, cones, meshes that overhang, prisms
-with slopes of 45 and of 89 degrees, grooves with interpolated normals, tiles, bodies, mirrors. Media are clear or nearly so: nearly every
-step of a packet ends at a rough boundary, and packets meet facets at all angles. What is lost is printed with its cause.
-N = 1e6 boundary events or more in all, 1e8 with ALL_CASES. usage: rough_events.py [N]"""
+"""Tests that no packet and no weight is lost at rough boundaries, in 1e6 boundary events or more, 1e8 with ALL_CASES. usage:
+rough_events.py [N]
+
+Alpha goes from 1e-4 to 2, with both kinds of roughness. Surfaces are planes, cones, meshes with overhangs, prisms with slopes
+of 45 and of 89 degrees, grooves with interpolated normals, tiles, bodies, mirrors. Media are clear or nearly so: nearly every
+step of a packet ends at a rough boundary, and packets meet facets at all angles. Losses are printed with their cause."""
 import os
 import re
 import sys
@@ -12,18 +14,19 @@ import cml  # noqa: E402
 
 MESHES = os.path.abspath("meshes")
 ALPHAS = (1e-4, 1e-3, 0.02, 0.2, 1, 2)
-THIN = 0.3  # 1/cm, scattering
+THIN = 0.3  # scattering coefficient of nearly clear media, 1/cm
 
 
 def prism(path, half, height):
-    """A roof along y with upright gables."""
+    """Writes the mesh of a roof along y with upright gables."""
     with open(path, "w", encoding="ascii") as file:
         file.write("".join(f"v {x} {y} {z}\n" for y in (-0.4, 0.4) for x, z in ((-half, 0), (half, 0), (0, height))))
         file.write("f 1 2 3\nf 4 6 5\nf 1 3 6 4\nf 2 5 6 3\n")
 
 
 def scenes(folder):
-    """Name, lines above the first layer, its lines below, where {} stands for `KIND ALPHA`; what bodies say of it is {b}."""
+    """Yields scenes: name, lines above the first layer, lines below it. {} stands for `KIND ALPHA`, {b} for the roughness of
+    bodies."""
     prism(os.path.join(folder, "steep.obj"), 0.004, 0.25)
     plane = "rough {}\n"
     yield "planes", "1.5", plane, "", plane

@@ -1,25 +1,25 @@
 #!/bin/sh
-# Do two programs, one from before a change and one from after it, write the same? OLD and NEW fly the same scenes with the
-# same options, and everything that they write is compared byte by byte: files, standard output, standard error and exit
-# code. Only what must differ is taken out first: times, speeds, memory as it was measured, the version, and the number of
-# queries, which near bodies depends on which thread flew what before.
-# An .h5 file is compared as text (all attributes, data sets and values), since a version of another length moves what
-# follows it.
+# Compares everything that two programs write, one from before a change and one from after it.
+# OLD and NEW fly the same scenes with the same options, and all their output is compared byte by byte: files, standard
+# output, standard error and exit code. Removed first are times, speeds, measured memory, the version, and the number of
+# queries, which near bodies depends on the order in which threads fly.
+# An .h5 file is compared as text (all attributes, data sets and values), since a version of another length moves the bytes
+# behind it.
 #
 #   tests/long/same_results.sh OLD NEW [SAMPLE...]
 #   PHOTONS=2000 MASK='s/MiB//' tests/long/same_results.sh old/build/clustermcml build/clustermcml samples/fig7.mci
 #
-# Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each as it is and with maps, a volume and facets.
+# Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each unchanged and with maps, a volume and facets.
 # - run: engines cpu, reference and opencl, with 1 and 2 threads on 1 and 2 ranks; every option that changes a result
 # - check, mesh, trace, crosscheck, exact, view, compare and plot; devices, --help and --version
-# Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
-# What an engine or option refuses must be refused in the same words. A refusal is expected only of opencl, crosscheck,
-# exact, --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
+# Left out are results that depend on time: plan, and the moments of checkpoints (--keep, --more).
+# A refusal by an engine or option must have the same words. A refusal is expected only of opencl, crosscheck, exact,
+# --boundaries cone, --run 2 and --sweep; elsewhere a program that fails counts as a difference, even if both do.
 #
 # PHOTONS: per run of engine cpu, default 20000; a tenth of it on the others, which are slower
-# MASK: further lines for sed -E, which take out a difference that is intended
+# MASK: further lines for sed -E that remove an intended difference
 #
-# One line per difference: scene, arguments (engine cpu where none is named; -n N: on N ranks), file, first lines that
+# Prints one line per difference: scene, arguments (engine cpu if none is named; -n N: on N ranks), file, first lines that
 # differ. Then "N comparisons, M differ".
 # Exit code 0: none differ, 1: some do, 2: usage, 77: mpiexec or h5py is missing.
 # ctest does not run it, as it needs two programs.
@@ -60,7 +60,7 @@ export PATH="/usr/bin:$PATH" # Debian packages h5py and matplotlib for its own P
 python=/usr/bin/python3
 "$python" -c 'import h5py' 2>/dev/null || { echo "h5py is missing"; exit 77; }
 
-# Both programs are started as ./clustermcml from a folder of their own, so that paths and command lines are the same.
+# Both programs are started as ./clustermcml from folders of their own, so that paths and command lines are the same.
 program=./clustermcml
 mkdir "$work/old" "$work/new" "$work/kept" "$work/scenes"
 printf 'seed\n3\n4\n' >"$work/scenes/seeds.csv"
@@ -88,7 +88,7 @@ s/"(build_s|MiB|seconds|cpu_s|ns_per_step|photons_per_s|queries|[A-Za-z]+_1pc_s|
 s/"memory_bytes":[0-9]+/"memory_bytes":MEASURED/g
 s/Process name: .*/Process name: RANK/'
 
-# What a file says that both programs must say.
+# Prints the part of a file that must be the same for both programs.
 comparable() { # FILE
     case $1 in
     */stdout | */stderr | *.mco) LC_ALL=C sed -E "$mask
@@ -106,7 +106,7 @@ difference() { # FILE WHAT
     echo "$title: $1: $2"
 }
 
-# A line that differs, short and without what a terminal would take for orders.
+# Prints a line that differs, shortened and without control characters.
 shown() { # MARK
     LC_ALL=C grep -am1 "^$1" "$work/diff" | LC_ALL=C tr -cd '\040-\176' | cut -c1-120
 }
@@ -123,7 +123,8 @@ compare_file() { # FILE
     difference "$1" "line $(sed -n '1s/[^0-9].*//p' "$work/diff"): $(shown '<') | $(shown '>')"
 }
 
-# A program that does nothing, or always fails, writes the same as itself: what OLD did is held against what it should do.
+# A program that does nothing, or always fails, writes the same as itself. The exit code of OLD is therefore compared with the
+# expected one.
 check_code() { # ARGUMENTS...
     comparisons=$((comparisons + 1))
     code=$(cat "$work/old/got/exit")
@@ -139,7 +140,7 @@ check_code() { # ARGUMENTS...
     esac
 }
 
-# Two mpiexec that share a folder for temporary files may remove each other's.
+# Each program has a folder of its own for temporary files, because two mpiexec that share one may remove each other's files.
 one_side() { # old|new COMMAND...
     cd "$work/$1" || exit
     shift
@@ -151,7 +152,7 @@ one_side() { # old|new COMMAND...
     echo "$code" >got/exit
 }
 
-# Runs a command for both programs, and compares all that they leave in the folder got.
+# Runs a command for both programs, and compares all files that they leave in the folder got.
 both() { # COMMAND...
     one_side old "$@" &
     one_side new "$@" &
@@ -162,7 +163,7 @@ both() { # COMMAND...
     check_code "$@"
 }
 
-# What stands before a difference: the scene and the arguments, without the scene's path.
+# Sets the words before a difference: the scene and the arguments, without the scene's path.
 entitle() { # ARGUMENTS...
     title="$name: $(echo "$*" | sed -e "s# $scene##" -e "s#$work/##g")"
 }
@@ -189,7 +190,7 @@ fly_engine() { # ENGINE PHOTONS
     done
 }
 
-# The options stand one set a line on standard input.
+# Reads sets of options from standard input, one set a line.
 fly_options() { # PHOTONS
     while read -r options; do
         # shellcheck disable=SC2086 # each word is an argument
@@ -240,7 +241,7 @@ fly_slow_options() {
 END
 }
 
-# The scene with maps, a volume and facets, results in format B.
+# Adds maps, a volume and facets to the scene, with results in format B.
 add_maps() {
     lines=
     grep -q '^map' "$scene" || lines='/# nz, nr, na/a map 40 30 0.05 0.05 angles volume\nfacets'

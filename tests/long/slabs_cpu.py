@@ -1,4 +1,4 @@
-"""Slabs and layer stacks against adding-doubling (see lib/slabs.py): cpu engine, 1000000 packets, every 1. row."""
+"""Tests slabs and stacks against adding-doubling (see lib/slabs.py): cpu engine, 1000000 packets, every row of the table."""
 import os
 import sys
 

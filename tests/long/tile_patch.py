@@ -1,10 +1,10 @@
-"""A tile against a patch of 9 x 9 of its copies, which is a mesh like any other, in light that is wide beside a period.
+"""Tests a tile against a mesh of 9 x 9 of its copies, in light that is wide compared with a period.
 
-N packets each (environment PHOTONS, 1e7), other random numbers. Both boundaries of the upper layer are rough; what is below
-absorbs so much that no light comes to the patch's rim, 1.08 cm away, from a beam of 0.3 cm. Totals and
-Rd(r), Tt(r) in groups of bins; level 1e-4 over all. cross.tile compares both packet by packet; here nothing is paired,
-so that a bias of a few packets in 1e5 shows, too. A tile whose waves are 5 % higher is told apart. Shared: everything but
-the mesh and the queries over it."""
+Both fly N packets (environment PHOTONS, 1e7) with different random numbers. Both boundaries of the upper layer are rough
+surfaces. The medium below absorbs so much that no light from a beam of 0.3 cm comes to the patch's rim, 1.08 cm away.
+Compared are totals and Rd(r), Tt(r) in groups of bins; level 1e-4 over all. cross.tile compares packet by packet; here
+nothing is paired, so that a bias of a few packets in 1e5 shows, too. The test must also tell apart a tile whose waves are 5 %
+higher. Shared: everything but the mesh and the queries over it."""
 import math
 import os
 import sys

@@ -1,10 +1,11 @@
-"""--tolerance keeps its word: 40 scenes drawn at random over tolerance, angle, index, free path, layers, grid,
-slope and height, with radial heightfields and heightmaps. Where `auto` makes a plane, the bias of that is measured
-against the scene as it is: RUNS streams of N packets, paired (tests/lib/paired_planes.py).
+"""Tests that --tolerance keeps its promise in 40 random scenes over tolerance, angle, index, free path, layers, grid, slope
+and height, with radial heightfields and heightmaps.
 
-The statistic is what a total, a profile (tests/lib/paired_planes.py says how it differs) or a bin exceeds the tolerance by,
-in its own standard errors, from 16 streams: none may do so by 3. SEED draws others. Shared with the program: random
-numbers and physics; its trial has another seed and about as many packets."""
+If `auto` makes a boundary a plane, the bias of the plane is measured against the curved scene: RUNS streams of N packets,
+paired (tests/lib/paired_planes.py). The statistic is the excess of a total, a profile (tests/lib/paired_planes.py defines its
+difference) or a bin over the tolerance, in its own standard errors from 16 streams: none may reach 3. SEED draws other
+scenes. Shared with the program: random numbers and physics; the program's own trial has another seed and about as many
+packets."""
 import math
 import os
 import random
@@ -17,16 +18,16 @@ import cml  # noqa: E402
 import paired_planes  # noqa: E402
 
 SCENES = int(os.environ.get("SCENES", "40"))
-PHOTONS = int(os.environ.get("PHOTONS", "100000"))  # a stream
+PHOTONS = int(os.environ.get("PHOTONS", "100000"))  # packets per stream
 
 
 def between(dice, least, most):
-    """Uniform in the logarithm."""
+    """Returns a random number, uniform in the logarithm."""
     return least * (most / least) ** dice.random()
 
 
 def heights(dice, n, spacing, slope):
-    """n heights down to 0 with this largest slope: a tip, a lens, a ripple, a scan's noise."""
+    """Returns n heights that end at 0 and have this largest slope: a tip, a lens, a ripple, or the noise of a scan."""
     kind = dice.choice(("tip", "lens", "ripple", "noise"))
     radii = [i / (n - 1) for i in range(n)]
     if kind == "tip":
@@ -50,7 +51,7 @@ def radial(dice, slope):
 
 
 def heightmap(dice, slope, folder, index):
-    """Noise on a grid, as an ESRI file with its rim at 0."""
+    """Writes noise on a grid as an ESRI file whose rim is at 0."""
     n, spacing = dice.randint(5, 30), between(dice, 0.01, 0.1)
     rows = [[dice.gauss(0, slope * spacing / 2) if 0 < i < n - 1 and 0 < j < n - 1 else 0.0 for j in range(n)]
             for i in range(n)]
@@ -69,7 +70,7 @@ def layer(dice):
 
 
 def draw(dice, folder, index):
-    """A scene and the tolerance to ask for."""
+    """Returns a random scene and the tolerance to ask for."""
     tolerance = dice.choice((0.1, 0.05, 0.03, 0.01, 0.003, 0.001))
     slope = tolerance * between(dice, 1e-2, 10)
     layers = [layer(dice) for _ in range(dice.randint(1, 2))]
@@ -80,7 +81,7 @@ def draw(dice, folder, index):
     if n_above > n_first:  # near total reflection, where slopes matter
         angle = math.degrees(math.asin(n_first / n_above) + dice.uniform(-5, 5) * slope)
         angle = min(max(angle, 1), 89)
-    width = between(dice, 0.05, 1) * math.cos(math.radians(angle))  # so that the light meets the curved part
+    width = between(dice, 0.05, 1) * math.cos(math.radians(angle))  # the light must meet the curved part
     beam = dice.choice(("pencil", f"disk {width:.4g}", f"gaussian {width:.4g}"))
     beam += f" at={dice.choice((0, 1)) * dice.uniform(-width, width):.4g},0"
     kind, surface = heightmap(dice, slope, folder, index) if dice.random() < 0.25 else radial(dice, slope)
@@ -95,7 +96,7 @@ def draw(dice, folder, index):
 
 
 def choice(scene, tolerance):
-    """The boundary's record of a short run; None where boundaries cross."""
+    """Returns the boundary's record of a short run; None if boundaries cross."""
     try:
         return cml.run(scene.text(scene.surface), "--photons", 1000, "--tolerance", tolerance)[0]["boundaries"][scene.at]
     except RuntimeError as refused:

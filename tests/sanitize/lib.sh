@@ -1,9 +1,9 @@
-# What the scripts of this folder share, beside lib/cli.sh.
+# Helpers of the scripts in this folder, beside lib/cli.sh.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
-# Results as .h5 where this program has them, .mco otherwise; every map, volume and facet is recorded. A scene that asks
-# for maps itself keeps its own. Prints the new scene's name.
+# Writes a scene that records every map, volume and facet, with results as .h5 if this program has them, else .mco. A scene
+# that asks for maps itself keeps its own. Prints the new scene's name.
 with_maps() { # FORMAT SCENE
     lines=
     grep -q '^map' "$2" || lines='/# nz, nr, na/a map 40 30 0.05 0.05 angles volume\nfacets'
@@ -11,7 +11,7 @@ with_maps() { # FORMAT SCENE
     echo "$work/$(basename "$2")"
 }
 
-# Flies: nothing that a sanitizer complains of, no packet lost, all weight accounted for.
+# Flies a scene and expects no sanitizer report, no lost packet, and all weight accounted for.
 expect_sound() { # ARGUMENTS...
     expect_code 0 "$@" --json -o "$work/got"
     runs=$(grep -c . "$work/out")

@@ -1,9 +1,8 @@
 #!/bin/sh
-# Every sample with few packets in two of six ways, the next ones in the other ones, or in all where the environment
-# has ALL_CASES: as it is, all boundaries as meshes, on the engine reference, and with maps, a volume and facets in .mco
-# and .h5 files. For a program that was built with sanitizers: what they find ends it with another exit code than 0, and
-# their report is printed. No packet may be lost, and all weight must be accounted for.
-# CLUSTERMCML=build-asan/clustermcml sh tests/sanitize/samples.sh
+# Flies every sample with few packets in two of six ways, in turns, or in all six if the environment has ALL_CASES.
+# The ways: unchanged, all boundaries as meshes, with the engine reference, and with maps, a volume and facets in .mco and .h5
+# files. The program must be built with sanitizers: a report ends it with another exit code than 0 and is printed. No packet
+# may be lost, and all weight must be accounted for. CLUSTERMCML=build-asan/clustermcml sh tests/sanitize/samples.sh
 # SPDX-License-Identifier: MIT
 . tests/sanitize/lib.sh
 ALL_CASES=${ALL_CASES:+all}

@@ -1,8 +1,10 @@
 #!/bin/sh
-# The engines cpu and reference under clang's thread sanitizer, with more threads than cores and pieces so small that
-# threads meet often: plain runs, maps and facets, rounds of --target-error, threads bound to cores, stops by a signal
-# and what follows them. Builds what it needs in build-tsan, without MPI and OpenCL, which are not instrumented; neither is HDF5, which one thread calls.
-# Left out: the threads of MPI, and crosscheck, whose loop is OpenMP's: its runtime is not instrumented either.
+# Runs the engines cpu and reference under clang's thread sanitizer, with more threads than cores and pieces so small that
+# threads meet often.
+# Tested are plain runs, maps and facets, rounds of --target-error, threads bound to cores, stops by a signal and continued
+# runs. Builds in build-tsan, without MPI and OpenCL, which are not instrumented; neither is HDF5, which only one thread
+# calls. Left out: the threads of MPI, and crosscheck, whose loop uses OpenMP, because OpenMP's runtime is not instrumented
+# either.
 # SPDX-License-Identifier: MIT
 set -eu
 cd "$(dirname "$0")/../.."
@@ -31,7 +33,7 @@ for engine in cpu reference; do
     OMP_PROC_BIND=spread expect_sound samples/thick.mci $busy --engine $engine --photons 1000
 done
 
-# Stopped by a signal once there is a checkpoint, twice: the second run begins with what the first one wrote.
+# A run is stopped twice by a signal once there is a checkpoint: the second run begins with the checkpoint of the first one.
 for engine in cpu reference; do
     for resume in "" --resume; do
         before=$(stat -c %i "$work/thick.mco.checkpoint" 2>&1)

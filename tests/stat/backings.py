@@ -1,12 +1,14 @@
-"""Backings: what lies under the last boundary and sends light back.
+"""Tests backings: surfaces under the last boundary that send light back.
 
-- Lambertian, R = 0, 0.5, 1: adding-doubling of the slab alone, lit from above and with diffuse light from below, and the surface added
-  by van de Hulst's series R + T R' t / (1 - R' r); `exact` itself within 1e-7 of it.
-- Mirror, R = 1: the slab of twice the thickness, whose upper half sees its mirror image; R = 0: the slab alone; R = 0.5 under slanted
-  light: the geometric series of an absorbing slab with Fresnel's reflectance on top, and adding-doubling with scattering.
-- Metal: Fresnel's reflectance with a complex index, at ten angles, in a clear slab whose index the light comes from, where every
-  packet keeps the same share: within 2e-6.
-- An .obj file as backing: a groove of two slopes at right angles, from which all packets come straight back with R(45 degrees)^2.
+- Lambertian, R = 0, 0.5, 1: adding-doubling of the slab alone, lit from above and with diffuse light from below. The surface
+  is added by van de Hulst's series R + T R' t / (1 - R' r); `exact` itself agrees with it within 1e-7.
+- Mirror, R = 1: the slab of twice the thickness, whose upper half sees its mirror image. R = 0: the slab alone. R = 0.5 under
+  slanted light: the geometric series of an absorbing slab with Fresnel's reflectance at its top, and adding-doubling with
+  scattering.
+- Metal: Fresnel's reflectance with a complex index, at ten angles. The slab is clear and has the index of the medium above,
+  so every packet keeps the same share, within 2e-6.
+- An .obj file as backing: a groove of two slopes at right angles, from which all packets come straight back with R(45
+  degrees)^2.
 - A radial shape and its mesh as backing: `crosscheck`, packet by packet between engines, totals between cones and triangles.
 N = 4e4 a case; statistic: z, level 1e-4 over all."""
 import cmath
@@ -23,7 +25,7 @@ import cml  # noqa: E402
 
 PHOTONS = 40000
 SLABS = [(1.4, 0.5, 50, 0.8, 0.05), (1.0, 2, 20, 0, 0.1), (1.33, 1, 300, 0.95, 0.02)]
-METALS = {"gold": (0.183, 3.434), "aluminium": (1.373, 7.618)}  # at 633 nm
+METALS = {"gold": (0.183, 3.434), "aluminium": (1.373, 7.618)}  # complex indices at 633 nm
 KEYS = ("Rsp", "Rd", "A", "Tt", "A_backing")
 
 
@@ -48,7 +50,7 @@ def reflected(totals):
 
 
 def added(folder, slab, R):
-    """All that comes back from a slab on a lambertian surface, and what that keeps."""
+    """Returns the light that comes back from a slab on a lambertian surface, and the light that the surface keeps."""
     n = slab[0]
     down = exact(folder, scene(slab, n_below=n))
     up = exact(folder, scene(slab, n_above=n, beam="beam pencil light=lambertian"))
@@ -91,7 +93,7 @@ def slabs(verdict, folder):
 
 
 def absorber(verdict, folder):
-    """Light at an angle on a plate that absorbs, over half a mirror."""
+    """Tests slanted light on an absorbing plate above a half mirror."""
     n, mua, d, R = 1.5, 3.0, 0.1, 0.5
     for angle in (0, 40, 75):
         c1 = math.cos(math.radians(angle))
@@ -125,7 +127,7 @@ def metals(verdict, folder):
 
 
 def groove(verdict, folder):
-    """Its ends are slopes, too, which no light meets."""
+    """Tests a groove; its ends are slopes, too, which no light meets."""
     n, h = 1.4, 0.2
     with open(os.path.join(folder, "groove.obj"), "w", encoding="ascii") as file:
         for x, y, z in ((-h, -1, 0), (h, -1, 0), (h, 1, 0), (-h, 1, 0), (0, -0.5, -h), (0, 0.5, -h)):

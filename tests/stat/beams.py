@@ -1,12 +1,12 @@
-"""beam disk, gaussian, at, angle, azimuth, on planes and on a mesh.
+"""Tests beam disk, gaussian, at, angle, azimuth, on planes and on a mesh.
 
-- Convolution: on a flat scene a packet that starts at s leaves at s + d, where d does not depend on s. From the pencil's
-  Rd(r) and Tt(r) follow those of any beam at normal incidence: P(|s + d| <= rho) for |s| and |d| given is the share of a
-  circle, acos((s^2 + d^2 - rho^2) / (2 s d)) / pi, and |s| runs through the beam's quantiles (a disk's are R sqrt(u), those
-  of the irradiance exp(-2 r^2 / R^2) are R sqrt(-ln(1 - u) / 2)). Held against the beams' own runs.
-- Slanted light on an absorbing plate: Rsp, Rd, Tt by Fresnel and Snell, and the ring in which it leaves.
-- The angle in which light leaves: a plate returns the beam's own; a cone below, lit along its axis, turns it by
-  asin(n sin a) - a from the vertical, wherever the cone's normal points.
+- Convolution: on a flat scene a packet that starts at s leaves at s + d, where d does not depend on s. Rd(r) and Tt(r) of any
+  beam at normal incidence therefore follow from those of the pencil. P(|s + d| <= rho) for given |s| and |d| is the share of
+  a circle, acos((s^2 + d^2 - rho^2) / (2 s d)) / pi. |s| runs through the beam's quantiles: R sqrt(u) for a disk, R
+  sqrt(-ln(1 - u) / 2) for the irradiance exp(-2 r^2 / R^2). The results are compared with the beams' own runs.
+- Slanted light on an absorbing plate: Rsp, Rd, Tt by Fresnel and Snell, and the ring in which the light leaves.
+- The angle at which light leaves: a plate returns the beam's own. A cone below, lit along its axis, turns light by asin(n sin
+  a) - a from the vertical, in the direction of the cone's normal.
 - Turning the beam about z on a flat scene, and mirroring mesh and beam together, change nothing (`compare`, p > 1e-4).
 N = 2.5e5 (ALL_CASES: 1e6) for profiles; statistic: z of groups of bins, level 1e-4 over all."""
 import math
@@ -36,7 +36,7 @@ def fly(beam, seed):
 
 
 def disk(radius, x=0.0, y=0.0):
-    """|s| of points spread over a disk around x, y: radii by quantiles, angles by the golden section."""
+    """Returns |s| of points spread over a disk around (x, y): radii by quantiles, angles by the golden section."""
     points = [(radius * math.sqrt(u), 2.399963229728653 * i) for i, u in enumerate(QUANTILES)]
     return [math.hypot(x + r * math.cos(a), y + r * math.sin(a)) for r, a in points]
 
@@ -46,7 +46,7 @@ def gaussian(radius):
 
 
 def within(s, d, rho):
-    """P(|s + d| <= rho), the angle between s and d being uniform."""
+    """Returns P(|s + d| <= rho) for a uniform angle between s and d."""
     if s + d <= rho:
         return 1.0
     if abs(s - d) >= rho:
@@ -55,7 +55,7 @@ def within(s, d, rho):
 
 
 def kernel(starts):
-    """K[j][i]: the share of what the pencil has in ring i that the beam has in group j of rings."""
+    """Returns K[j][i]: the share of the pencil's light in ring i that a beam with these starts has in group j of rings."""
     edges = [GROUP * DR * j for j in range(NR // GROUP + 1)]
     cumulative = [[sum(within(s, (i + 0.5) * DR, rho) for s in starts) / len(starts) for i in range(NR - 1)]
                   for rho in edges]
@@ -71,7 +71,7 @@ def convolution(verdict, name, beam, starts, pencil, seed):
         errors = profiles.ring_errors(sections["se_" + key], DR, GROUP)
         rings = profiles.ring_sums(pencil[key], DR, 1)
         ring_errors = profiles.ring_errors(pencil["se_" + key], DR, 1)
-        for j in range(NR // GROUP - 4):  # what the pencil's last rings would send here is cut off
+        for j in range(NR // GROUP - 4):  # groups that lack light from beyond the pencil's last rings are cut off
             expected = sum(k * ring for k, ring in zip(shares[j], rings))
             spread = math.sqrt(sum((k * error) ** 2 for k, error in zip(shares[j], ring_errors)))
             if ours[j] * PHOTONS > 300:
@@ -79,7 +79,7 @@ def convolution(verdict, name, beam, starts, pencil, seed):
 
 
 def plate(verdict, angle, azimuth, at):
-    """n 1.5, mua 3, mus 0, d 0.2: everything on paper, places too."""
+    """Tests a plate with n 1.5, mua 3, mus 0, d 0.2, whose totals and exit places are known in closed form."""
     n, mua, d, photons = 1.5, 3.0, 0.2, 400000
     ci = math.cos(math.radians(angle))
     st = math.sin(math.radians(angle)) / n
@@ -106,11 +106,11 @@ def plate(verdict, angle, azimuth, at):
 
 
 def angles(verdict):
-    """Clear media, 3 degrees a bin. All that leaves a plate does so in the beam's bin. Of what leaves the cone, the
-    light that has not been reflected before does so in the bin of its deviation: more than nine tenths at n = 1.33."""
+    """Tests angles of exit from clear media, 3 degrees a bin. All light that leaves a plate does so in the beam's bin. Light
+    leaves the cone in the bin of its deviation if it has not been reflected before: more than nine tenths at n = 1.33."""
     na = 30
     step = 90 / na
-    cone, n = 10, 1.33  # degrees
+    cone, n = 10, 1.33  # slope angle of the cone (degrees), index
     turned = math.degrees(math.asin(n * math.sin(math.radians(cone)))) - cone
     below = {1: f"b 2 {-0.5 * math.tan(math.radians(cone)):.17g} 0.5 0 0"}
     cases = [(f"plate {angle}", f"beam pencil angle={angle}", {}, angle, 1 - 1e-9) for angle in (10, 44, 46, 88)]
@@ -129,7 +129,7 @@ def angles(verdict):
 
 
 def mirrored(path, out):
-    """The same mesh with y turned round."""
+    """Writes the mesh with the sign of y reversed."""
     with open(path, encoding="utf-8") as file, open(out, "w", encoding="utf-8") as mirror:
         for line in file:
             word = line.split()
@@ -137,7 +137,7 @@ def mirrored(path, out):
 
 
 def agree(verdict, name, first, second, keep):
-    """Two scenes that must give the same, from random numbers of their own."""
+    """Compares two scenes that must give the same results, with different random numbers."""
     paths = [cml.run(text, "--seed", seed, keep=keep)[0]["output"] for seed, text in ((31, first), (32, second))]
     record = pairs.compare_all([paths])[0]
     print(f"{name}: p = {record['p']:.3g} over {record['tests']} tests")
@@ -155,7 +155,7 @@ def symmetries(verdict):
         surfaces = [{0: f'm "{mesh}"'}, {0: 'm "mirror.obj"'}]
         scenes = [scene(b, s, name=f"m{i}.mco") for i, (b, s) in enumerate(zip(beams, surfaces))]
         agree(verdict, "mirrored", *scenes, keep)
-        # the same without mirroring the beam must show, or the test sees nothing
+        # the test must notice a mirrored mesh whose beam is not mirrored
         wrong = scene(beams[0], surfaces[1], name="m2.mco")
         path = cml.run(wrong, "--seed", 33, keep=keep)[0]["output"]
         p = pairs.compare_all([(os.path.join(keep, "m0.mco"), path)])[0]["p"]

@@ -1,4 +1,4 @@
-"""compare: rate of false alarms and power, with few pairs; long.compare has many. See tests/lib/pairs.py."""
+"""Tests the rate of false alarms and the power of compare, with few pairs; long.compare has many. See tests/lib/pairs.py."""
 import os
 import sys
 

@@ -1,17 +1,19 @@
-"""Standard errors from batches tell the truth, though packets of a batch depend on each other (--sampling lattice).
+"""Tests that standard errors from batches are true, although packets of a batch depend on each other (--sampling lattice).
 
-How often 400 independent runs (with ALL_CASES: 800) lie within 1 and 2 of their own errors from the expected value, for a thin slab and for a
-hill, at 1000 photons (15 or 16 in a batch) and at 12345. Totals, and every bin of Rd_r, Rd_a, Tt_r, Tt_a, A_z, that get
-300 packets or more in a run: with few packets per batch their spread is skewed and itself uncertain. Shares must be
-68 +- 9.9 % and 95 +- 5.7 % (of 800 runs: 7 and 4 %): these are 4.2 and 5.2 deviations, per number. Errors that are 1.3 times too large
-or small exceed them. The expected values are the means over all runs, 20 times sharper than one run; the means of the totals must agree with adding-doubling, for the hill with random
-sampling, by Sidak's limit.
+Counts how often 400 independent runs (with ALL_CASES: 800) lie within 1 and 2 of their own errors from the expected value.
+Scenes are a thin slab and a hill, at 1000 photons (15 or 16 in a batch) and at 12345. Counted are totals, and every bin of
+Rd_r, Rd_a, Tt_r, Tt_a, A_z with 300 packets or more in a run: with few packets per batch the spread is skewed and itself
+uncertain. Shares must be 68 +- 9.9 % and 95 +- 5.7 % (of 800 runs: 7 and 4 %), which are 4.2 and 5.2 deviations, per number.
+Errors that are 1.3 times too large or small exceed these bounds. The expected values are the means over all runs, 20 times
+sharper than one run. The means of the totals must agree with adding-doubling, or with random sampling for the hill, by
+Sidak's limit.
 
-Lights and shapes over a thin slab: 100 runs of 2048 photons, 32 in a batch, and 40 of 32768 (with ALL_CASES: 131072). The spread of the runs over their own
-errors is the root of the mean over all bins of 10 packets or more. It must be 0.9 to 1.1 for profiles, whose errors come from 64
-batches, and for directions, whose errors come from 16 groups. Bins depend on each other, so the noise of the ratio comes of the
-runs, by leaving out one after the other; 3 times the noise is let pass beyond the bounds. Errors from squares per packet were up to 3
-times too large, and a lattice that put points of a launch side by side made them 2 times too small."""
+Lights and shapes over a thin slab: 100 runs of 2048 photons, 32 in a batch, and 40 of 32768 (with ALL_CASES: 131072). The
+spread of the runs relative to their own errors is the root of the mean over all bins of 10 packets or more. It must be 0.9 to
+1.1 for profiles, whose errors come from 64 batches, and for directions, whose errors come from 16 groups. Bins depend on each
+other, so the noise of the ratio comes from leaving out one run after the other; 3 times the noise is allowed beyond the
+bounds. Errors from squares per packet were up to 3 times too large. A lattice that put points of a launch side by side made
+errors 2 times too small."""
 import os
 import statistics
 import sys
@@ -23,7 +25,7 @@ import slabs  # noqa: E402
 
 RUNS, PACKETS = 800 if "ALL_CASES" in os.environ else 400, 300
 WIDER = (800 / RUNS) ** 0.5
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # the runs write many files, each of them synced
 TOTALS, PROFILES = ["Rd", "A", "Tt"], ["A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"]
 THIN = {"layers": ["1.34 0.1 1 0.5 0.1"], "grid": "0.01 0.02", "bins": "10 10 8"}
 HILL = {"layers": ["1.3 1 1 0 1"], "grid": "0.1 0.1", "bins": "10 10 8",
@@ -32,12 +34,12 @@ LIGHTS = {"isotropic": "pencil z=0.25 light=isotropic", "lambertian": "pencil z=
           "aperture": "gaussian 0.1 light=na:0.8", "rectangle": "rectangle 0.3 0.2 z=0.25 angle=30 light=isotropic", "disk": "disk 0.2",
           "pencil": "pencil"}
 CLEAR = {"layers": ["1.4 0.5 1 0.8 0.5"], "grid": "0.1 0.1", "bins": "5 5 3"}
-LIT = ((2048, 100), (cml.repeats(131072), 40))  # photons, runs
+LIT = ((2048, 100), (cml.repeats(131072), 40))  # (photons, runs) under other lights and shapes
 LIT_PACKETS, NOISES, KINDS = 10, 3, {"profiles": PROFILES, "directions": ["Rd_dir", "Tt_dir"]}
 
 
 def fly(scene, photons, runs, *options):
-    """Records of `runs` runs, with the sections of their files."""
+    """Returns the records of `runs` runs, with the sections of their files."""
     with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
         text = cml.repeated(runs, photons=photons, **scene)
         records = cml.run(text, "--seed", 41, "--threads", 1, *options, keep=keep)
@@ -47,7 +49,7 @@ def fly(scene, photons, runs, *options):
 
 
 def numbers(records):
-    """(name, values, errors) of every total and bin."""
+    """Returns (name, values, errors) of every total and bin."""
     for key in TOTALS:
         yield key, [record[key] for record in records], [record[key + "_se"] for record in records]
     for key in PROFILES:
@@ -71,14 +73,14 @@ def check(verdict, name, records, least):
 
 
 def check_means(verdict, name, records, truth):
-    """truth: {total: (value, error)}."""
+    """Checks the means of totals. truth: {total: (value, error)}."""
     for key, (expected, uncertain) in truth.items():
         values = [record[key] for record in records]
         verdict.z(f"{name} {key}", statistics.fmean(values), statistics.stdev(values) / RUNS**0.5, expected, uncertain)
 
 
 def spread_over_error(records, keys):
-    """(number of bins with enough packets, root of the mean of variance over squared error, noise of that)."""
+    """Returns (number of bins with enough packets, root of the mean of variance over squared error, noise of that root)."""
     bins = []
     for key in keys:
         for column in zip(zip(*(record[key] for record in records)), zip(*(record["se_" + key] for record in records))):

@@ -1,10 +1,13 @@
-"""Derivatives by mua and mus (--derivatives): against central differences of adding-doubling where all is plane, of flights with the
-same random numbers where it is not: rings, a backing, a body, a beam from the side; profiles against their totals and those flights.
+"""Tests derivatives of totals by mua and mus (--derivatives) against central differences.
 
-N = 4e4 packets a stack, 4e3 to 2e4 where they interact hundreds of times; statistic: z of dRd, dA, dTt and of what layers and bodies absorb; level
-1e-4 over all. Differences are of 2 % for adding-doubling and 20 % for flights, whose bias, some 1 % of themselves, counts as an error.
-With the argument `long`: ten times as many packets, and 400 runs of a thin and a thick stack, in which 68 % and 95 % of derivatives lie
-within one and two standard errors of the truth."""
+For plane scenes the differences are those of adding-doubling. For rings, a backing, a body and a beam from the side they are
+those of flights with the same random numbers. Derivatives of profiles are compared with those of their totals and with these
+flights.
+N = 4e4 packets a stack, 4e3 to 2e4 if they interact hundreds of times. Statistic: z of dRd, dA, dTt and of the absorption in
+layers and bodies; level 1e-4 over all. Steps are 2 % for adding-doubling and 20 % for flights, whose bias, some 1 % of the
+derivative, counts as an error.
+With the argument `long`: ten times as many packets, and 400 runs of a thin and a thick stack, in which 68 % and 95 % of
+derivatives lie within one and two standard errors of the truth."""
 import math
 import os
 import sys
@@ -16,7 +19,7 @@ import cml  # noqa: E402
 LONG = "long" in sys.argv[1:]
 TIMES = 10 if LONG else 1
 GRID = {"bins": "10 20 5", "grid": "0.05 0.05"}
-# name: layers, photons; from 0.1 to 1000 mean free paths
+# name: layers, photons; thickness from 0.1 to 1000 mean free paths
 STACKS = {
     "thin": (["1.4 0.5 1 0.3 0.1"], 40000),
     "few": (["1.3 2 20 0.7 0.1", "1.5 0.5 5 0 0.3"], 40000),
@@ -39,7 +42,7 @@ def names_of(layers, bodies=0):
 
 
 def value_of(text, medium, x):
-    """What the scene says of a medium."""
+    """Returns the number x (mua or mus) of a medium in the scene's text."""
     line = [line for line in text.splitlines() if line.startswith("i ")] if medium.startswith("body") else \
         [line for line in text.splitlines() if line.count(" ") == 4 and line[0].isdigit()]
     words = line[int(medium[-1]) - 1].split()
@@ -47,7 +50,7 @@ def value_of(text, medium, x):
 
 
 def exact_difference(text, name, value):
-    """Central differences of totals and layers, and how far they may be off."""
+    """Returns central differences of totals and layers, each with its possible error."""
     h = 0.02 * value
     low, high = (cml.exact(text, "--set", f"{name}={value + s * h!r}") for s in (-1, 1))
     of = {key: ((high[key] - low[key]) / (2 * h), (high[key + "_error"] + low[key + "_error"]) / (2 * h)) for key in TOTALS}
@@ -82,12 +85,13 @@ def against_exact(verdict):
 
 
 def profile_sums(sections, key, layers, column, columns):
-    """Of a profile over r what its bins add up to, where they are 0.05 cm wide."""
+    """Returns the sum of a profile over r, in bins 0.05 cm wide."""
     return sum(2 * math.pi * (i + 0.5) * 0.05 ** 2 * value for i, value in enumerate(sections[key][column::columns]))
 
 
 def against_flights(verdict, name, text, media, seed):
-    """Of both kinds the errors count, and a fiftieth of the difference: flights that are 40 % apart are no derivative."""
+    """Compares derivatives with differences of flights. The errors of both count, and a fiftieth of the difference, because
+    flights that are 40 % apart only approximate a derivative."""
     with tempfile.TemporaryDirectory() as keep, tempfile.TemporaryDirectory() as other:
         record, sections = derived(text, keep, "--seed", seed)
         cml.check_balance(verdict, name, record)
@@ -110,7 +114,7 @@ def against_flights(verdict, name, text, media, seed):
 
 
 def coverage(verdict):
-    """Of 400 runs of 5000 packets: shares of derivatives within one and two errors of the truth."""
+    """Tests 400 runs of 5000 packets: the shares of derivatives within one and two errors of the truth."""
     runs = 400
     for name in ("few", "thick"):
         layers = STACKS[name][0]

@@ -1,16 +1,21 @@
-"""What detectors see (P13), against packets that are traced one by one and held against every detector on paper.
+"""Tests the light that detectors see (P13), against packets that are traced one by one and compared with the definition of
+every detector.
 
-- Weights, mean path and interactions by medium, and mean largest depth: a hill over two layers, under a tilted wide beam and under one at normal incidence on a plane, of which a part is split off: disks, rings
-  and rectangles at several levels and axes on both sides; all of it to the digits that a trace has.
+- Weights, mean path and interactions by medium, and mean largest depth, to the digits that a trace has. Scenes: a hill over
+  two layers under a tilted wide beam, and under one at normal incidence on a plane, of which a part is split off. Detectors:
+  disks, rings and rectangles at several levels and axes on both sides.
 - Shapes that tile the plane: their sums are Rsp + Rd or Tt, in units of weight.
-- Hundreds of them, in lines, in the lines of a file, and one by one give the same numbers.
-- Gates of what detectors see, times exp(-x c t / n), summed, are what they see with x more absorption in all layers, of flights of their own.
-- A camera that is focused on one of three points of light along a slope sees it in one pixel, and the others where their cones cross that level, on paper.
-- Fibres over a hill, furrows that go on for ever and a mesh that overhangs: light that comes from one disk with the cosine law into another, over the area of that, is the same the other
-  way round. With an argument N so many packets (`long.detectors`).
-- Path and largest depth of light that flies straight down in a clear slab are known but for rounding, and so within 2.45 errors.
-- A detector's error, and a pixel's, covers the mean over other runs in 68 % of cases, where split-off light comes into it, too.
-Statistic: exact; z-scores; the last one the share within one error."""
+- Hundreds of detectors give the same numbers in lines of the scene, in the lines of a file, and one by one.
+- Time gates of a detector, times exp(-x c t / n), summed, give its light in a flight with x more absorption in all layers.
+- A camera that is focused on one of three points of light along a slope sees it in one pixel. It sees the others where their
+  cones cross the level of focus, by geometry.
+- Reciprocity, over a hill, furrows that go on for ever and a mesh with overhangs: light from one disk with the cosine law
+  into another, divided by the area of the latter, is the same the other way round. An argument N sets the number of packets
+  (`long.detectors`).
+- Path and largest depth of light that flies straight down in a clear slab are known but for rounding, and so lie within 2.45
+  errors.
+- The errors of a detector and of a pixel cover the mean over other runs in 68 % of cases, also if split-off light enters.
+Statistic: exact; z-scores; for the last one the share within one error."""
 import concurrent.futures
 import math
 import os
@@ -24,14 +29,14 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-PACKETS, UNIT, LIGHT = 300, 2.0**31, 0.0299792458  # cm/ps
+PACKETS, UNIT, LIGHT = 300, 2.0**31, 0.0299792458  # UNIT: weight units per packet; LIGHT: cm/ps
 HILL = {"layers": ["1.4 1 40 0.7 0.2", "1.5 0.5 20 0.5 0.3"], "surfaces": {0: "b 3  0.25 0.1  0.1 0.4  0 1"}, "n_below": 1.3}
 SLAB = {"layers": ["1.4 1 40 0.7 0.2"]}
 NUMBER = r"[-+0-9.e]+"
 
 
 class Detector:
-    """One as its line says it; sees() is written from the definition alone."""
+    """A detector as its line describes it; sees() follows the definition alone."""
 
     def __init__(self, shape, sizes, at=(0, 0), z=None, side="top", na=None, angle=0, azimuth=0, diffuse=False):
         self.shape, self.sizes, self.at, self.z, self.side = shape, sizes, at, z, side
@@ -64,7 +69,7 @@ class Detector:
 
 
 def detectors(count, dice):
-    """At random, large enough to see some of few packets."""
+    """Returns random detectors, large enough to see some of few packets."""
     found = []
     for _ in range(count):
         shape = dice.choice(["disk", "ring", "rectangle"])
@@ -77,7 +82,7 @@ def detectors(count, dice):
 
 
 class Packet:
-    """One as `trace` tells it: its fate, where and how it ended, where and how much was split off, and its way by medium."""
+    """A packet as `trace` prints it: its fate, its end, the light split off at its launch, and its path by medium."""
 
     def __init__(self, path, index, engine, media):
         done = subprocess.run([cml.PROGRAM, "trace", path, str(index), "--engine", engine], capture_output=True, text=True, check=True).stdout
@@ -100,7 +105,8 @@ class Packet:
         self.deepest = max(self.deepest, self.start[2]) if events[0][1] > 0 else self.deepest
 
     def seen(self, scene, detector):
-        """What the detector sees of it: [weight, path by medium, interactions, momentum transfer, largest depth]."""
+        """Returns what the detector sees of the packet: a list of [weight, path by medium, interactions, momentum transfer,
+        largest depth]."""
         parts = []
         if self.start[6] < 1 and detector.sees(scene, "top", True, self.start[:2] + [0], (0, 0, -1)):
             parts.append((1 - self.start[6], *[[0] * len(self.length)] * 3, 0))
@@ -139,7 +145,8 @@ def brute_force(verdict, name, scene, beam, engine, dice):
 
 
 def tiles(verdict):
-    """Rings, quarters of the plane, and strips, on both sides of a hill under a disk; and of a slab that splits light off."""
+    """Tests rings, quarters of the plane, and strips: on both sides of a hill under a disk, and over a slab that splits light
+    off."""
     for scene in (HILL, SLAB):
         lines, parts = [], {}
         for side in ("top", "bottom"):
@@ -164,7 +171,8 @@ def tiles(verdict):
 
 
 def hundreds(verdict):
-    """A grid of 20 x 20 disks and one alone: what a detector sees does not depend on its neighbours, nor on the file that says it."""
+    """Tests a grid of 20 x 20 disks against single ones: a detector's light does not depend on its neighbours, nor on the
+    file that describes it."""
     disks = [f"detector disk 0.04 at={0.1 * i - 1!r},{0.1 * k - 1!r} na=0.5 name=g{i}_{k}" for i in range(20) for k in range(20)]
     chosen = random.Random(3).sample(range(400), 8)
     scene = {"photons": 20000, "surfaces": HILL["surfaces"], "n_below": 1.3}
@@ -182,7 +190,8 @@ def hundreds(verdict):
 
 
 def laplace(verdict):
-    """Both media have the index of the light's clock, and nothing is outside: gates of 0.1 ps, 280 of them a cm of path."""
+    """Tests gates against more absorption. Both media have the same index, and nothing is outside: gates of 0.1 ps, 280 of
+    them for a cm of path."""
     n, width, lines = 1.4, 0.1, ["detector disk 0.2 na=0.8 name=near", "detector ring 0.2 0.6 name=far"]
     layers = lambda x: [f"{n} {0.5 + x} 40 0.7 0.2", f"{n} {0.2 + x} 60 0.8 0.4"]  # noqa: E731
     with tempfile.TemporaryDirectory() as folder:
@@ -198,7 +207,8 @@ def laplace(verdict):
 
 
 def focus(verdict):
-    """Points of light that shine upwards by the cosine law; a cone of half angle t about an axis at 45 degrees has sin^2 t cos 45 of it."""
+    """Tests a camera with points of light that shine upwards by the cosine law. A cone of half angle t about an axis at 45
+    degrees has the share sin^2 t cos 45."""
     points, na, pixel, photons = [(-0.3, -0.31, -0.2), (0.0, 0.01, -0.4), (0.3, 0.33, -0.6)], 0.2, 0.02, 60000
     lines = [f"beam pencil at={x},{y} z={z} angle=180 light=lambertian" for x, y, z in points]
     lines += [f"detector map 100 60 {pixel} {pixel} at=0.01,0 z={z} na={na} angle=45 name=c{k}" for k, (_, _, z) in enumerate(points)]
@@ -212,7 +222,7 @@ def focus(verdict):
                 low, high = (x + (z - level) * math.tan(math.pi / 4 + s * math.asin(na)) for s in ((-1, 1) if z >= level else (1, -1)))
                 reach = abs(z - level) * na / math.cos(math.pi / 4 + math.asin(na)) + pixel
                 inside = {place: w for place, w in seen.items() if low - pixel / 2 <= place[0] <= high + pixel / 2 and abs(place[1] - y) <= reach}
-                expected = 1 if z == level else abs(z - level) / pixel  # pixels across
+                expected = 1 if z == level else abs(z - level) / pixel  # width of the spot in pixels
                 verdict.check(f"camera on {level}, point {z}", len(inside) == 1 if expected == 1 else len(inside) > expected, f"{len(inside)} pixels")
                 verdict.z(f"camera on {level}, point {z}", sum(inside.values()), math.sqrt(share / 3 / photons), share / 3)
                 left -= sum(inside.values())
@@ -220,7 +230,7 @@ def focus(verdict):
 
 
 def picture(path, pixel):
-    """{(x, y): weight} of the pixels of a detector's .vti that have seen anything, in scene coordinates."""
+    """Returns {(x, y): weight} of the pixels of a detector's .vti that have seen light, in scene coordinates."""
     with open(path, "rb") as file:
         data = file.read()
     begin = data.index(b"_", data.index(b"<AppendedData")) + 1
@@ -242,13 +252,13 @@ def reciprocity(verdict, photons):
 
 
 def coverage(verdict):
-    """Ring by ring of a slab that splits off 0.028 of every packet into the first one."""
+    """Tests errors of a detector ring by ring. The slab splits off 0.028 of every packet into the first ring."""
     runs, edges = 60, [0, 0.05, 0.1, 0.2, 0.4]
     lines = [f"detector ring {a} {b}" for a, b in zip(edges, edges[1:])] + ["detector disk 1 na=0.3", "detector rectangle 0.5 0.5 side=bottom"]
     records = cml.run(cml.repeated(runs, SLAB["layers"], photons=6400, extra=lines))
     within = tried = 0
     for k in range(1, len(lines) + 1):
-        for key in (f"detector_{k}", f"detector_{k}_deepest")[:1 if k == len(lines) else 2]:  # below all light has the same depth
+        for key in (f"detector_{k}", f"detector_{k}_deepest")[:1 if k == len(lines) else 2]:  # all light below has the same depth
             values = [record[key] for record in records]
             for value, record in zip(values, records):
                 others = (sum(values) - value) / (runs - 1)
@@ -257,8 +267,9 @@ def coverage(verdict):
     verdict.check("errors", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
     print(f"errors of detectors: {within / tried:.3f} of {tried} within one")
 def rounding(verdict, dice):
-    """Straight down from the middle of clear slabs: the path is half the thickness and the largest depth all of it, but for rounding. Rounding to a
-    spacing is off by half of it, 1.73 times the standard deviation of that error; rounding to two of them by 2.45 times at most."""
+    """Tests light straight down from the middle of clear slabs: the path is half the thickness and the largest depth all of
+    it, but for rounding. Rounding to a spacing is off by at most half of it, which is 1.73 times the standard deviation of
+    that error; rounding to two spacings by at most 2.45 times."""
     for d in [0.05, *(dice.uniform(0.01, 1) for _ in range(19))]:
         with tempfile.TemporaryDirectory() as folder:
             text = cml.mci([f"1.0 0 0 0 {d!r}"], photons=256, extra=[f"beam pencil z={d / 2!r}", "detector disk 1 side=bottom name=it"])

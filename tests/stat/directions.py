@@ -1,9 +1,11 @@
-"""Directions of what leaves (P7), against what is known of them without flying any.
+"""Tests the directions of light that leaves (P7) against directions that are known without flights.
 
-- A clear slab under slanted light: mirrors. All of Rsp, Rd and Tt is in the bin of the beam's own angle and azimuth, and nothing elsewhere.
-- A cone under vertical light: what it mirrors leaves at twice its slope, evenly by azimuth.
-- A turbid slab: sums over azimuths are Rd_a and Tt_a of the same packets, sums over all the totals; what is split off goes straight up; a
-  bin lies within one of its errors of the mean over other runs in 66.7 % of cases (Student's t of 16 groups; random draws).
+- A clear slab under slanted light: all of Rsp, Rd and Tt is in the bin of the beam's own angle and azimuth, and nothing
+  elsewhere.
+- A cone under vertical light: mirrored light leaves at twice the cone's slope, evenly by azimuth.
+- A turbid slab: sums over azimuths are Rd_a and Tt_a of the same packets, and sums over all bins the totals. Light that is
+  split off goes straight up. A bin lies within one of its errors of the mean over other runs in 66.7 % of cases (Student's t
+  of 16 groups; random draws).
 Statistic: z, level 1e-4 over all."""
 import math
 import os
@@ -39,7 +41,7 @@ def mirrors(verdict):
 
 
 def cone(verdict):
-    """Slope 0.2: what it mirrors leaves at 22.6 degrees."""
+    """Tests a cone of slope 0.2, which mirrors light to 22.6 degrees."""
     text = cml.mci(["1.5 0 0 0 1"], photons=200000, extra=["beam disk 0.5", LINE], surfaces={0: "b 2  0.2 1  0 1"}, n_below=1.5)
     found = sections_of(text, "--sampling", "random")[0][1]
     for i, share in enumerate(shares(found, "Rsp")):

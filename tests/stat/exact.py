@@ -1,11 +1,12 @@
-"""Monte Carlo against adding-doubling, two methods that share no code but the reader of .mci files: where no table of other
-programs reaches (slanted light, negative g, clear layers between others, dense outer media), and layer by layer. Rough planes
-share the walk on their facets with the packets, but no random number, and neither directions nor layers.
+"""Tests Monte Carlo against adding-doubling, two methods that share no code but the reader of .mci files.
 
-N = 5e5 packets a scene (with ALL_CASES: 2e6), 1.5e5 between rough planes (6e5), where a limit of `exact` is four standard errors; statistic: z of Rsp, Rd, A, Tt and of what each layer absorbs (its error is the bound for
-weights of at most 1, which is never too small); level 1e-4 over all. A second run of `exact` sees that a scattering
-coefficient that is 4 % off would show, and another that planes are not rough. Every second
-scene of rough planes is flown, and all with ALL_CASES."""
+The scenes are those that no table of other programs covers (slanted light, negative g, clear layers between others, dense
+outer media), layer by layer. Rough planes share with the packets the walk on facets, but no random number, and neither
+directions nor layers.
+N = 5e5 packets a scene (with ALL_CASES: 2e6), and 1.5e5 (6e5) between rough planes, where a limit of `exact` is four standard
+errors. Statistic: z of Rsp, Rd, A, Tt and of the absorption of each layer, whose error is the bound for weights of at most 1,
+which is never too small; level 1e-4 over all. Further runs of `exact` check that a scattering coefficient that is 4 % off
+would show, and so would planes that are not rough. Every second scene of rough planes is flown, and all with ALL_CASES."""
 import os
 import sys
 import tempfile
@@ -27,7 +28,7 @@ SCENES = [
     ("skin 0", ["1.53 0.2 1000 0.9 0.002", "1.34 0.15 400 0.85 0.008", "1.39 1 350 0.95 0.02", "1.4 0.7 200 0.76 0.1"],
      1.0, 1.0, 0),
 ]
-# and the lines of boundaries
+# like SCENES, with the lines of rough boundaries at the end
 ROUGH = [
     ("beckmann 0.5", ["1.5 1 20 0.8 0.5"], 1.0, 1.0, 0, {0: "rough beckmann 0.5", 1: "rough beckmann 0.5"}),
     ("ggx 0.05", ["1.5 1 20 0.8 0.5"], 1.0, 1.0, 60, {0: "rough ggx 0.05", 1: "rough ggx 0.05"}),
@@ -44,7 +45,7 @@ ROUGH = [
 
 
 def bound(share, photons=PHOTONS):
-    """Error of a mean of scores of at most 1."""
+    """Returns the largest possible error of a mean of scores of at most 1."""
     return (share * (1 - share) / photons) ** 0.5
 
 
@@ -54,7 +55,7 @@ def compare(verdict, name, text, expected, sigmas=1, photons=PHOTONS):
         layers = cml.read_sections(record["output"])["A_l"]
     cml.check_balance(verdict, name, record)
     for key in ("Rsp", "Rd", "A", "Tt", "A_backing") if "A_backing" in expected else ("Rsp", "Rd", "A", "Tt"):
-        # a share that is split off from every packet has no noise, but packets weigh 2^31 units
+        # a share that is split off every packet has no noise, but packets weigh 2^31 units
         error = cml.total_error(record, key, expected[key]) or 1e-9
         verdict.z(f"{name} {key}", record[key], error, expected[key], expected[key + "_error"] / sigmas)
         limit = record["exact_error"] + (expected[key + "_error"] if sigmas > 1 else 1e-7)
@@ -74,7 +75,7 @@ def main():
                        extra=[f"beam pencil angle={angle}"])
         compare(verdict, name, text, cml.exact(text), 4, ROUGH_PHOTONS)
     rough, smooth = (cml.exact(cml.mci(ROUGH[0][1], surfaces=lines)) for lines in (ROUGH[0][5], {}))
-    # of an independent program, each good to some 1e-4
+    # values of an independent program, each good to some 1e-4
     verdict.check("roughness", abs(rough["Rd"] - smooth["Rd"]) > 6 * bound(rough["Rd"], ROUGH_PHOTONS) and
                   all(abs(rough[key] - value) < 4e-4 for key, value in (("Rsp", 0.0394), ("Rd", 0.1264), ("A", 0.7188), ("Tt", 0.1154))),
                   f"{rough} and {smooth}")

@@ -1,7 +1,9 @@
-"""Scenes of which a part is given from far away. Light from 1 to 1e9 cm away, alone or as a first beam that launches nothing, must leave results
-as they are with light from nearby, within two standard errors: Rd over a mesh and over rings of each engine, also on two ranks, and what a
-detector sees over a plane. Light that comes straight from a far lamp, or from below, is held against the same light nearby; gates against the
-time of the way. What lies too far from the rest is refused with the figure.
+"""Tests scenes with parts that are far away from the rest.
+
+Light from 1 to 1e9 cm away, alone or as a first beam that launches nothing, must leave results as with light from nearby,
+within two standard errors. Compared are Rd over a mesh and over rings of each engine, also on two ranks, and the light of a
+detector over a plane. Light straight from a far lamp, or from below, is compared with the same light nearby; gates with the
+time of flight. A part that is too far from the rest is refused with the figure.
 SPDX-License-Identifier: MIT"""
 import json
 import math
@@ -18,11 +20,11 @@ DISTANCES = ("1", "1e3", "1e6", "1e9")
 LAYER = "1.4 0.5 20 0.8 1"
 RINGS = "b 6  0.06 0.1  0 0.1  0.06 0.1  0 0.1  0.05 0.2  0 0"
 SIDE = 20
-HANGS = 300  # s: packets that never end
+HANGS = 300  # time limit (s) against packets that never end
 
 
 def sheet():
-    """800 triangles over a square of 2 cm."""
+    """Writes a sheet of 800 triangles over a square of 2 cm."""
     points = [(i / 10 - 1, j / 10 - 1) for j in range(SIDE + 1) for i in range(SIDE + 1)]
     rim = [max(abs(x), abs(y)) > 0.99 for x, y in points]
     text = "".join(f"v {x} {y} {0 if edge else 0.1 * math.sin(7.3 * x) * math.cos(5.1 * y):.6f}\n" for (x, y), edge in zip(points, rim))
@@ -39,7 +41,7 @@ def scene(photons, surface, beams, lines=()):
 
 
 def fly(text, *options, ranks=1):
-    """Exit code, record and standard error."""
+    """Returns exit code, record and standard error of a run."""
     with open("scene.mci", "w", encoding="utf-8") as file:
         file.write(text)
     command = [cml.PROGRAM, "run", "scene.mci", "--json", "--quiet", *options]
@@ -53,7 +55,7 @@ def fly(text, *options, ranks=1):
 
 
 def compare(verdict, name, photons, surface, beams, *options, lines=(), keys=("Rd",), ranks=1):
-    """The first light against all others, with the same random numbers."""
+    """Compares the results of the first light with those of all others, with the same random numbers."""
     near = None
     for light in beams:
         code, record, said = fly(scene(photons, surface, light, lines), *options, ranks=ranks)
@@ -65,19 +67,19 @@ def compare(verdict, name, photons, surface, beams, *options, lines=(), keys=("R
 
 
 def shifted(distance, angle):
-    """A spot 0.3 cm wide of a lamp so far from (0, 0, 0) along an axis of that angle."""
+    """Returns a lamp at this distance from (0, 0, 0), along an axis of this angle, that lights a spot 0.3 cm wide."""
     t = math.radians(angle)
     return f"at={-distance * math.sin(t):.12g},0 z={-distance * math.cos(t):.12g} angle={angle} light=na:{0.3 / distance:.9g}"
 
 
 def straight(distance):
-    """A disk on (0, 0, 0) at 40.5 degrees, from so far."""
+    """Returns a disk of light that comes from this distance to (0, 0, 0), at 40.5 degrees."""
     t = math.radians(40.5)
     return f"beam disk 0.3 at={-distance * math.sin(t):.15g},0 z={-distance * math.cos(t):.15g} angle=40.5"
 
 
 def second(distance, line="beam disk 0.3 angle=40.5"):
-    """Behind a beam from so far that launches nothing."""
+    """Returns a beam behind a first beam that is so far away and launches nothing."""
     return f"beam pencil at=-{distance},0 z=-{distance} angle=45 share=1e-9\n{line}"
 
 
@@ -117,7 +119,7 @@ def planes(verdict):
 
 
 def time(verdict):
-    """Light that comes back has flown its way first: none before, all behind it."""
+    """Tests that light that comes back has flown its way first: none before that time, all after it."""
     way = 3e5 / 0.0299792458
     code, record, said = fly(scene(1000, None, "beam pencil z=-3e5", (f"time {1.01 * way:.9g} 101",)))
     verdict.check("time", code == 0, f"exit {code}: {said}")

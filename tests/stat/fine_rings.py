@@ -1,8 +1,8 @@
-"""Ten thousand rings as cones: no packet is lost.
+"""Tests that ten thousand rings, as cones, lose no packet.
 
-Rings of 5e-5 cm in a medium of long paths: packets in single precision stand closer to ridges than anywhere else, and are
-beyond them by rounding more often. A rule of the walk that was wrong for one packet in 1e6 was found here and in no other
-test. N = 4e6 packets. Truth: none is lost, the imbalance is 0."""
+Rings of 5e-5 cm in a medium of long free paths: packets in single precision stand closer to ridges than anywhere else, and
+rounding puts them beyond ridges more often. A wrong rule of the walk that affected one packet in 1e6 was found here and in no
+other test. N = 4e6 packets. Truth: none is lost, the imbalance is 0."""
 import os
 import subprocess
 import sys

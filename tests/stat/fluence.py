@@ -1,16 +1,16 @@
-"""Fluence (P14), against what is known of it.
+"""Tests fluence (P14) against known values.
 
-- Turbid layers: phi mua is the absorption of the same packets, bin by bin and voxel by voxel; the z-scores are of the differences of the runs,
-  so what both have in common drops out. With bins finer than a free path and coarser.
-- A furnace: light by the cosine law from both sides, irradiance 1 each. The air has 4, a turbid layer and a clear one beside it 4 n^2; a clear
-  layer alone, between planes, has only the directions that can come into it, 4 n^2 (1 - sqrt(1 - 1 / n^2)). Bins are bounded: means over an
-  infinite clear layer have no variance.
-- A pit through the bins, of the index of the air, that absorbs and does not scatter: in each bin the integral over the light that has
-  come to it, air included, on paper.
+- Turbid layers: phi mua is the absorption of the same packets, bin by bin and voxel by voxel. The z-scores are of the
+  differences of the runs, so common noise drops out. Bins are finer than a free path, or coarser.
+- A furnace: light by the cosine law from both sides, irradiance 1 each. The fluence is 4 in air, and 4 n^2 in a turbid layer
+  and a clear one beside it. A clear layer alone, between planes, has only the directions that can enter it: 4 n^2 (1 - sqrt(1
+  - 1 / n^2)). Bins are bounded, because means over an infinite clear layer have no variance.
+- A pit through the bins, with the index of air, that absorbs and does not scatter: each bin has the integral over the light
+  that has come to it, air included, in closed form.
 - The same pit through voxels, over a square each.
-- A glass plate above and its inner reflections, which are split off at the launch (P1): 1 + R of their sum, on paper.
+- A glass plate above and its inner reflections, which are split off at the launch (P1): 1 + R of their sum, in closed form.
 - A bin lies within one of its errors of the mean over other runs in 68 % of cases, with random and with evenly spread draws.
-- By gate: gates sum to phi_rz, and mua times a layer's fluence in a gate is what it absorbs then.
+- By gate: gates sum to phi_rz, and mua times a layer's fluence in a gate is the absorption in that gate.
 Statistic: z, level 1e-4 over all."""
 import math
 import os
@@ -33,14 +33,15 @@ def sections_of(text, *options):
 
 
 def grid_of(path):
-    """A_rz, which stands in lines of five."""
+    """Returns A_rz of an .mco, whose numbers stand in lines of five."""
     with open(path, encoding="utf-8") as file:
         behind = file.read().split("\nA_rz\n")[1]
     return list(map(float, behind.split("#")[0].split("\n\n")[0].split()))
 
 
 def voxels_of(path):
-    """{name: values, x fastest} of the image of voxels beside a result, where there is one; errors are se_ as in sections."""
+    """Returns {name: values, x fastest} of the image of voxels beside a result, if there is one; errors are se_ as in
+    sections."""
     path = path[:-4] + ".volume.vti"
     if not os.path.exists(path):
         return {}
@@ -56,7 +57,8 @@ def voxels_of(path):
 
 
 def spread(verdict, name, values, truth, rounding=0):
-    """rounding: what single precision may take of the mean; interactions of a dense layer score both sides alike, and leave little else."""
+    """Compares the mean of values of runs with the truth by their spread. rounding: error of the mean by single precision;
+    interactions of a dense layer score both sides alike, so little else remains."""
     error = math.hypot(statistics.stdev(values) / math.sqrt(len(values)), rounding)
     verdict.z(name, statistics.fmean(values), error, truth)
 
@@ -71,7 +73,7 @@ def turbid(verdict):
         for i in range(nz):
             of = mua[i * 2 // nz]
             spread(verdict, f"phi_z[{i}] of {nz}", [found["phi_z"][i] * of - found["A_z"][i] for _, found in runs], 0)
-        for i in range((nr - 1) * nz):  # the last radius of A_rz holds what lies beyond
+        for i in range((nr - 1) * nz):  # the last radius of A_rz holds all that lies beyond
             of = mua[i % nz * 2 // nz]
             spread(verdict, f"phi_rz[{i}] of {nz}", [found["phi_rz"][i] * of - found["A_rz"][i] for _, found in runs], 0)
         for i in range(6 * nz):
@@ -81,8 +83,8 @@ def turbid(verdict):
 
 
 def furnace(verdict, name, layers, truth, n=1.5):
-    """Layers 0.004 thick, and as much air below them. The sources are so wide that light from beyond them does not matter:
-    it would come within 0.002 of the horizontal."""
+    """Tests a furnace: layers 0.004 thick, and as much air below them. The sources are so wide that light from beyond them
+    would come within 0.002 of the horizontal and does not matter."""
     wide, dz, nr = 4.0, 0.002, 3
     nz = 2 * len(layers) + 2
     beam = f"beam disk {wide} light=lambertian"
@@ -96,7 +98,7 @@ def furnace(verdict, name, layers, truth, n=1.5):
 
 
 def pit(verdict, mua):
-    """A cone 0.1 deep and 0.2 wide: heights -0.1 + r / 2 inside. Light straight down, irradiance 1 / (pi 0.3^2)."""
+    """Tests a cone 0.1 deep and 0.2 wide, heights -0.1 + r / 2 inside, in light straight down of irradiance 1 / (pi 0.3^2)."""
     wide, dr, dz, nr, nz = 0.3, 0.05, 0.03, 6, 5
     nx, ny, dx, dy, raised = 4, 3, 0.08, 0.07, -0.045
     text = cml.repeated(RUNS, [f"1 {mua} 0 0 1"], photons=2000, grid=f"{dz} {dr}", bins=f"{nz} {nr} 1",
@@ -122,7 +124,8 @@ def pit(verdict, mua):
 
 
 def glass(verdict):
-    """Between equal media, so that nothing comes back from below: d and u of what flies down and up in the plate."""
+    """Tests a plate between equal media, so that nothing comes back from below. d and u are the light that flies down and up
+    in the plate."""
     n = 1.5
     r = ((n - 1) / (n + 1)) ** 2
     down = (1 - r) / (1 - r * r)
@@ -130,7 +133,7 @@ def glass(verdict):
                                 extra=["fluence", "map 1 1 0.2 0.2 volume top=-0.1"]))[0][1]
     for i in range(2):
         verdict.z(f"glass, bin {i}", found["phi_z"][i], max(found["se_phi_z"][i], 1e-6), down * (1 + r))
-    for i in range(2):  # the air above: what comes and what goes up again
+    for i in range(2):  # air above: light that comes, and light that goes up again
         verdict.z(f"air above glass, voxel {i}", found["phi_xyz"][i] * 0.04, max(found["se_phi_xyz"][i] * 0.04, 1e-6), 1 + 2 * r / (1 + r))
 
 
@@ -165,7 +168,8 @@ def compare(verdict):
 
 
 def gates(verdict):
-    """What layers absorb in a gate is mua times their fluence then; of the dense layer and of marks in the other one. r ends where next to no light comes."""
+    """Tests that the absorption of a layer in a gate is mua times its fluence in that gate, for a dense layer and for marks
+    in a thin one. Bins over r end where next to no light comes."""
     layers, mua, dr, width = ["1.4 2 100 0.9 0.1", "1.4 2 5 0.8 0.2"], 2, 0.2, 4
     extra = ["beam disk 0.1", f"time {10 * width} 10", "fluence time"]
     runs = sections_of(cml.repeated(RUNS, layers, photons=1000, grid=f"0.01 {dr}", bins="30 30 1", extra=extra))
@@ -183,7 +187,7 @@ def gates(verdict):
 
 
 def main():
-    """Or the last of these alone, with as many runs as are named."""
+    """Runs all tests, or only the last one with a given number of runs."""
     verdict = cml.Verdict("fluence")
     count = int(sys.argv[1]) if len(sys.argv) > 1 else RUNS
     for sampling in ("random", "lattice"):
@@ -191,7 +195,7 @@ def main():
     if len(sys.argv) == 1:
         compare(verdict)
         gates(verdict)
-    verdict.finish(limit=6)  # of Student's distribution with 29 degrees, 200 values at 1e-4 in all
+    verdict.finish(limit=6)  # Student's distribution with 29 degrees, 200 values at 1e-4 in all
 
 
 main()

@@ -1,15 +1,17 @@
-"""Rough layers and bodies in a furnace: diffuse light from all sides, nothing absorbs, so radiance over n^2 is one number everywhere.
+"""Tests rough layers and bodies in a furnace: diffuse light from all sides, without absorption, so radiance over n^2 is the
+same everywhere.
 
-Shares of the beams: n^2 of their side, n0^2 above and nL^2 below. Then, whatever the shape of the boundaries:
-- n0^2 / (n0^2 + nL^2) of the light leaves above, the rest below;
-- what leaves below obeys the cosine law, bin by bin of the angle;
-- the mean path in a layer is 4 V n^2 / (S0 n0^2 + SL nL^2), V over one period of its tile, S0 and SL the level areas of the
-  beams. The mean number of interactions is the sum of mus times path over the layers. Its error is the spread of the runs.
-- A pit in a plane, radial or overhanging, counts in V; its light comes from a square that is so much wider that what is missing of the
-  rest does not show. The same pit of the medium below.
-- A body in a medium that goes on all around is lit evenly from everywhere through disks of a radius R that cover it, one for each of
-  many directions: the mean path in each medium is V n^2 / (pi R^2 n0^2).
-A refraction, a crossing or a free path that is wrong shows. A reflectance that is wrong alike from both sides does not.
+Shares of the beams: n^2 of their side, n0^2 above and nL^2 below. For any shape of the boundaries then:
+- the share n0^2 / (n0^2 + nL^2) of the light leaves above, the rest below;
+- light that leaves below obeys the cosine law, bin by bin of the angle;
+- the mean path in a layer is 4 V n^2 / (S0 n0^2 + SL nL^2), with V over one period of its tile, S0 and SL the level areas of
+  the beams. The mean number of interactions is the sum of mus times path over the layers. Its error is the spread of the
+  runs.
+- A pit in a plane, radial or with overhangs, counts in V. Its light comes from a square so much wider that the missing rest
+  does not show. The same holds for a pit of the medium below.
+- A body in a medium that goes on all around is lit evenly from everywhere, through disks of radius R that cover it, one for
+  each of many directions: the mean path in each medium is V n^2 / (pi R^2 n0^2).
+A wrong refraction, crossing or free path shows. A reflectance that is wrong by the same factor from both sides does not.
 N = 40 runs of 1800 a scene; statistic: z from the spread of the runs (39 degrees of freedom), level 1e-4 over all.
 usage: furnace.py [N]: N packets a run."""
 import math
@@ -28,7 +30,7 @@ PERIOD = CELLS * CELL
 
 
 def heights(amplitude):
-    """A period whose mean is not 0, so that it counts in the thickness of the layers beside it."""
+    """Returns a period of heights whose mean is not 0, so that it counts in the thickness of the layers beside it."""
     return [[amplitude * (0.4 + math.sin(2.1 * x + 0.3 * y * y) * math.cos(1.3 * y)) for x in range(CELLS)] for y in range(CELLS)]
 
 
@@ -39,12 +41,13 @@ def write_tile(path, rows):
 
 
 def mean_height(rows):
-    """Over a period. Diagonals of cells alternate: of the corners one half has eight triangles, the other four."""
+    """Returns the mean height over a period. Diagonals of cells alternate: half of the corners have eight triangles, the
+    others four."""
     return statistics.fmean(h * (4 / 3 if (x + y) % 2 else 2 / 3) for y, row in enumerate(rows) for x, h in enumerate(row))
 
 
 def furnace(verdict, name, layers, amplitudes, n_below=1.0, n_above=1.0):
-    """layers: (n, mus, g, d); amplitudes: of the boundaries that are tiles."""
+    """Tests one furnace. layers: (n, mus, g, d); amplitudes: of the boundaries that are tiles."""
     with tempfile.TemporaryDirectory() as keep:
         surfaces, lift = {}, [0.0] * (len(layers) + 1)
         for b, amplitude in amplitudes.items():
@@ -72,14 +75,14 @@ def furnace(verdict, name, layers, amplitudes, n_below=1.0, n_above=1.0):
            law / (n_above**2 + n_below**2))
 
 
-# ---- one pit in a plane: of rings, and of a mesh that overhangs ----
+# ---- one pit in a plane: rings, or a mesh with overhangs ----
 
-PIT, DEEP = ((0.06, 0.0), (0.1, 0.04), (0.07, 0.07)), 0.07  # half widths of squares, and how far they lie from the plane
-RADII = ((0.0, -0.07), (0.05, -0.07), (0.09, -0.04), (0.11, 0.0))  # r, height
+PIT, DEEP = ((0.06, 0.0), (0.1, 0.04), (0.07, 0.07)), 0.07  # (half width, depth) of squares, in cm, and the depth of the pit
+RADII = ((0.0, -0.07), (0.05, -0.07), (0.09, -0.04), (0.11, 0.0))  # (r, height) of the radial pit, cm
 
 
 def write_pit(path, sign):
-    """Squares joined by their sides, the last one closed; the border lies far outside."""
+    """Writes a pit of squares joined by their sides, the last one closed; the border lies far outside."""
     rings = [(0.2, 0.0), *PIT]
     with open(path, "w", encoding="ascii") as file:
         for half, down in rings:
@@ -99,8 +102,9 @@ def pit_volume(kind):
 
 
 def pit(verdict, kind, boundary, layer, n_below=1.0):
-    """On top the pit is of the medium above, at the bottom a hill of the medium below: both are missing in the layer. Light that comes
-    in beyond the square reaches it over three layers' thicknesses: scattering is strong, so that it does not."""
+    """Tests a pit. On top the pit is of the medium above, at the bottom it is a hill of the medium below; in both cases its
+    volume is missing in the layer. Light that enters beyond the square would have to fly three times the layer's thickness
+    to the pit; scattering is so strong that it does not arrive."""
     n, mus, g, d = layer
     half, sign = 0.45, 1 if boundary == 0 else -1
     up, down = 1 / (1 + n_below**2), n_below**2 / (1 + n_below**2)
@@ -122,7 +126,7 @@ def pit(verdict, kind, boundary, layer, n_below=1.0):
 
 # ---- bodies ----
 
-CLAMP = ((0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (3, 2), (3, 3), (0, 3))  # a C, whose light leaves and comes back
+CLAMP = ((0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (3, 2), (3, 3), (0, 3))  # outline of a C, whose light leaves it and enters it again
 CLAMP_CAPS = ((0, 1, 2, 3), (0, 3, 4, 7), (7, 4, 5, 6))
 
 
@@ -138,7 +142,7 @@ def write_clamp(path):
 
 
 def bodies(verdict):
-    """A sphere with a rod in it, and beside them a clamp, in a clear layer 1 cm thick between media like it."""
+    """Tests a sphere with a rod in it and, beside them, a clamp, in a clear layer 1 cm thick between media of the same index."""
     n0, radius, beams = 1.2, 0.19, 600
     ball, rod, clamp = 4 / 3 * math.pi * 0.08**3, math.pi * 0.04**2 * 0.08, 7 * 0.03**2 * 0.08
     lines = ["i sphere -0.1 0 0.5 0.08 1.3 0 15 0.5", "i cylinder -0.1 0 0.46 -0.1 0 0.54 0.04 1.6 0 60 0.8",
@@ -150,7 +154,7 @@ def bodies(verdict):
         text = ["1.0", str(RUNS)]
         for run in range(RUNS):
             lit = []
-            for k in range(beams):  # even in cos, one in each of as many strips
+            for k in range(beams):  # directions evenly in cos, one in each of as many strips
                 ca, p = 1 - 2 * (k + draw.random()) / beams, draw.uniform(0, 2 * math.pi)
                 sa = math.sqrt(1 - ca * ca)
                 x, y, z = -0.3 * sa * math.cos(p), -0.3 * sa * math.sin(p), 0.5 - 0.3 * ca
@@ -182,7 +186,7 @@ def main():
     pit(verdict, "rings", 0, (1.5, 40, 0.2, 0.1))
     pit(verdict, "rings", 1, (1.4, 40, 0.0, 0.1))
     bodies(verdict)
-    verdict.finish(limit=5.5)  # of Student's distribution, 41 values at 1e-4 in all
+    verdict.finish(limit=5.5)  # Student's distribution, 41 values at 1e-4 in all
 
 
 if __name__ == "__main__":

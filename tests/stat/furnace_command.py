@@ -1,6 +1,8 @@
-"""The command `furnace` on all samples: in diffuse light without absorption each layer and body holds as much light as its volume asks for.
+"""Tests the command `furnace` on all samples: in diffuse light without absorption each layer and body holds as much light as
+its volume asks for.
 
-Places are turbid layers, turbid bodies and the light that leaves below. A crossing, a refraction or a free path that is wrong shows, and so does a volume.
+Tested are turbid layers, turbid bodies and the light that leaves below. A wrong crossing, refraction, free path or volume
+shows.
 N = 1e4 packets a run; statistic: z of 63 degrees of freedom made normal, level 1e-4 over all.
 usage: furnace_command.py [N]"""
 import glob

@@ -1,9 +1,9 @@
-"""Momentum transfer of detected light (P13): the sum of 1 - cosine of its scattering angles, by medium.
+"""Tests the momentum transfer of detected light (P13): the sum of 1 - cosine of its scattering angles, by medium.
 
-- Nothing absorbs and detectors see all: every photon's number of scatterings is a stopping time, so by Wald's identity the mean of the sum is
-  1 - g times the mean number, on either engine, with a table of a phase function, too.
-- Two layers that absorb, with the index of the air: rings and the other side against a small Monte Carlo of this file, which draws
-  by Henyey and Greenstein's formula, and weighs by exp(-mua path). Means by medium.
+- Nothing absorbs and detectors see all light. The number of scatterings of a photon is a stopping time, so by Wald's identity
+  the mean of the sum is 1 - g times the mean number, with either engine, also with a table of a phase function.
+- Two layers that absorb, with the index of air: light in rings and on the other side is compared with a small Monte Carlo of
+  this file, which draws by Henyey and Greenstein's formula and weighs by exp(-mua path). Means by medium.
 - Saved packets have the same sums as the detectors that saw them.
 Statistic: z, level 1e-4 over all."""
 import math
@@ -15,7 +15,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-LAYERS = ((0.5, 30.0, 0.8, 0.1), (0.2, 50.0, 0.9, 0.15))  # mua, mus, g, d
+LAYERS = ((0.5, 30.0, 0.8, 0.1), (0.2, 50.0, 0.9, 0.15))  # mua, mus, g, d of each layer
 RINGS = ((0.0, 0.1), (0.1, 0.3))
 
 
@@ -31,12 +31,12 @@ def wald(verdict, phase, g, engine):
         verdict.check(engine, all(found[f"detector_{name}_momentum"][i] == 0 for i in (0, 2)), "momentum outside")
     means = [sum(share * found[f"detector_{name}_{mean}"][1] for name, share in seen.items()) for mean in ("momentum", "interactions")]
     errors = [math.hypot(*(share * found[f"se_detector_{name}_{mean}"][1] for name, share in seen.items())) for mean in ("momentum", "interactions")]
-    # Both errors count in full: the numbers of one packet go together, so this bound is too wide rather than too narrow.
+    # both errors count in full: the numbers of one packet are correlated, so this bound is rather too wide
     verdict.z(f"{engine}, g {g}", means[0], errors[0], (1 - g) * means[1], (1 - g) * errors[1])
 
 
 def walk(photons, dice):
-    """The packets that leave: side (0 up, 1 down), radius, weight, momentum by layer."""
+    """Flies photons of this file. Returns packets that leave: side (0 up, 1 down), radius, weight, momentum by layer."""
     floor, ended = [0, LAYERS[0][3], LAYERS[0][3] + LAYERS[1][3]], []
     for _ in range(photons):
         x = y = z = 0.0
@@ -65,7 +65,7 @@ def cross(a, b):
 
 
 def turned(way, cosine, turn):
-    """The unit vector at that angle to `way`, and about it at `turn` from any direction across."""
+    """Returns the unit vector at the angle of `cosine` to `way`, turned about `way` by `turn`."""
     first = cross(way, (1, 0, 0) if abs(way[0]) < 0.6 else (0, 1, 0))
     size, sine = math.hypot(*first), math.sqrt(max(0, 1 - cosine * cosine))
     second = cross(way, first)
@@ -73,14 +73,14 @@ def turned(way, cosine, turn):
 
 
 def mean_of(values, weights):
-    """The mean by weight, and its standard error."""
+    """Returns the mean by weight, and its standard error."""
     total = sum(weights)
     mean = sum(v * w for v, w in zip(values, weights)) / total
     return mean, math.sqrt(sum((w * (v - mean)) ** 2 for v, w in zip(values, weights))) / total
 
 
 def own(verdict, engine, packets):
-    """packets: of `walk`."""
+    """Compares the program with packets of walk()."""
     lines = [f"detector ring {a} {b} name=r{i}" for i, (a, b) in enumerate(RINGS)] + ["detector disk 1e6 side=bottom name=under", 'photons "all"']
     with tempfile.TemporaryDirectory() as folder:
         text = cml.mci([f"1.0 {mua} {mus} {g} {d}" for mua, mus, g, d in LAYERS], photons=60000, extra=lines)

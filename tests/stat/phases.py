@@ -1,9 +1,9 @@
-"""Phase functions of equal mean cosine: Monte Carlo against adding-doubling, which has them by their Legendre moments, and does
-not share how they are drawn. A table of Henyey and Greenstein's function, gk with a = 1/2 and hg2 of twice the same against
-Henyey and Greenstein's own adding-doubling.
+"""Tests phase functions of equal mean cosine: Monte Carlo against adding-doubling, which uses their Legendre moments and does
+not share how they are drawn. A table of Henyey and Greenstein's function, gk with a = 1/2, and hg2 with two equal parts
+are compared with adding-doubling of Henyey and Greenstein's function itself.
 
-N = 5e5 packets a slab; statistic: z of Rsp, Rd, A, Tt; level 1e-4 over all. Twelve slabs, in each of which Tt differs by six errors
-or more from that of Henyey and Greenstein's function."""
+N = 5e5 packets a slab; statistic: z of Rsp, Rd, A, Tt; level 1e-4 over all. Twelve slabs, in each of which Tt differs by six
+errors or more from that of Henyey and Greenstein's function."""
 import json
 import math
 import os
@@ -16,17 +16,17 @@ import cml  # noqa: E402
 
 PHOTONS = 500000
 G = 0.8
-# mhg: w g = 0.8; hg2: 0.95 w - 0.55 (1 - w) = 0.8; gk: 0.568 and 1.5 have that mean; the table: two lines, of which one is steep
+# mhg: w g = 0.8; hg2: 0.95 w - 0.55 (1 - w) = 0.8; gk: 0.568 and 1.5 have that mean; the table: two lines, one of them steep
 PHASES = ["phase hg2 0.95 -0.55 0.9", "phase mhg 0.95 0.842105263", "phase gk 0.5684323 1.5", 'phase table "steep.txt"']
 SLABS = [("1.4 1 20 0.8 0.1", 1.0, 0), ("1.0 0.5 30 0.8 0.05", 1.0, 60), ("1.37 2 10 0.8 0.1", 1.4, 30)]
 ALIKE = ["phase hg2 0.8 0.8 0.4", "phase gk 0.8 0.5", 'phase table "hg.txt"']
 
 
 def steep(folder):
-    """Densities that rise towards 0 degrees as a line in c of a height that makes the mean cosine G."""
+    """Writes a table that rises linearly in the cosine towards 0 degrees, so high that the mean cosine is G."""
     edge = 25.0
     x = 1 - math.cos(math.radians(edge))
-    # mean deflection of the peak (linear from h to 0 over x) is x / 3, of the floor (even) 1; shares s and 1 - s
+    # mean deflection of the peak (linear from h to 0 over x) is x / 3, of the even floor 1; shares s and 1 - s
     share = (1 - (1 - G)) / (1 - x / 3)
     height, floor = share * 2 / x, (1 - share) / 2
     with open(os.path.join(folder, "steep.txt"), "w", encoding="utf-8") as file:

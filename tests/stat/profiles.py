@@ -1,6 +1,6 @@
-"""Scenes S1, S2, S3 (figures 5 to 7 of the 2019 report, figure 7 as its text says) bin by bin against original MCML's
-transport code with a sound generator (1e9, 2.4e9, 1.2e8 photons), and figure 7 as it was really made.
-N = 4e6, 2e6, 1e6; statistic: Student deviates per bin, level 1e-4 over all bins."""
+"""Tests scenes S1, S2, S3 (figures 5 to 7 of the 2019 report, figure 7 as its text says) bin by bin against original MCML's
+transport code with a sound generator (1e9, 2.4e9, 1.2e8 photons), and figure 7 as it was really made. N = 4e6, 2e6, 1e6;
+statistic: Student deviates per bin, level 1e-4 over all bins."""
 import os
 import sys
 

@@ -1,8 +1,10 @@
-"""Rows of a sweep that come of one flight (--reweight): against adding-doubling where all is plane, and against flights of their
-own where it is not: rings, a backing, bodies, a beam from the side; totals, what layers and bodies absorb, and profiles.
+"""Tests rows of a sweep that come from one flight (--reweight). Plane scenes are compared with adding-doubling. Scenes with
+rings, a backing, bodies or a beam from the side are compared with flights of each row: totals, absorption in layers and
+bodies, and profiles.
 
-N = 2e5 packets a flight; statistic: z of Rd, A, Tt and of what layers and bodies absorb, and the sum of squares of z of the bins of a
-profile, as a normal deviate; level 1e-4 over all. Rows of one flight go wrong together, so every scene has its own seed."""
+N = 2e5 packets a flight. Statistic: z of Rd, A, Tt and of the absorption in layers and bodies, and the sum of squares of z of
+the bins of a profile, as a normal deviate; level 1e-4 over all. Errors of rows from one flight are correlated, so every scene
+has its own seed."""
 import itertools
 import math
 import os
@@ -31,13 +33,13 @@ BACKED_ROWS = ["layer1.mua,layer2.mua,photons", f"0.2,4,{PHOTONS}", f"2,0.1,{PHO
 
 
 def settings(rows, row):
-    """What --set says of a row."""
+    """Returns the options --set of a row."""
     names, values = rows[0].split(","), rows[1 + row].split(",")
     return [word for name, value in zip(names, values, strict=True) for word in ("--set", f"{name}={value}")]
 
 
 def reweighted(text, rows, keep, *options):
-    """The records of the rows, and of each the sections of its file."""
+    """Returns the records of the rows, and the sections of each row's file."""
     table = os.path.join(keep, "table.csv")
     with open(table, "w", encoding="utf-8") as file:
         file.write("\n".join(rows) + "\n")
@@ -46,7 +48,7 @@ def reweighted(text, rows, keep, *options):
 
 
 def absorbed(sections):
-    """Name, value and error of what each layer and body absorbs."""
+    """Returns a list of (name, value, error) of the absorption in each layer and body."""
     return [(f"{key} {i + 1}", value, error) for key in ("A_l", "A_body") if key in sections
             for i, (value, error) in enumerate(zip(sections[key], sections["se_" + key], strict=True))]
 
@@ -66,7 +68,8 @@ def against_exact(verdict):
 
 
 def profile_z(verdict, name, ours, theirs, key):
-    """Bins with noise on both sides, together: a chi square, as a normal deviate (Wilson and Hilferty)."""
+    """Compares a profile: the bins with noise on both sides, together, as a chi square that is converted to a normal deviate
+    (Wilson and Hilferty)."""
     squares = [(a - b) ** 2 / (x * x + y * y) for a, b, x, y in
                zip(ours[key], theirs[key], ours["se_" + key], theirs["se_" + key], strict=True)
                if x > 0 and y > 0 and a > 5 * x]
@@ -83,7 +86,7 @@ def read_A_rz(path):
 
 
 def depths_z(verdict, name, record, ours, theirs):
-    """A(z), and A(r,z) by its sums over 20 radii for each of 10 depths, all 0.05 cm apart."""
+    """Compares A(z), and A(r,z) by its sums over 20 radii for each of 10 depths, all 0.05 cm apart."""
     profile_z(verdict, name, ours, theirs, "A_z")
     grid = read_A_rz(record["output"])
     by_depth = [2 * math.pi * 0.05 ** 2 * sum((k + 0.5) * grid[k * 10 + j] for k in range(20)) for j in range(10)]

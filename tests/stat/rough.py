@@ -1,13 +1,16 @@
-"""Rough boundaries: light that is even on all sides stays even, and a relief of the same slopes is flown as geometry.
+"""Tests rough boundaries: light that is isotropic on all sides stays so, and a mesh with the same slopes gives the same
+totals.
 
-The furnace of layers, a hill, a mesh that overhangs, a prism with upright gables, a tile and a sphere, alpha 0.05 to 2, both kinds: what leaves obeys the cosine law, and
-every layer and body holds the light that its volume asks for. N = 2e4 packets a scene. The relief has Gaussian heights, a correlation length
-of a twentieth of the mean free path and facets of rms slope 0.5: its totals are those of `rough beckmann 0.5` within noise and 0.1 % (one standard deviation), and those of
-the smooth slab are not. N = 4e5. Statistic: z, level 1e-4 over all. The relief shares the facets' optics with nobody but the smooth walk.
-
-Light that comes along the normal of a surface with small alpha is mirrored and refracted once: the lobes of Rsp_dir and Tt_dir are the distribution
-of the facets' slopes, with Fresnel's reflectance of each. N = 1e6. In a clear slab between rough faces under diffuse light
-from both sides the mean path, the sum of its fluence, is 4 V n^2 / S, as no light is trapped. N = 16 runs of 5000."""
+Furnace: layers, a hill, a mesh with overhangs, a prism with upright gables, a tile and a sphere, alpha 0.05 to 2, both kinds
+of roughness. Light that leaves obeys the cosine law, and every layer and body holds the light that its volume asks for. N =
+2e4 packets a scene.
+Relief: a mesh with Gaussian heights, a correlation length of a twentieth of the mean free path and facets of rms slope 0.5.
+Its totals are those of `rough beckmann 0.5` within noise and 0.1 % (one standard deviation), and differ from those of the
+smooth slab. N = 4e5. Statistic: z, level 1e-4 over all. The relief shares the facets' optics with the smooth walk only.
+Lobes: light along the normal of a surface with small alpha is mirrored and refracted once. The lobes Rsp_dir and Tt_dir are
+then the distribution of the facets' slopes, with Fresnel's reflectance of each. N = 1e6.
+Clear slab between rough faces under diffuse light from both sides: the mean path, which is the sum of the fluence, is 4 V n^2
+/ S, as no light is trapped. N = 16 runs of 5000."""
 import bisect
 import json
 import math
@@ -74,7 +77,7 @@ def relief(verdict, folder):
 
 
 def reflectance(n, theta):
-    """Fresnel's, from index n into 1."""
+    """Returns Fresnel's reflectance, from index n into 1."""
     sine = n * math.sin(theta)
     if sine >= 1:
         return 1.0
@@ -84,7 +87,8 @@ def reflectance(n, theta):
 
 
 def lobe(kind, alpha, bins, bend, share):
-    """What of light along the normal leaves in each bin of 5 degrees: a facet of angle m sends share(m) to bend(m)."""
+    """Returns the light in each bin of 5 degrees of exit, for light along the normal: a facet of angle m sends share(m) to
+    the angle bend(m)."""
     steeper = (lambda t: alpha * alpha / (alpha * alpha + t * t)) if kind == "ggx" else (lambda t: math.exp(-(t / alpha) ** 2))
     expected, edges, steps = [0.0] * bins, [math.radians(5 * i) for i in range(1, bins + 1)], 40000
     for i in range(steps):
@@ -96,7 +100,8 @@ def lobe(kind, alpha, bins, bend, share):
 
 
 def lobes(verdict, folder):
-    """Mirrored light from outside, and light refracted out of a medium like that above, whose facets see what comes at all angles."""
+    """Tests lobes of light mirrored from outside, and of light refracted out of the medium. The latter has the index of the
+    medium above, so that light reaches the facets undisturbed."""
     n, photons, bins, extra = 1.5, 1000000, 6, ["directions 18 1"]
     for kind, alpha in (("ggx", 0.05), ("beckmann", 0.1)):
         line = f"rough {kind} {alpha}"

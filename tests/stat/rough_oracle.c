@@ -1,16 +1,16 @@
-/* An independent program for rough boundaries: packets one by one in double precision, every shape by brute
- * force. Nothing here is shared with kernels or src.
+/* An independent program for rough boundaries: it flies packets one by one in double precision and tests
+ * every shape by brute force. It shares nothing with kernels or src.
  *
- * Standard input holds numbers alone, in the order of the reading functions; tests/stat/rough_oracle.py
+ * Standard input holds only numbers, in the order of the reading functions; tests/stat/rough_oracle.py
  * writes them. SPDX-License-Identifier: MIT */
 #include "rough_oracle.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-#define MOST 16        /* media, boundaries, bodies */
-#define MOST_FACETS 64 /* of a boundary */
-#define MOST_BINS 4096 /* of directions, of each side */
+#define MOST 16        /* limit of media, boundaries, bodies */
+#define MOST_FACETS 64 /* limit of a boundary */
+#define MOST_BINS 4096 /* limit of directions, of each side */
 #define MOST_EVENTS 1000000
 
 enum { PARALLEL, ISOTROPIC, LAMBERTIAN };
@@ -21,7 +21,7 @@ struct medium {
 };
 struct boundary {
     double z, reach; /* triangles cover |x|, |y| < reach, or a cone r < reach; beyond lies the plane at z */
-    double peak;     /* of the cone, above z */
+    double peak;     /* height of the cone above z */
     struct face face;
     int facets, shaded;
     /* normals point up */
@@ -30,12 +30,12 @@ struct boundary {
 struct body {
     struct vec middle;
     double r;
-    int around; /* medium */
+    int around; /* medium around the body */
     struct face face;
 };
 struct hit {
     double t;
-    struct vec normal, facet; /* against the packet */
+    struct vec normal, facet; /* both point against the packet */
     int beyond, body;         /* medium behind the surface, and number of the body or -1 */
     struct face face;
     bool last; /* the boundary above the medium below */
@@ -60,7 +60,7 @@ static void meet(struct hit *hit, double t, struct vec normal, int beyond, int b
     if (t < hit->t) *hit = (struct hit){t, normal, normal, beyond, body, face, beyond == scene.layers + 1};
 }
 
-/* The normals of the corners, by the areas that the place has opposite to them. */
+/* Returns the normal at q, interpolated between the corners' normals by the areas opposite to them. */
 static struct vec shaded(const struct boundary *s, int f, struct vec q)
 {
     struct vec sum = {0, 0, 0};
@@ -86,7 +86,7 @@ static void meet_facet(const struct boundary *s, int f, double side, int beyond,
     if (s->shaded) hit->normal = scaled(shaded(s, f, q), side);
 }
 
-/* The cone r = reach (1 + (z - boundary's z) / peak). */
+/* Finds the crossing with the cone r = reach (1 + (z - boundary's z) / peak). */
 static void meet_cone(const struct boundary *s, double side, int beyond, struct vec p, struct vec v,
                       struct hit *hit)
 {
@@ -103,7 +103,7 @@ static void meet_cone(const struct boundary *s, double side, int beyond, struct 
     }
 }
 
-/* Boundary b from the medium above it (`down`) or below it. */
+/* Finds the crossing with boundary b from the medium above it (`down`) or below it. */
 static void meet_boundary(int b, bool down, struct vec p, struct vec v, struct hit *hit)
 {
     const struct boundary *s = &scene.boundary[b];
@@ -179,7 +179,7 @@ static struct vec deflected(struct vec v, double g)
     return about(v, fmax(-1, fmin(1, cosine)), 2 * PI * draw());
 }
 
-/* Where a packet starts: the shape is a disk across the axis. */
+/* Draws a packet's start, on a disk across the axis, and its direction *v. */
 static struct vec start(struct vec *v)
 {
     const double A = scene.angle * PI / 180, P = scene.azimuth * PI / 180, r = scene.radius * sqrt(draw()),
@@ -197,8 +197,8 @@ static struct vec start(struct vec *v)
     return scene.starts_inside ? p : along(p, -(p.z + 10) / v->z, *v);
 }
 
-/* The share that a smooth plane splits off light that comes straight down, and in *medium where the rest goes
- * on. */
+/* Returns the share that a smooth plane splits off light that comes straight down. *medium: where the rest
+ * goes on. */
 static double split_off(int *medium)
 {
     const struct boundary *s = scene.boundary;
@@ -214,8 +214,8 @@ static double split_off(int *medium)
     return r + (1 - r) * (1 - r) * r2 / (1 - r * r2);
 }
 
-/* Light meets a surface about a normal: a new direction. *kept: what a backing leaves of it. True if it
- * passes. */
+/* Reflects or refracts light at a surface about `normal`; *v is the new direction. *kept: share that a
+ * backing sends back. Returns true if the light passes. */
 static bool turn(const struct hit *hit, struct vec normal, double n1, double n2,
                  const struct backing *backing, struct vec *v, double *kept)
 {
@@ -239,8 +239,8 @@ static bool turn(const struct hit *hit, struct vec normal, double n1, double n2,
     return passes;
 }
 
-/* Light meets a surface: a new direction, weight and medium. The facet has the last word over a shaded
- * normal. False if its walk had no end. */
+/* Lets light meet a surface, which gives it a new direction, weight and medium. If the shaded normal
+ * contradicts the facet, the facet decides. Returns false if the walk on facets had no end. */
 static bool cross_surface(const struct hit *hit, int *medium, struct vec *v, double *w)
 {
     const double n1 = scene.medium[*medium].n, n2 = scene.medium[hit->beyond].n;
@@ -267,7 +267,7 @@ static bool cross_surface(const struct hit *hit, int *medium, struct vec *v, dou
     return true;
 }
 
-/* Flies until a free path ends; false where the packet has left or is lost. */
+/* Flies a packet until a free path ends. Returns false if the packet has left or is lost. */
 static bool fly(struct vec *p, struct vec *v, double *w, int *medium, int *stands_on, bool *entered)
 {
     double depth = -log(draw());
@@ -376,7 +376,7 @@ static void read_boundary(struct boundary *boundary)
         for (int k = 0; k < 3 && boundary->shaded; k++) normal[k] = vector();
         const struct vec n = unit(cross(along(a[1], -1, a[0]), along(a[2], -1, a[0])));
         boundary->normal[f] = n;
-        if (n.z < 0) continue; /* up already */
+        if (n.z < 0) continue; /* the facet points up already */
         boundary->normal[f] = scaled(n, -1);
         const struct vec corner = a[1], corner_normal = normal[1];
         a[1] = a[2], normal[1] = normal[2];

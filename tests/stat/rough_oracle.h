@@ -1,4 +1,5 @@
-/* Of the independent program for rough boundaries: random numbers, vectors, and the walk on the microsurface.
+/* Part of the independent program for rough boundaries: random numbers, vectors, and the walk on the
+ * facets of a rough surface.
  *
  * Normals are drawn in other ways than in kernels/rough.h: the slope of a Beckmann facet by rejection, the
  * normal of a GGX facet by its lune on the sphere. Shares of height are kept as such.
@@ -11,7 +12,7 @@
 #include <stdint.h>
 
 #define PI 3.14159265358979323846
-#define MOST_STEPS 1000 /* on one rough surface */
+#define MOST_STEPS 1000 /* limit of facets met on one rough surface */
 
 enum { SMOOTH, GGX, BECKMANN };
 enum { CLEAR_BELOW, MIRROR, METAL };
@@ -38,7 +39,7 @@ static inline uint64_t turned(uint64_t x, int by)
     return x << by | x >> (64 - by);
 }
 
-static inline double draw(void) /* in (0, 1) */
+static inline double draw(void) /* uniform in (0, 1) */
 {
     const uint64_t word = turned(state[0] + state[3], 23) + state[0], t = state[1] << 17;
     state[2] ^= state[0];
@@ -72,7 +73,7 @@ static inline struct vec cross(struct vec a, struct vec b)
     return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-static inline struct vec along(struct vec a, double t, struct vec b) /* a + t b */
+static inline struct vec along(struct vec a, double t, struct vec b) /* Returns a + t b. */
 {
     return (struct vec){a.x + t * b.x, a.y + t * b.y, a.z + t * b.z};
 }
@@ -133,7 +134,7 @@ static inline double lambda(struct face face, struct vec v)
     return fmax(0, (t * exp(-1 / (t * t)) / sqrt(PI) - erfc(1 / t)) / 2);
 }
 
-/* x with the density (X - x)+ exp(-x^2), by rejection from a bound of it. */
+/* Draws x with the density (X - x)+ exp(-x^2), by rejection from a bound of that density. */
 static inline double beckmann_slope(double X)
 {
     for (;;) {
@@ -153,7 +154,7 @@ static inline double beckmann_slope(double X)
     }
 }
 
-/* A normal with the density max(0, i.m) D(m). The azimuth of i in the stretched world is that of x. */
+/* Draws a normal with the density max(0, i.m) D(m). The azimuth of i in the stretched world is that of x. */
 static inline struct vec seen_normal(struct face face, struct vec i)
 {
     const struct vec w = unit((struct vec){face.alpha * i.x, face.alpha * i.y, i.z});
@@ -172,8 +173,9 @@ static inline struct vec seen_normal(struct face face, struct vec i)
                              face.alpha * (turn * h.x + cosine * h.y), h.z});
 }
 
-/* v about the normal against the packet; true if it passes (then z points the other way), *kept: what a
- * backing leaves. Beyond MOST_STEPS *kept is -1. */
+/* Walks on the facets of a rough surface; *v counts from the normal against the packet. Returns true if
+ * the light passes (then z points the other way). *kept: share that a backing sends back; -1 after
+ * MOST_STEPS facets. */
 static inline bool walk(struct face face, double n1, double n2, const struct backing *backing, struct vec *v,
                         double *kept)
 {

@@ -1,11 +1,12 @@
-"""Rough boundaries against an independent program (rough_oracle.c): totals, what layers, bodies and a backing keep, and
-light by direction.
+"""Tests rough boundaries against an independent program (rough_oracle.c): totals, light kept by layers, bodies and a backing,
+and light by direction.
 
     rough_oracle.py [short|long [PACKETS [SCENE ...]]]
 
-Scenes written out here cover the lines of `rough` and what they meet. `long` adds scenes drawn by lot. N = 1e5 packets a scene
-on both sides, 4e5 with ALL_CASES, 2e6 in `long` (drawn scenes: 4e5). Bins of directions are joined until the independent program has
-some 100 packets in each. Statistic: z, at most 4.5, and the mean of z^2 over all: at most 1 and 4.5 times its error, sqrt(2 / tests)."""
+Scenes written out here cover the lines of `rough` and the objects that they affect. `long` adds random scenes. N = 1e5
+packets a scene on both sides, 4e5 with ALL_CASES, 2e6 in `long` (random scenes: 4e5). Bins of directions are joined until the
+independent program has some 100 packets in each. Statistic: z, at most 4.5, and the mean of z^2 over all: at most 1 and 4.5
+times its error, sqrt(2 / tests)."""
 import json
 import math
 import os
@@ -23,7 +24,7 @@ ORACLE = os.environ.get("ROUGH_ORACLE", "build/tests/rough_oracle")
 NT, NP = 9, 4
 FACE = {"": 0, "ggx": 1, "beckmann": 2}
 LIGHT = {"": 0, "isotropic": 1, "lambertian": 2}
-ROOF = [  # a pyramid of the half width 1, in heights over z = 0
+ROOF = [  # a pyramid of half width 1, in heights over z = 0
     (x1, y1, 0, x2, y2, 0, 0.1, 0.05, 0.8) for x1, y1, x2, y2 in ((-1, -1, 1, -1), (1, -1, 1, 1), (1, 1, -1, 1), (-1, 1, -1, -1))]
 PIT = [(*t[:8], -0.5) for t in ROOF]
 LOW = [(*t[:8], 0.15) for t in ROOF]
@@ -33,27 +34,27 @@ LOW = [(*t[:8], 0.15) for t in ROOF]
 class Body:
     line: str  # x y z r, n mua mus g
     rough: str = ""
-    around: int = 1  # layer
+    around: int = 1  # number of the layer around the body
     inside: int = 0  # number of the body around it, from 1
 
 
 @dataclass
 class Scene:
     name: str
-    layers: list  # n mua mus g d
-    rough: list  # of all boundaries: "", or kind and alpha
+    layers: list  # n mua mus g d of each
+    rough: list  # one per boundary: "", or kind and alpha
     n: tuple = (1, 1)
-    beam: dict = field(default_factory=dict)  # at, z, angle, azimuth, disk, light
+    beam: dict = field(default_factory=dict)  # keys: at, z, angle, azimuth, disk, light
     backing: str = ""
     bodies: list = field(default_factory=list)
     mesh: list = None  # triangles of boundary 0
-    shaded: bool = False  # normals=vertex
+    shaded: bool = False  # option normals=vertex
     hill: float = 0  # height of a cone of radius 0.5
-    before: str = ""  # "#@ "
+    before: str = ""  # "#@ " before lines of this program
 
 
 def top_normal(mesh):
-    """The normal at the top of a pyramid: that of the faces, weighted by their angles there."""
+    """Returns the normal at the top of a pyramid: the mean of the faces' normals, weighted by their angles there."""
     total = [0, 0, 0]
     for facet in mesh:
         top = facet[6:]
@@ -173,7 +174,7 @@ def by_program(scene, seed, packets):
 
 
 def joined(ours, theirs):
-    """Bins in their order, joined until the oracle has 100 packets in each: (first, last, ours, error, theirs, error)."""
+    """Returns bins in their order, joined until the oracle has 100 packets in each: (first, last, ours, error, theirs, error)."""
     parts, now = [], None
     for i, (a, b) in enumerate(zip(ours, theirs)):
         now = now or [i, i, 0, 0, 0, 0]
@@ -188,12 +189,13 @@ def joined(ours, theirs):
 
 
 def error_of(value, error, packets):
-    """The error of few packets is no estimate: weights up to 1 have at least this, and one packet could always have come."""
+    """Returns an error that also holds for few packets: weights up to 1 have at least this, and one packet could always have
+    come."""
     return max(error, math.sqrt(max(value, 1 / packets) / packets)) if value * packets < 100 else error
 
 
 def compare(verdict, scene, seed, packets):
-    """z of every number that both programs give."""
+    """Compares every number that both programs give, by z."""
     theirs = by_oracle(scene, seed, packets)
     ours, told = by_program(scene, seed, packets)
     cml.check_balance(verdict, scene.name, told)
@@ -201,7 +203,7 @@ def compare(verdict, scene, seed, packets):
     before = len(verdict.rows)
 
     def test(name, a, b):
-        if a == b == (0, 0) or (abs(a[0] - b[0]) < 1e-7 and a[1] < 1e-7 and b[1] < 1e-7):  # none, or split off without error
+        if a == b == (0, 0) or (abs(a[0] - b[0]) < 1e-7 and a[1] < 1e-7 and b[1] < 1e-7):  # no light, or split off without error
             return
         verdict.z(f"{scene.name}: {name}", a[0], error_of(*a, packets), b[0], error_of(*b, packets))
 
@@ -242,7 +244,7 @@ def written_scenes():
 
 
 def drawn_scene(number):
-    """A scene of one to three layers, drawn by lot."""
+    """Returns a random scene of one to three layers."""
     dice = random.Random(number)
 
     def rough():

@@ -1,9 +1,9 @@
-"""The report's surface shapes as cones and as meshes.
+"""Tests the surface shapes of the 2019 report as cones and as meshes.
 
-flat50, lohill, hicrater, lonoise and hinoise, with and without re-entry, against an independent double-precision
-reference with exact cones (1e7 photons or more); hihill and locrater, for which there is none, cones against mesh with
-another seed. N = 2.5e5 per run, 1e6 with ALL_CASES; bins of 20 rings; level 1e-4 over all numbers. The mesh's own bias at the default tolerance
-is far below the noise."""
+flat50, lohill, hicrater, lonoise and hinoise, with and without re-entry, are compared with an independent double-precision
+reference with exact cones (1e7 photons or more). hihill and locrater have no reference: cones are compared with a mesh with
+another seed. N = 2.5e5 per run, 1e6 with ALL_CASES; bins of 20 rings; level 1e-4 over all numbers. The mesh's own bias at the
+default tolerance is far below the noise."""
 import os
 import sys
 
@@ -18,7 +18,7 @@ CASES = [(shape, how) for shape in CURVED for how in ("reentry", "noreentry")] +
 
 
 def fly(verdict, shape, how, kind, *more):
-    """(record, sections) of one run; its weight must balance."""
+    """Returns (record, sections) of one run; its weight must balance."""
     options = ["--boundaries", kind, *more] + (["--no-reentry"] if how == "noreentry" else [])
     record, sections = profiles.simulate(f"shapes/{shape}.mci", PHOTONS, *options)
     cml.check_balance(verdict, f"{shape} {how} {kind}", record)

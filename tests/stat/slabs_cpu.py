@@ -1,4 +1,4 @@
-"""Slabs and layer stacks against adding-doubling (see lib/slabs.py): cpu engine, 200000 packets, every 6. row."""
+"""Tests slabs and stacks against adding-doubling (see lib/slabs.py): cpu engine, 200000 packets, every 6th row of the table."""
 import os
 import sys
 

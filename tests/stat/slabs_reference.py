@@ -1,4 +1,4 @@
-"""Slabs and layer stacks against adding-doubling (see lib/slabs.py): reference engine, 20000 packets, every 12. row."""
+"""Tests slabs and stacks against adding-doubling (see lib/slabs.py): reference engine, 20000 packets, every 12th row."""
 import os
 import sys
 

@@ -1,18 +1,19 @@
-"""Where the packets of every beam start, and where they go: place and direction against integrals, totals under spread light
-against adding-doubling, a point source in an unbounded medium, shares of several beams, reciprocity of a rough plate.
+"""Tests the places and directions in which packets of every beam start, and totals under spread light.
 
-- Place and direction: matched clear layers, so that packets leave as they start. What leaves in each ring or angle, against the
-  quantiles of the shape or the light on a grid of 500 by 500. Both samplings: that of the lattice spreads more evenly than the
-  binomial error says, so it may only come closer.
-- Adding-doubling (`exact`) under `lambertian`, `na:` and tables, and several beams at once; and `exact` itself against the integral
-  of exp(-mua d / cos) for absorbing matched layers, to 1e-5.
-- Isotropic light in an absorber ends as exp(-mut r) / (4 pi r^2). In a scatterer the mean square distance of interaction n from the
-  source is (2 / mut^2) (n / (1 - g) - g (1 - g^n) / (1 - g)^2); absorbed weight is the sum over n with (1 - a) a^(n - 1).
-- Starts across a mesh body: what it absorbs along straight ways, by the planes of its facets.
+- Place and direction: matched clear layers, so that packets leave as they start. The light that leaves in each ring or angle
+  is compared with the quantiles of the shape or the light on a grid of 500 by 500. Both samplings are tested; the lattice
+  spreads more evenly than the binomial error says, so it may only come closer.
+- Adding-doubling (`exact`) under `lambertian`, `na:` and tables, and several beams at once. `exact` itself is compared with
+  the integral of exp(-mua d / cos) for absorbing matched layers, to 1e-5.
+- Isotropic light in an absorber ends as exp(-mut r) / (4 pi r^2). In a scatterer the mean square distance of interaction n
+  from the source is (2 / mut^2) (n / (1 - g) - g (1 - g^n) / (1 - g)^2); absorbed weight is the sum over n with (1 - a) a^(n
+  - 1).
+- Starts across a mesh body: its absorption along straight ways, by the planes of its facets.
 - Shares: numbers of packets by largest remainder, to the last one. Engines: the same packets.
-- Reciprocity: of `lambertian` light on a rough plate between equal media as much goes down as comes up when it shines from below.
+- Reciprocity of a rough plate between equal media: as much `lambertian` light goes down through it as comes up when the light
+  shines from below.
 N = 5e4 a case; statistic: z, level 1e-4 over all.
-usage: sources.py [GROUP N]: one of the groups, with N packets a case, and grids of 1000 by 1000, which bear 1e6 at most."""
+usage: sources.py [GROUP N]: one of the groups, with N packets a case, and grids of 1000 by 1000, which serve 1e6 at most."""
 import json
 import math
 import os
@@ -27,11 +28,11 @@ import cml  # noqa: E402
 PHOTONS, GRID = 50000, 1000 if sys.argv[1:] else 500
 DR, NR, NA = 0.02, 20, 18
 TABLE = ((0, 1.0), (10, 3.0), (25, 0.5), (40, 2.0), (60, 0.0))
-PIXELS = ((0, 1, 3, 0), (2, 0, 0, 1), (0, 0, 5, 0))  # the first row at the largest y
+PIXELS = ((0, 1, 3, 0), (2, 0, 0, 1), (0, 0, 5, 0))  # the first row is at the largest y
 
 
 def gsf(path):
-    """PIXELS, 0.4 by 0.15 cm."""
+    """Writes PIXELS as a .gsf, 0.4 by 0.15 cm."""
     header = "Gwyddion Simple Field 1.0\nXRes = 4\nYRes = 3\nXReal = 4\nYReal = 1.5\nXYUnits = mm\n".encode()
     with open(path, "wb") as file:
         file.write(header + b"\0" * (4 - len(header) % 4))
@@ -79,7 +80,7 @@ def part(weights, u):
 
 
 def table_angles(count=20000):
-    """Quantiles of TABLE's angle, from sums over a fine grid."""
+    """Returns quantiles of TABLE's angle, from sums over a fine grid."""
     sums, angles, total = [0.0], [0.0], 0.0
     for (t0, i0), (t1, i1) in zip(TABLE, TABLE[1:]):
         for k in range(count):
@@ -105,8 +106,8 @@ SPHERE = [math.acos(1 - 2 * (k + 0.5) / GRID) for k in range(GRID)]
 
 
 def expected_rings(shape, at, angle, azimuth):
-    """Shares in rings about the z axis, of packets that go straight through z = 0: along the axis's azimuth the shape is 1 / cos
-    as long as it is."""
+    """Returns shares in rings about the z axis, of packets that go straight through z = 0. Along the axis's azimuth the shape
+    is longer by 1 / cos."""
     shares = [0.0] * NR
     c, s, longer = math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 1 / math.cos(math.radians(angle))
     for i in range(GRID):
@@ -118,7 +119,7 @@ def expected_rings(shape, at, angle, azimuth):
 
 
 def expected_angles(quantiles, angle):
-    """Shares in bins of the angle to the vertical, up and down."""
+    """Returns shares in bins of the angle to the vertical, up and down."""
     down, up = [0.0] * NA, [0.0] * NA
     ca, sa = math.cos(math.radians(angle)), math.sin(math.radians(angle))
     turns = [math.cos(2 * math.pi * (k + 0.5) / GRID) for k in range(GRID)] if angle else [1.0]
@@ -136,7 +137,7 @@ def binomial(verdict, name, found, shares):
 
 
 def weights(record, sections, key):
-    """Shares of packets in rings or angles."""
+    """Returns shares of packets in rings or angles."""
     if key.endswith("_r"):
         return [value * 2 * math.pi * (i + 0.5) * DR * DR for i, value in enumerate(sections[key])]
     step = math.pi / 2 / NA
@@ -151,7 +152,7 @@ def places(verdict):
     cases = [("ring", "ring 0.1 0.2", ring), ("rectangle", "rectangle 0.3 0.1", rectangle), ("image", 'image "p.gsf"', image)]
     for name, shape, quantile in cases:
         for at, angle, azimuth, z in (((0, 0), 0, 0, 0), ((0.1, 0.06), 50, 30, 0), ((-0.1, 0.06), 30, 120, -0.3)):
-            moved = math.tan(math.radians(angle)) * z  # a shape at the depth z goes through z = 0 further on
+            moved = math.tan(math.radians(angle)) * z  # a shape at depth z goes through z = 0 further on
             start = [at[0] + moved * math.cos(math.radians(azimuth)), at[1] + moved * math.sin(math.radians(azimuth))]
             level = f"z={z}" if z else ""
             beam = f"beam {shape} at={start[0]:.9f},{start[1]:.9f} angle={angle} azimuth={azimuth} {level}"
@@ -198,7 +199,7 @@ def exact(text):
 def slabs(verdict):
     for i, layers in enumerate(STACKS):
         for k, beams in enumerate(LIGHTS):
-            if (i + k) % 5 == 4:  # twenty of them
+            if (i + k) % 5 == 4:  # twenty of the combinations
                 continue
             text = cml.mci(layers, photons=PHOTONS, extra=beams)
             record, _ = fly(text, "--seed", 77 + 5 * i + k, "--ignore-absorption", files=[(table, "t.txt")])
@@ -210,7 +211,7 @@ def slabs(verdict):
 
 
 def absorbers(verdict):
-    """Light only goes straight: the quadrature takes quantiles, or the widest angle in steps."""
+    """Tests light that only goes straight: the quadrature takes quantiles, or the widest angle in steps."""
     for light, quantiles in (("light=lambertian", LAMBERTIAN), ("light=na:0.9", cone(0.9)), ('light="t.txt"', table_angles())):
         for mua in (0.5, 5):
             got = exact(cml.mci([f"1.0 {mua} 0 0 0.2"], extra=["beam pencil " + light]))["Tt"]
@@ -219,7 +220,7 @@ def absorbers(verdict):
 
 
 def point_source(verdict):
-    """A_z of the first flight, and the mean square distance of absorption."""
+    """Tests A_z of light's first flight, and the mean square distance of absorption."""
     mut, nz, dz = 5.0, 120, 0.05
     text = cml.mci([f"1.3 {mut} 0 0 6"], photons=PHOTONS, grid=f"{dz} 0.05", bins=f"{nz} 1 1", n_above=1.3, n_below=1.3,
                    extra=["beam pencil light=isotropic z=3"])
@@ -238,7 +239,7 @@ def point_source(verdict):
     for seed in range(12):
         record, sections = fly(text, "--seed", seed)
         z2 = sum(v * 0.02 * ((0.02 * (i + 0.5) - 3) ** 2) for i, v in enumerate(sections["A_z"])) / record["A"]
-        squares.append(3 * (z2 - 0.02**2 / 12))  # every direction alike; Sheppard's correction for bins
+        squares.append(3 * (z2 - 0.02**2 / 12))  # every direction is alike; Sheppard's correction for bins
     truth = sum((1 - a) * a ** (n - 1) * 2 / mut**2 * (n / (1 - g) - g * (1 - g**n) / (1 - g) ** 2) for n in range(1, 400))
     mean = sum(squares) / len(squares)
     error = math.sqrt(sum((x - mean) ** 2 for x in squares) / (len(squares) - 1) / len(squares))
@@ -246,7 +247,8 @@ def point_source(verdict):
 
 
 def shares(verdict):
-    """Three beams that end each in a place of its own; and what is split off is that of its beam."""
+    """Tests three beams that each end in a place of their own, so their numbers of packets show. Also tests that split-off
+    light belongs to its own beam."""
     up, down, above = "beam pencil z=0.05 angle=180", "beam pencil z=0.05 share=2", "beam pencil z=-1 angle=180 share=3"
     text = cml.mci(["1.0 0 0 0 0.1"], photons=100003, extra=[up, down, above])
     record, _ = fly(text, "--seed", 2)
@@ -259,7 +261,7 @@ def shares(verdict):
 
 
 def reciprocity(verdict):
-    """A tile of 8 by 8 heights, lit over one period from above and from below."""
+    """Tests a tile of 8 by 8 heights, lit over one period from above and from below."""
     for height, layer in ((0.02, "1.4 0.5 30 0.7 0.1"), (0.05, "1.5 0 10 0.3 0.15"), (0.08, "1.3 1 5 0.8 0.2")):
         heights = [[height * math.sin(2.1 * x + 0.3 * y * y) * math.cos(1.3 * y) for x in range(8)] for y in range(8)]
 
@@ -278,8 +280,8 @@ def reciprocity(verdict):
 
 
 def mesh_bodies(verdict):
-    """A clear layer with an octahedron of 0.1 cm that absorbs, of equal index: light that starts across it, level or slanted, in
-    it or beside it, is absorbed along its way to the surface, whose planes are sx x + sy y + sz z = 0.1."""
+    """Tests a clear layer with an absorbing octahedron of 0.1 cm, of equal index. Light that starts across it, level or
+    slanted, inside or beside it, is absorbed along its way to the surface, whose planes are sx x + sy y + sz z = 0.1."""
     def octahedron(path):
         with open(path, "w", encoding="utf-8") as file:
             file.write("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\n"
@@ -293,7 +295,7 @@ def mesh_bodies(verdict):
         for i in range(cells):
             for k in range(cells):
                 p = [width * (((i + 0.5) / cells - 0.5) * x + ((k + 0.5) / cells - 0.5) * y) for x, y in zip(own_x, own_y)]
-                begin, end = 0.0, math.inf  # of the way inside: behind its planes, one after the other
+                begin, end = 0.0, math.inf  # the part of the way inside: behind each of its planes
                 for signs in range(8):
                     s = [1 - 2 * (signs >> j & 1) for j in range(3)]
                     speed, left = sum(x * y for x, y in zip(s, u)), size - sum(x * y for x, y in zip(s, p))
@@ -311,7 +313,8 @@ def mesh_bodies(verdict):
 
 
 def engines(verdict):
-    """Beams that cut cones and start in a sphere, in both precisions and on a device: the same packets but for one in a thousand."""
+    """Tests beams that cut cones and start in a sphere, in both precisions and on a device: the same packets but for one in a
+    thousand."""
     text = cml.mci(["1.4 1 20 0.8 0.2", "1.3 0.5 5 0.5 0.2\ni sphere 0.1 0 0.3 0.05 1.5 2 10 0.5"], photons=20000,
                    surfaces={0: "b 4 0.1 0.1 0 0.1 0.08 0.1 0 1", 1: "b 3 0.03 0.1 0 0.1 0 1"},
                    extra=["beam disk 0.3 z=0.02 angle=35 light=na:0.5", "beam disk 0.2 light=lambertian", "beam pencil share=0.5",
@@ -330,7 +333,7 @@ def engines(verdict):
 
 
 def refusals(verdict):
-    """What is known only where surfaces are."""
+    """Tests refusals of sources that only the surfaces of a scene make wrong."""
     for beam, expected in (("beam pencil z=0", "beam: at z = (0 0 0) (expected a place inside a medium, more than 1e-10 cm from its surface"),
                            ("beam disk 0.1 z=1 at=0.3,0", "beam: at z = (0.3 0 1) (expected a place inside a medium"),
                            ("beam pencil light=na:1.45 z=0.5", "beam: light = na:1.45 (expected at most n = 1.4"),

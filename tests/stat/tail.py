@@ -1,17 +1,20 @@
-"""Expected values of --aim (P15) and flights in windows (P19) against adding-doubling, and under shapes against what is
-counted. tail.py [long|plain N]
+"""Tests expected values of --aim (P15) and flights in windows (P19), against adding-doubling, and under shapes against
+counted light. usage: tail.py [long|plain N]
 
-Flat stacks, whose level lies just below z = 0: N = 10000, z of Tt_expected and of each A_l_expected below the level
-against `exact`, which shares the responses' method but not their directions, and against which all flights above the
-level count; down to a Tt of 3e-9. The same stacks by --aim Tt_r: N = 20000, z of Rd, A and Tt, which is counted then. Shapes, bodies, light inside: N = 40000, z of the difference to what a flight with
-another seed counts; of rough and tiled scenes and bodies at the bottom, in windows, of all totals. Detectors that are
-aimed at, N = 5000, and what as many alike, on a circle about z, see of N = 40000 without it. Level 1e-4 over all. plain N: only
-N plain photons of rough, tiled and body scenes that are thin and dark, at most 2 us each, against 2e7 in windows for Tt_r, A_l and
-a detector, of all totals, layers and the detector. long: 40
-more flat stacks, drawn by lot, and 25 times the photons under shapes; 1e8 plain photons of rough, tiled and body scenes
-against 2e7 in windows, half an hour of a processor; of 400 runs of 1000 photons 68 +- 5 % must lie within their own error of the exact value, for Tt and for A
-of the layer below, and their mean within its own; in windows, of 400 of 4000 for Tt, and of 400 of 1000 for what a fibre
-sees, about their mean."""
+Flat stacks, with the level just below z = 0: N = 10000, z of Tt_expected and of each A_l_expected below the level against
+`exact`. The two share the method of responses but not their directions, and the result depends on all flights above the
+level; Tt goes down to 3e-9.
+The same stacks with --aim Tt_r: N = 20000, z of Rd, A and Tt, which is counted then.
+Shapes, bodies, light inside: N = 40000, z of the difference from the counts of a flight with another seed. Rough and tiled
+scenes and bodies at the bottom: all totals of flights in windows.
+Detectors as aims: N = 5000, against the light of equal detectors on a circle about z with N = 40000 without --aim.
+Level 1e-4 over all.
+plain N: only N plain photons of rough, tiled and body scenes that are thin and dark, at most 2 us each, against 2e7 in
+windows for Tt_r, A_l and a detector: all totals, layers and the detector.
+long: 40 more flat stacks at random, and 25 times the photons under shapes; 1e8 plain photons of rough, tiled and body scenes
+against 2e7 in windows, half an hour of a processor. Of 400 runs of 1000 photons, 68 +- 5 % must lie within their own error of
+the exact value, for Tt and for A of the layer below, and their mean within its own error. In windows the same holds of 400
+runs of 4000 for Tt, and of 400 of 1000 for a fibre's light, about their mean."""
 import functools
 import json
 import math
@@ -62,8 +65,8 @@ THIN = [
     ("thin, tiled", thin(["1.4 8 12 0.5 0.35"], {0: f'm "{FURROWS}" tile'}), "Tt_r", "near"),
     ("thin, body", thin(["1.4 8 12 0.5 0.2\ni sphere 0 0 0.1 0.05 1.6 20 10 0", "1.33 10 10 0.5 0.15"]), "Tt_r", "A_l:2", "near"),
 ]
-# name, scene; detectors: how many, on which radius, their shape, and what they see. Of disks in a scene that is symmetric arcs
-# are scored, of squares not.
+# name, scene; detectors: number, radius of their circle, shape, options. In a symmetric scene, disks score arcs and squares
+# do not.
 FIBRES = [
     ("fibre", {"layers": ["1.4 1 60 0.8 0.8"], "surfaces": {0: GENTLE}}, (24, 0.7, "disk 0.04", "")),
     ("fibre below", {"layers": ["1.4 1 60 0.8 0.2", "1.33 0.2 30 0.8 0.2"], "surfaces": {0: GENTLE, 2: HILL}}, (24, 0.6, "rectangle 0.06 0.06", "side=bottom na=0.6")),
@@ -95,7 +98,8 @@ def fly(verdict, name, text, *options):
 
 
 def below(record):
-    """Layers with an expected value, from 0: those whose numbers are not as counted. The level lies in the one above."""
+    """Returns the layers with an expected value, from 0; their numbers are not counted ones. The level lies in the layer
+    above."""
     expected = record.get("A_l_expected_se", [])
     return [l for l in range(1, len(expected)) if expected[l] != record["A_l_se"][l]]
 
@@ -136,13 +140,13 @@ def check_plain(verdict, photons, name, scene, *aims):
 
 
 def around(count, radius, shape, options):
-    """The lines of so many detectors on a circle about z, named d0, d1 ..."""
+    """Returns the lines of detectors on a circle about z, named d0, d1 ..."""
     turns = [2 * math.pi * k / count for k in range(count)]
     return [f"detector {shape} at={radius * math.cos(t):.17g},{radius * math.sin(t):.17g} {options} name=d{k}" for k, t in enumerate(turns)]
 
 
 def check_detector(verdict, name, scene, place, photons, *options):
-    """All see alike, so one that is aimed at sees what they see on average without it; its error is the smaller one."""
+    """Tests an aim at one of several equal detectors: its light is their mean without --aim, and its error is smaller."""
     count = place[0]
     text = cml.mci(photons=photons, extra=around(*place), **scene)
     record = fly(verdict, name, text, "--seed", 13, "--aim", "d0", "--photons", photons // 8, *options)

@@ -1,9 +1,9 @@
-"""--target-error keeps its word and is unbiased, from 64 starting photons on, where Tt is 0.0025.
+"""Tests that --target-error reaches its target and has no bias, from 64 starting photons on, where Tt is 0.0025.
 
-300 runs of a slab whose Rd, A and Tt adding-doubling gives; the first rounds of most see no light pass at all. The
-relative deviations must have a root mean square of at most 1.1 times the target (300 runs: an excess of 2.4 deviations
-where they reach it) and none may be beyond 5 targets. The mean of all runs, whose error is that of their spread, must
-agree by Sidak's limit, although the end of a run depends on what it found."""
+300 runs of a slab whose Rd, A and Tt adding-doubling gives; in most runs no light passes in the first rounds. The relative
+deviations must have a root mean square of at most 1.1 times the target (300 runs: an excess of 2.4 deviations if they reach
+it) and none may exceed 5 targets. The mean of all runs, whose error is that of their spread, must agree by Sidak's limit,
+although the end of a run depends on its results."""
 import os
 import statistics
 import sys
@@ -15,7 +15,7 @@ import slabs  # noqa: E402
 
 RUNS, TARGET = 300, 0.05
 LAYER = "1 1 9 0.5 1.6"
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # the runs write many files, each of them synced
 
 
 def main():

@@ -1,11 +1,13 @@
-"""A tile of straight waves along x against one along y: the same scene, turned by 90 degrees. And half-flat grooves in slanted light.
+"""Tests a tile of straight waves along x against one along y, which is the same scene turned by 90 degrees. Also tests
+half-flat grooves in slanted light.
 
-Light at normal incidence, so that the beam turns with it. N = 4e5 each, totals Rsp, Rd, A and Tt, other random numbers;
-level 1e-4 over the four differences. With the periods of x and y exchanged in one place, or the slopes of one axis taken
-twice, they differ: a wave of twice the height is told apart, too, as the last line shows.
+Light at normal incidence, so that the beam turns with the scene. N = 4e5 each, totals Rsp, Rd, A and Tt, different random
+numbers; level 1e-4 over the four differences. The totals would differ if the periods of x and y were exchanged in one place,
+or the slopes of one axis taken twice: a wave of twice the height is told apart, too, as the last line shows.
 
-In slanted light Rsp of `beam rectangle tile` is the same wherever the beam stands, along x and along y: N = 4e5 at each of four places,
-level 1e-4 over six differences from the first. A rectangle as wide as the period is 1.41 periods long at 45 degrees, and is told apart."""
+In slanted light Rsp of `beam rectangle tile` is the same for any position of the beam, along x and along y: N = 4e5 at each
+of four places, level 1e-4 over six differences from the first. A rectangle as wide as the period covers 1.41 periods at 45
+degrees, and is told apart."""
 import math
 import os
 import sys
@@ -29,7 +31,7 @@ def write_waves(path, height, along_x):
 
 
 def write_grooves(path, along_x):
-    """Half of the period is flat, half a groove of slopes up to 1."""
+    """Writes grooves: half of the period is flat, half a groove of slopes up to 1."""
     heights = [-0.25 * SPACING * CELLS / math.pi * max(0, math.sin(2 * math.pi * i / CELLS)) for i in range(CELLS)]
     with open(path, "w", encoding="ascii") as file:
         file.write(f"ncols {CELLS if along_x else 8}\nnrows {8 if along_x else CELLS}\ncellsize {SPACING!r}\n")
@@ -39,7 +41,7 @@ def write_grooves(path, along_x):
 
 
 def check_slanted(verdict, folder):
-    """A medium that absorbs all that enters it: Rsp is what the surface reflects."""
+    """Tests slanted light over a medium that absorbs all light that enters: Rsp is the light that the surface reflects."""
     period, short = CELLS * SPACING, 8 * SPACING
     for axis, azimuth in (("x", 0), ("y", 270)):
         line = write_grooves(os.path.join(folder, "grooves" + axis + ".asc"), axis == "x")

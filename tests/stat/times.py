@@ -1,12 +1,15 @@
-"""When light leaves and is absorbed (P11), against what is known of times without flying any.
+"""Tests the times at which light leaves and is absorbed (P11), against times that are known without flights.
 
-- A clear slab under slanted light: order k of the light that is reflected to and fro leaves after 2 k + 1, or 2 k, times
-  n d / (c cos): nothing is outside those gates. A glass on a scatterer, through which packets come without an event.
-- A turbid slab of two layers, and of one: gates times exp(-x c t / n), summed, are Rd and Tt with x more absorption in all layers; of one
-  layer, likewise, A mua / (mua + x), and of each layer what it absorbs. Truth: adding-doubling, at 8 values of x. What one
-  layer absorbs in a gate is mua c / n times what is still inside; gates of layers and bodies sum to what these absorb. Its slope at 0 is the mean time. Within a gate the light
-  is taken for that of its middle: 0.05 ps, so the error of that is below x c w / (2 n) = 0.4 % of light that is not spread at all, some percent of Tt.
-- The same light where it meets a mesh, a heightfield's cones and a body of equal index: not one gate differs from planes by more than chance.
+- A clear slab under slanted light: light reflected to and fro k times leaves after 2 k + 1, or 2 k, times n d / (c cos), and
+  no light is outside those gates. Also a glass on a scatterer, through which packets come without an event.
+- A turbid slab of two layers, and of one: gates times exp(-x c t / n), summed, are Rd and Tt with x more absorption in all
+  layers. The same sum over a layer's absorption gives A mua / (mua + x) of that layer. Truth: adding-doubling, at 8 values of
+  x. The slope at 0 is the mean time. Within a gate the light counts as that of its middle, which is off by 0.05 ps at most.
+  The error is below x c w / (2 n) = 0.4 % of light that is not spread at all, some percent of Tt.
+- One layer absorbs in a gate mua c / n times the light that is still inside; gates of layers and bodies sum to their
+  absorption.
+- The same light in a scene with a mesh, a heightfield's cones and a body of equal index: no gate differs from planes by more
+  than chance.
 N = 20 runs of 1e4; statistic: z from the spread of the runs (19 degrees of freedom), level 1e-4 over all."""
 import json
 import math
@@ -18,10 +21,10 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-C = 0.0299792458  # cm/ps
+C = 0.0299792458  # speed of light, cm/ps
 RUNS, PHOTONS = 20, 10000
 END, GATES = 400, 8000
-EXTRA = 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8  # 1/cm
+EXTRA = 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8  # more absorption, 1/cm
 
 
 def sections_of(text, *options):
@@ -40,7 +43,7 @@ def exact(layers):
 
 
 def clear_slab(verdict):
-    """n = 1.5, d = 0.6 cm, light at 40 degrees; gates of 1 ps."""
+    """Tests a clear slab: n = 1.5, d = 0.6 cm, light at 40 degrees; gates of 1 ps."""
     n, d, angle = 1.5, 0.6, math.radians(40)
     sine = math.sin(angle) / n
     once = n * d / math.sqrt(1 - sine * sine) / C
@@ -67,14 +70,14 @@ def clear_slab(verdict):
 
 
 def behind_glass(verdict):
-    """Clear glass on an absorber that is so thick that no scattered light matters: all of A is within the first mm."""
+    """Tests clear glass on an absorber that is so thick that no scattered light matters: all of A is within the first mm."""
     found = sections_of(cml.mci(["1.5 0 0 0 1", "1.5 1e5 0 0 1"], extra=["time 100 100"], n_below=1.5))[0][1]
     gate = int(1.5 * 1 / C)
     verdict.check("glass", abs(found["A_t"][gate] - sum(found["A_t"])) < 1e-9 and found["A_t"][gate] > 0.9, str(found["A_t"]))
 
 
 def turbid(verdict, layers):
-    """layers: mua mus g d of each."""
+    """Tests turbid layers. layers: mua mus g d of each."""
     n, mua = 1.4, layers[0][0]
 
     def lines(extra):
@@ -100,7 +103,7 @@ def turbid(verdict, layers):
             check_mean(verdict, f"turbid, {len(layers)}, A_lt of layer {k + 1} with mua + {x}", sums, darker["A_l"][k] * mine / (mine + x))
     for record, found in runs:
         cml.check_balance(verdict, "turbid", record)
-        found.update(Rsp=record["Rsp"], A_l=record["A_l"])  # an .mco has them rounded
+        found.update(Rsp=record["Rsp"], A_l=record["A_l"])  # an .mco has these rounded
         for key in ("Rd", "Tt", "A"):
             total = sum(found[key + "_t"]) * width + found[key + "_t_later"][0]
             verdict.check(f"turbid {key}_t", abs(total - record[key]) < 1e-7, f"sums to {total}, not {record[key]}")
@@ -109,7 +112,7 @@ def turbid(verdict, layers):
 
 
 def by_medium(verdict, name, found, gates, width):
-    """Gates of layers and bodies sum to what these absorb, and media to A_t."""
+    """Checks that gates of layers and bodies sum to their absorption, and gates of media to A_t."""
     together = [0.0] * gates
     for key, of_time, media in (("A_l", "A_lt", len(found["A_l"])), ("A_body", "A_body_t", len(found.get("A_body", [])))):
         for k in range(media):
@@ -122,8 +125,8 @@ def by_medium(verdict, name, found, gates, width):
 
 
 def decay(verdict, layers, runs):
-    """Of one layer: what it absorbs in a gate is mua c / n times the light that is inside then; twenty gates of the clock together. The light
-    inside is that of the middle of a gate, which is off by some (0.05 ps / 10 ps)^2 / 24 of it."""
+    """Tests one layer: its absorption in a gate is mua c / n times the light that is inside then; twenty gates of the clock
+    together. The light inside is taken at the middle of a gate, which is off by about (0.05 ps / 10 ps)^2 / 24 of it."""
     if len(layers) > 1:
         return
     rate, width, many = layers[0][0] * C / 1.4, END / GATES, 20
@@ -147,7 +150,7 @@ def check_mean(verdict, name, values, truth):
 
 
 def errors(verdict, runs):
-    """How often a gate of a run, 5 ps, lies within one of its errors of the mean over the others."""
+    """Tests how often a gate of a run, 5 ps, lies within one of its errors of the mean over the other runs."""
     within = tried = 0
     for key in ("Rd_t", "Tt_t", "A_t"):
         for gate in range(len(runs[0][key])):
@@ -164,7 +167,7 @@ def errors(verdict, runs):
 
 
 def shapes(verdict):
-    """One scene in which the surfaces are flown in other ways: all deviate from planes by chance only."""
+    """Tests one scene whose surfaces are flown in other ways: all deviate from planes by chance only."""
     layers = ["1.4 0.5 50 0.8 0.1", "1.4 1 30 0.7 0.2"]
     extra = ["time 60 12"]
     body = ["1.4 0.5 50 0.8 0.1\ni sphere 0 0 0.05 0.03 1.4 0.5 50 0.8", layers[1]]

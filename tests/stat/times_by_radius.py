@@ -1,13 +1,14 @@
-"""Light that leaves by radius and time (`time T1 N radii`), against what shares nothing with the program.
+"""Tests light that leaves by radius and time (`time T1 N radii`) against results that share nothing with the program.
 
-- A half space, mua 0, mus' 10/cm, g 0.8, n 1.4, and a slab of two transport lengths: an own small Monte Carlo below, in numpy. Groups of
-  bins, N = 1e5 packets of the program and 4e4 of the other; statistic: z by the program's errors and Poisson's, level 1e-4 over all.
-- The half space where diffusion holds, 0.5 to 1.2 cm and 150 to 300 ps: A. Kienle, M. S. Patterson, J. Opt. Soc. Am. A 14, 246-254
-  (1997), within 6 %.
-- The half space again: the published table of the Virtual Tissue Simulator (VTS, below), 1e8 packets, from 20 ps on. Before 20 ps the table
-  is 1 % above the program, and as much above the small Monte Carlo below: both were flown with 2e6 packets and more to find that out.
-- Sums over r are Rd_t and Tt_t, sums over gates with what is later Rd_r and Tt_r, to 1e-12: both engines, rows of a sweep, threads.
-"""
+- A half space, mua 0, mus' 10/cm, g 0.8, n 1.4, and a slab of two transport lengths, against a small Monte Carlo in numpy
+  below. Groups of bins, N = 1e5 packets of the program and 4e4 of the other; statistic: z by the program's errors and
+  Poisson's, level 1e-4 over all.
+- The half space where diffusion holds, 0.5 to 1.2 cm and 150 to 300 ps: A. Kienle, M. S. Patterson, J. Opt. Soc. Am. A 14,
+  246-254 (1997), within 6 %.
+- The half space again, against the published table of the Virtual Tissue Simulator (VTS, below), 1e8 packets, from 20 ps on.
+  Earlier the table lies 1 to 2 % above the program, and above the small Monte Carlo here, too.
+- Sums over r are Rd_t and Tt_t; sums over gates with later light are Rd_r and Tt_r, to 1e-12: both engines, rows of a sweep,
+  threads."""
 import math
 import os
 import sys
@@ -15,7 +16,7 @@ import tempfile
 
 try:
     import numpy as np
-except ImportError:  # as in lib/cml.py: this Python need not have it
+except ImportError:  # like in lib/cml.py: this Python need not have it
     other = os.environ.get("CLUSTERMCML_PYTHON", "/usr/bin/python3")
     if sys.executable == other:
         sys.exit(77)
@@ -24,7 +25,7 @@ except ImportError:  # as in lib/cml.py: this Python need not have it
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-C = 0.0299792458  # cm/ps
+C = 0.0299792458  # speed of light, cm/ps
 N_IN, MUS, G = 1.4, 50.0, 0.8
 SPECULAR = ((N_IN - 1) / (N_IN + 1)) ** 2
 DR, NR = 0.1, 20
@@ -39,7 +40,7 @@ VTS = ((1459757, 693216, 488821, 188795), (3621804, 1851100, 1367890, 545829), (
 
 
 def reflectance(cosine, n_out):
-    """Fresnel's, of unpolarised light from inside."""
+    """Returns Fresnel's reflectance of unpolarised light from inside."""
     sine = np.minimum(N_IN / n_out * np.sqrt(np.maximum(0, 1 - cosine ** 2)), 1)
     other = np.sqrt(1 - sine ** 2)
     s = ((N_IN * cosine - n_out * other) / (N_IN * cosine + n_out * other)) ** 2
@@ -48,7 +49,7 @@ def reflectance(cosine, n_out):
 
 
 def turned(u, rng):
-    """Directions after Henyey and Greenstein, about the old ones, by an orthonormal frame of each."""
+    """Returns directions after scattering by Henyey and Greenstein, about the old directions, by an orthonormal frame of each."""
     n = u.shape[1]
     cosine = (1 + G * G - ((1 - G * G) / (1 - G + 2 * G * rng.random(n))) ** 2) / (2 * G)
     phi = 2 * math.pi * rng.random(n)
@@ -62,7 +63,7 @@ def turned(u, rng):
 
 
 def own_flights(d, n_below, end, packets, seed):
-    """Radius and time of what leaves a layer before `end` [ps], above and below."""
+    """Returns radius and time of photons that leave a layer before `end` [ps], above and below."""
     rng = np.random.default_rng(seed)
     p, u, path, out = np.zeros((3, packets)), np.zeros((3, packets)), np.zeros(packets), ([], [])
     u[2] = 1
@@ -94,7 +95,7 @@ def text_of(d, n_below, end, gates, photons, bins=f"10 {NR} 1"):
 
 
 def fields_of(text, *options):
-    """What the run's .h5 has, as arrays."""
+    """Returns the arrays of the run's .h5."""
     with tempfile.TemporaryDirectory() as keep:
         record = cml.run(text, *options, keep=keep)[0]
         return {name: np.array(values) for name, values in cml.read_h5(os.path.splitext(record["output"])[0] + ".h5").items()}
@@ -143,7 +144,7 @@ def against_table(verdict, found, end):
 
 
 def diffusion(rho, t):
-    """Kienle and Patterson, of n 1.4: 0.118 fluence + 0.306 flux, extrapolated boundary."""
+    """Returns the result of Kienle and Patterson for n 1.4: 0.118 fluence + 0.306 flux, extrapolated boundary."""
     d, z0, v = 1 / (3 * MUS * (1 - G)), 1 / (MUS * (1 - G)), C / N_IN
     zb = 2 * d * (1 + 0.493) / (1 - 0.493)
     near, far = (np.exp(-(rho ** 2 + z ** 2) / (4 * d * v * t)) for z in (z0, z0 + 2 * zb))
@@ -168,7 +169,7 @@ def against_diffusion(verdict, found, end):
 def main():
     verdict = cml.Verdict("light by radius and time")
     end, gates = 300, 30
-    deep = fields_of(text_of(3.3, N_IN, end, gates, 100000))  # what comes back from 3.3 cm has flown for 308 ps
+    deep = fields_of(text_of(3.3, N_IN, end, gates, 100000))  # light that comes back from 3.3 cm has flown for 308 ps
     slab = fields_of(text_of(0.2, 1.0, 100, gates, 100000))
     against_own_flights(verdict, "half space", deep, 3.3, N_IN, end, 40000)
     against_own_flights(verdict, "slab", slab, 0.2, 1.0, 100, 40000)

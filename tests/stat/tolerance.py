@@ -1,14 +1,15 @@
-"""Meshes and what auto takes keep the bias that --tolerance allows, against cones on the same photon streams.
+"""Tests that meshes, and the surfaces that `auto` chooses, keep the bias that --tolerance allows, against cones on the same
+photon streams.
 
 Meshes of lohill and hinoise: 16 streams of N = 8000 packets each, flown in both ways, give paired differences of Rd, A and
-Tt. The statistic is what the difference exceeds the tolerance by, in its own standard errors (Student, 15 degrees of
-freedom), level 1e-4 over all numbers. Loose tolerances, so that the test would see a factor of two: a mesh at five times
-the tolerance must fail it, which is tried, too.
+Tt. The statistic is the excess of the difference over the tolerance, in its own standard errors (Student, 15 degrees of
+freedom), level 1e-4 over all numbers. Tolerances are loose, so that the test would see a factor of two: a mesh at five times
+the tolerance is tried, too, and must fail.
 
 Planes (tests/lib/paired_planes.py, 16 streams of N = 4000): grazing light on a slope, light near the critical angle, a lens
-above a long clear layer. Height times mut plus slope, a rule of former versions, is below the tolerance there; what a plane
-changes is above it by more than 6 errors, and auto must keep the cones. Two ripples must become planes, and no total,
-profile or bin of theirs may exceed the tolerance by 3 errors."""
+above a long clear layer. Height times mut plus slope, a rule of former versions, is below the tolerance in these scenes. The
+change by a plane is above it by more than 6 errors, and auto must keep the cones. Two ripples must become planes, and no
+total, profile or bin of theirs may exceed the tolerance by 3 errors."""
 import math
 import os
 import statistics
@@ -24,14 +25,14 @@ RUNS, PHOTONS, TOTALS = 16, 8000, ("Rd", "A", "Tt")
 
 
 def repeated(scene):
-    """The scene RUNS times in one file: every run has its own streams."""
+    """Returns the scene RUNS times in one file: every run has its own streams."""
     with open(os.path.join(cml.SAMPLES, "shapes", scene + ".mci"), encoding="utf-8") as file:
         lines = [line for line in (line.split("#")[0].strip() for line in file) if line]
     return "\n".join(["1.0", str(RUNS)] + [line for run in range(RUNS) for line in [f"out{run}.mco A"] + lines[3:]]) + "\n"
 
 
 def sections_of(text, *options):
-    """(records, profiles in groups of 20 rings) of all runs."""
+    """Returns (records, profiles in groups of 20 rings) of all runs."""
     with tempfile.TemporaryDirectory() as keep:
         records = cml.run(text, "--photons", PHOTONS, "--ignore-absorption", "--threads", 2, *options, keep=keep)
         rings = []
@@ -42,7 +43,7 @@ def sections_of(text, *options):
 
 
 def excess(ours, truth, tolerance):
-    """Largest (|difference| - tolerance * truth) / standard error over the totals, and its name."""
+    """Returns the largest (|difference| - tolerance * truth) / standard error over the totals, and its name."""
     worst = (-math.inf, "")
     for key in TOTALS:
         differences = [a[key] - b[key] for a, b in zip(ours, truth)]
@@ -53,7 +54,7 @@ def excess(ours, truth, tolerance):
 
 
 def profile_distance(ours, truth):
-    """Relative L2 distance of the mean profiles, the noise's share taken out."""
+    """Returns the relative L2 distance of the mean profiles, without the part of the noise."""
     square = norm = 0.0
     for a, b in zip(zip(*ours), zip(*truth)):
         differences = [x - y for x, y in zip(a, b)]
@@ -75,7 +76,7 @@ HARMLESS = [
 
 
 def boundary_of(scene, tolerance):
-    """What auto takes for the curved boundary of a scene."""
+    """Returns the record of a scene's curved boundary, with the surface that auto chooses."""
     return cml.run(scene.text(scene.surface), "--photons", 100, "--tolerance", tolerance)[0]["boundaries"][scene.at]
 
 

@@ -1,4 +1,5 @@
-/* Arrays that end together, copies, and the search in numbers that rise. SPDX-License-Identifier: MIT */
+/* Tests of src/base/array.h: allocation of several arrays at once, copies of arrays, and binary search in
+ * rising numbers. SPDX-License-Identifier: MIT */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +26,8 @@ static void arrays_begin_with_zeros_and_end_together(void **state)
     assert_null(arrays.last);
 }
 
-/* One that does not fit is told of all, and those that did are freed. */
+/* If one of several arrays does not fit into memory, the error names the size of all of them, and the
+ * arrays already allocated are freed. */
 static void an_array_that_does_not_fit_is_an_error(void **state)
 {
     (void)state;

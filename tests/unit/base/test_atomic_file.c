@@ -1,4 +1,5 @@
-/* Files that appear only when they are complete, whoever else writes them. SPDX-License-Identifier: MIT */
+/* Tests of files that appear under their name only when they are complete, even if another process writes
+ * the same file. SPDX-License-Identifier: MIT */
 #include "base/atomic_file.h"
 #include "lib/case_files.h"
 
@@ -11,13 +12,13 @@ static void assert_absent(void **state, const char *name)
     assert_int_equal(access(case_in_directory(state, name), F_OK), -1);
 }
 
-/* The name within the directory. */
+/* Returns the name of the temporary file within its directory. */
 static const char *temporary_of(const struct cml_file *file)
 {
     return strrchr(file->temporary, '/') + 1;
 }
 
-/* No temporary file, that is. */
+/* Checks that no temporary file is left in the directory. */
 static void assert_nothing_is_left(void **state)
 {
     DIR *directory = opendir(*state);
@@ -49,7 +50,7 @@ static void a_file_appears_at_commit(void **state)
     assert_int_equal(cml_file_commit(&file, &err), CML_OK);
     case_assert_holds(state, "out", "new");
     assert_nothing_is_left(state);
-    cml_file_abort(&file); /* does nothing after a commit */
+    cml_file_abort(&file); /* an abort does nothing after a commit */
     case_assert_holds(state, "out", "new");
     case_remove(state, "out");
 }
@@ -87,7 +88,8 @@ static void places_that_cannot_be_written(void **state)
     assert_int_equal(rmdir(case_in_directory(state, "taken")), 0);
 }
 
-/* Permissions do not stop root, so the test has nothing to say then. */
+/* A read-only directory cannot take a new file. Root may write everywhere, so the test skips this case for
+ * root. */
 static void a_read_only_directory_is_reported(void **state)
 {
     struct cml_error err;
@@ -99,7 +101,7 @@ static void a_read_only_directory_is_reported(void **state)
     assert_int_equal(rmdir(case_in_directory(state, "locked")), 0);
 }
 
-/* A full disk shows at the latest in the commit; the earlier result must survive it. */
+/* A full disk reports its error at the latest in the commit. The earlier result must survive that error. */
 static void a_full_disk_keeps_the_old_file(void **state)
 {
     struct cml_error err;
@@ -118,7 +120,8 @@ static void a_full_disk_keeps_the_old_file(void **state)
     case_remove(state, "out");
 }
 
-/* Kept under another name; where the new one cannot take its place, what stood there still does. */
+/* The old file is kept under another name. If the new file cannot take its place, the old file stays under
+ * its own name. */
 static void the_old_file_is_kept_and_not_lost(void **state)
 {
     struct cml_error err;
@@ -140,7 +143,7 @@ static void the_old_file_is_kept_and_not_lost(void **state)
     case_remove(state, "keep");
 }
 
-/* A disk that says that it has written, and has not. */
+/* The commit reads a file back and finds a disk that reports success but has not stored the bytes. */
 static void what_is_there_is_compared_with_what_was_written(void **state)
 {
     struct cml_error err;
@@ -163,7 +166,7 @@ static void what_is_there_is_compared_with_what_was_written(void **state)
     case_remove(state, "out");
 }
 
-/* Files that are gone before they are synced are none that could not be. */
+/* A file that is deleted before its postponed sync does not count as a failed sync. */
 static void syncs_may_wait(void **state)
 {
     struct cml_error err;
@@ -178,7 +181,8 @@ static void syncs_may_wait(void **state)
     case_remove(state, "two");
 }
 
-/* Two that write the same file at the same time: the last to finish wins, and each writes all of its own. */
+/* Two writers write the same file at the same time. The last one to finish wins, and its file holds only
+ * its own bytes. */
 static void two_writers_do_not_mix(void **state)
 {
     struct cml_error err;
@@ -196,7 +200,8 @@ static void two_writers_do_not_mix(void **state)
     case_remove(state, "out");
 }
 
-/* Somebody guesses the temporary name and puts a link there: its target must not be written to. */
+/* An attacker guesses the temporary name and puts a link there. The target of the link must not be written
+ * to. */
 static void a_link_under_the_temporary_name_is_not_followed(void **state)
 {
     struct cml_error err;
@@ -246,14 +251,14 @@ static void what_is_no_regular_file_is_not_replaced(void **state)
     case_remove(state, "pipe");
     assert_int_equal(cml_file_create("/dev/zero", &file, &err), CML_E_IO);
     assert_int_equal(cml_file_create("/dev/null", &file, &err), CML_OK);
-    assert_null(file.temporary); /* or the commit would harm the machine */
+    assert_null(file.temporary); /* otherwise the commit would harm the machine */
     fputs("anything", file.stream);
     assert_int_equal(cml_file_commit(&file, &err), CML_OK);
     assert_int_equal(stat("/dev/null", &about), 0);
     assert_true(S_ISCHR(about.st_mode));
 }
 
-/* 250 bytes are what a scene's output name may have. */
+/* An output name may have 250 bytes in a scene. The temporary name is longer and must still fit. */
 static void long_names_have_room_for_their_temporary_ones(void **state)
 {
     char path[512];
@@ -265,7 +270,7 @@ static void long_names_have_room_for_their_temporary_ones(void **state)
     assert_int_equal(unlink(path), 0);
 }
 
-/* Its temporary one would have a name that is cut. */
+/* A name whose temporary name would be cut off is refused when the file is opened, not at the commit. */
 static void a_name_that_is_too_long_is_found_at_once(void **state)
 {
     char path[512];
@@ -277,7 +282,7 @@ static void a_name_that_is_too_long_is_found_at_once(void **state)
     assert_nothing_is_left(state);
 }
 
-/* A file is as open to others as the user wants it, not as a temporary one. */
+/* The permissions of a finished file follow the user's umask, not those of a temporary file. */
 static void permissions_follow_the_mask(void **state)
 {
     struct stat about;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of input files that one process reads and sends to the others as one block.
+ * SPDX-License-Identifier: MIT */
 #include "base/input_files.h"
 #include "lib/case_files.h"
 
@@ -13,7 +14,8 @@ static void assert_reads(const struct cml_text_source *source, const char *path,
     cml_text_clear(&text);
 }
 
-/* What one process read from disk another reads from the block, although the files are gone or changed. */
+/* One process reads files from disk. Another process reads them from the block, even if the files are gone
+ * or changed. */
 static void files_travel_as_one_block(void **state)
 {
     char a[256], b[256];
@@ -39,9 +41,9 @@ static void files_travel_as_one_block(void **state)
     assert_reads(NULL, b, "changed");
     assert_int_equal(cml_text_read(NULL, a, &text, &err), CML_E_INPUT);
     assert_int_equal(cml_text_read(&record, "elsewhere", &text, &err), CML_E_INPUT);
-    assert_int_equal(read.count, 2); /* what cannot be read is not remembered */
+    assert_int_equal(read.count, 2); /* a file that cannot be read is not remembered */
     assert_reads(&record, a, "first\nfile\n");
-    assert_int_equal(read.count, 2); /* what was read before is kept once, and is as it was */
+    assert_int_equal(read.count, 2); /* a file read before is kept once, unchanged */
     case_remove(state, "b");
     free(block);
     cml_inputs_clear(&read);

@@ -1,4 +1,5 @@
-/* Tails against tables and closed forms. SPDX-License-Identifier: MIT */
+/* Tests of the tails of distributions (normal, Student's t, chi-square) against printed tables and closed
+ * forms. SPDX-License-Identifier: MIT */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +15,7 @@ static void assert_near(double value, double expected, double relative)
     assert_true(fabs(value - expected) <= relative * fabs(expected));
 }
 
-/* Abramowitz and Stegun, table 26.1 and 26.2. */
+/* Values from Abramowitz and Stegun, tables 26.1 and 26.2. */
 static void normal_tails_are_those_of_the_tables(void **state)
 {
     (void)state;
@@ -25,7 +26,8 @@ static void normal_tails_are_those_of_the_tables(void **state)
     assert_true(cml_two_sided(INFINITY) == 0);
 }
 
-/* Two-sided tail of Student's t by Simpson's rule over the angle: t = sqrt(f) tan(a), dt -> cos^(f-1) da. */
+/* Returns the two-sided tail of Student's t by Simpson's rule over the angle a: t = sqrt(f) tan(a), dt
+ * becomes cos^(f-1) da. */
 static double student_tail(double t, int freedom)
 {
     const double half = acos(0.0), from = atan(t / sqrt(freedom));
@@ -56,7 +58,7 @@ static void sidak_is_the_chance_of_the_smallest(void **state)
 {
     (void)state;
     assert_near(cml_sidak(0.5, 2), 0.75, 1e-15);
-    assert_near(cml_sidak(1e-20, 1e6), 1e-14, 1e-9); /* no cancellation */
+    assert_near(cml_sidak(1e-20, 1e6), 1e-14, 1e-9); /* no digits are lost by cancellation */
     assert_true(cml_sidak(1, 10) == 1 && cml_sidak(0, 10) == 0 && cml_sidak(0.01, 0) == 1);
 }
 

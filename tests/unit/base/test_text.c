@@ -1,4 +1,4 @@
-/* Lines, words and numbers. SPDX-License-Identifier: MIT */
+/* Tests of reading text files, lines, words and numbers. SPDX-License-Identifier: MIT */
 #include "base/text.h"
 #include "lib/case_files.h"
 
@@ -44,7 +44,7 @@ static void empty_and_unended_files(void **state)
     case_remove(state, "in");
 }
 
-/* Sizes at which the buffer is just full, and doubled twice. */
+/* Reads files of sizes at which the read buffer is just full, one byte off, and doubled twice. */
 static void files_of_any_size_are_read_whole(void **state)
 {
     static const size_t sizes[] = {65534, 65535, 65536, 131071, 131072, 300001};
@@ -219,7 +219,8 @@ static void messages_are_one_line(void **state)
     memset(longer, 'v', sizeof longer - 1);
     longer[sizeof longer - 1] = '\0';
     assert_int_equal(cml_fail(&err, CML_E_IO, "a\nb\x1b[31m%d", 7), CML_E_IO);
-    assert_string_equal(err.text, "a\nb\x1b[31m7"); /* cml_print_line escapes it */
+    assert_string_equal(
+        err.text, "a\nb\x1b[31m7"); /* raw control bytes stay in the error; cml_print_line escapes them */
     char path[3000];
     memset(path, 'p', sizeof path - 1);
     path[sizeof path - 1] = '\0';
@@ -235,7 +236,8 @@ static void messages_are_one_line(void **state)
     assert_string_equal(err.text, "out of memory: 3 MiB for bins");
 }
 
-/* /dev/full takes what is written to it, and has no room for it. */
+/* /dev/full accepts buffered bytes and then reports that the disk is full. A text in memory must be
+ * written whole or end as an error. */
 static void a_text_in_memory_ends_whole_or_as_an_error(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* What must not change a result: threads, chunks, ranges, the unit of length. And what the engines share.
- * SPDX-License-Identifier: MIT */
+/* Tests of properties that all engines share: threads, chunks, ranges and the unit of length must not
+ * change a result. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
 
@@ -147,7 +147,7 @@ static void on_event(void *context, const struct cml_trace_event *event)
     ++*(long *)context;
 }
 
-/* A packet traced alone ends as it did in the run, with or without someone looking. */
+/* A packet that is traced alone ends as in the run, with and without an observer of its path. */
 static void a_trace_is_the_packet_of_the_run(void **state)
 {
     const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference};
@@ -180,7 +180,7 @@ static void a_trace_is_the_packet_of_the_run(void **state)
     tear_down(&bench);
 }
 
-/* Lengths in units of 2^-k cm. */
+/* Multiplies all lengths of a scene (cm) by 2^k. */
 static void rescale(struct cml_scene *scene, int k)
 {
     scene->dz = ldexp(scene->dz, k);
@@ -220,7 +220,8 @@ static void the_unit_of_length_does_not_change_a_bit(void **state)
     }
 }
 
-/* Single and double precision draw the same numbers, so nearly every packet has the same life. */
+/* Engines in single and double precision draw the same random numbers, so nearly every packet has the same
+ * life in both. */
 static void the_engines_agree_packet_by_packet(void **state)
 {
     for (int s = 0; s < num_scenes; s++) {

@@ -1,6 +1,6 @@
-/* What is drawn from the tables of phase functions, by kernels/optics.h in single precision, against the
- * densities of samples/manual/input/phase-functions.md written out here and integrated by Simpson's rule.
- * SPDX-License-Identifier: MIT */
+/* Tests of the cosines that kernels/optics.h draws from tables of phase functions, in single precision.
+ * They are compared with the densities of samples/manual/input/phase-functions.md, which are written out
+ * here and integrated by Simpson's rule. SPDX-License-Identifier: MIT */
 #include "engine/world.h"
 #include "lib/case_files.h"
 #include "lib/dice.h"
@@ -11,9 +11,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-static long draws = 10000000 / SANITIZED_STEP; /* argument 1 */
+static long draws = 10000000 / SANITIZED_STEP; /* number of draws; argument 1 of the program */
 
-/* Densities of the cosine c = 1 - x. */
+/* Densities of the phase functions over the cosine c = 1 - x. */
 static double hg(double g, double x)
 {
     return (1 - g * g) / 2 / pow((1 - g) * (1 - g) + 2 * g * x, 1.5);
@@ -43,7 +43,7 @@ static double rayleigh(const double *n, double x)
     return 0.375 * (1 + (1 - x) * (1 - x));
 }
 
-/* Linear in c between rows, in any scale. */
+/* Rows of a tabulated phase function, linear in the cosine between rows, on any scale. */
 #define ROWS 9
 static const double rows[ROWS][2] = {{0, 0},  {1, 900}, {3, 250},   {20, 20}, {60, 0},
                                      {90, 0}, {91, 8},  {170, 0.3}, {180, 2}};
@@ -80,14 +80,15 @@ static const struct law {
             {"table \"p.txt\"", table, {0}}};
 enum { LAWS = sizeof laws / sizeof *laws, MOMENTS = 8, STEPS = 100000 };
 
-/* The law on a fine grid of angles, from the forward direction on: the share below each, and its moments. */
+/* A phase function on a fine grid of angles, from the forward direction on: the share below each angle,
+ * and its Legendre moments. */
 struct integral {
-    double below[STEPS + 1]; /* of even places */
-    double all;              /* of the density as it is written above */
+    double below[STEPS + 1]; /* share of light below each angle of even index */
+    double all;              /* integral of the density before it is normalised */
     double moment[MOMENTS + 1];
 };
 
-/* sum[l] += weight P_l(c), squares[l], if asked for, of its square. */
+/* Adds weight P_l(c) to sum[l] for each l. Adds weight P_l(c)^2 to squares[l], unless squares is NULL. */
 static void add_legendre(double c, double weight, double *sum, double *squares)
 {
     double before = 1, p = c;
@@ -100,7 +101,8 @@ static void add_legendre(double c, double weight, double *sum, double *squares)
     }
 }
 
-/* Places crowd near both ends: t = pi (s - sin(2 pi s) / (2 pi)), of which the angle is t. */
+/* Returns angle i of the grid and its slope. Angles crowd near both ends: t = pi (s - sin(2 pi s) / (2
+ * pi)). */
 static double angle_at(int i, double *slope)
 {
     const double pi = acos(-1.0), s = (double)i / STEPS;
@@ -108,7 +110,7 @@ static double angle_at(int i, double *slope)
     return pi * (s - sin(2 * pi * s) / (2 * pi));
 }
 
-/* Of the grid, filled by setup. */
+/* 1 - c at each angle of the grid, filled by setup. */
 static double deflection_at[STEPS + 1];
 
 static void fill_deflections(void)
@@ -138,7 +140,7 @@ static void integrate(const struct law *law, struct integral *to)
     for (int l = 1; l <= MOMENTS; l++) to->moment[l] /= all;
 }
 
-/* A scene of one layer per law, and its world: the same for all tests. */
+/* One scene of one layer per phase function, and the world of each scene, shared by all tests. */
 static struct {
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
@@ -190,7 +192,7 @@ static int teardown(void **state)
     return case_teardown(state);
 }
 
-/* 1 - c of a word, of light that is mirrored 1 + c. */
+/* Returns 1 - c of the cosine that a random word draws; 1 + c if the phase function is mirrored. */
 static double drawn(const struct cml_world *world, real g, uint32_t word)
 {
     const struct cml_phase_cell cell =
@@ -200,7 +202,7 @@ static double drawn(const struct cml_world *world, real g, uint32_t word)
     return (double)value;
 }
 
-/* By the grid, linear between its places. */
+/* Returns the share of light deflected by less than x, interpolated linearly between places of the grid. */
 static double share_below(const struct integral *integral, double x)
 {
     int low = 0, high = STEPS;
@@ -215,7 +217,8 @@ static double share_below(const struct integral *integral, double x)
     return integral->below[low] + (integral->below[high] - integral->below[low]) * (x - a) / (b - a);
 }
 
-/* The bound that is stated, but for two roundings of 1 - c, and what the grid misses. */
+/* The drawn distribution keeps its stated bound, 2^-18. Two roundings of 1 - c and the error of the grid
+ * are allowed on top. */
 static void the_distribution_is_met_to_two_to_the_minus_18(void **state)
 {
     (void)state;
@@ -237,7 +240,8 @@ static void the_distribution_is_met_to_two_to_the_minus_18(void **state)
     }
 }
 
-/* The first eight Legendre moments of cosines that are drawn at random: |z| < 4.5 over all 96. */
+/* The first eight Legendre moments of randomly drawn cosines agree with the density: |z| < 4.5 for all 96
+ * moments. */
 static void legendre_moments_are_those_of_the_density(void **state)
 {
     struct dice dice = dice_new(61);
@@ -261,7 +265,8 @@ static void legendre_moments_are_those_of_the_density(void **state)
     }
 }
 
-/* The same cosines as Henyey and Greenstein's, word by word, where the function is the same. */
+/* Parameters that reduce a phase function to Henyey and Greenstein's draw the same cosine as that function
+ * for every random word. */
 static void equal_functions_give_equal_cosines(void **state)
 {
     struct dice dice = dice_new(62);

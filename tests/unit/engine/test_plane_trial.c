@@ -1,5 +1,5 @@
-/* Which curved boundaries become planes: outcomes for scenes whose answer is clear, and what must not change
- * them. SPDX-License-Identifier: MIT */
+/* Tests of the trial that decides which curved boundaries a run may replace by planes: scenes with a clear
+ * answer, and options that must not change the answer. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
 #include "lib/sanitized.h"
@@ -16,7 +16,7 @@ static const struct cml_surface_options asked = {.force = CML_SURFACE_AUTO,
                                                  .tolerance = TOLERANCE,
                                                  .may_flatten = true};
 
-/* The surfaces of a scene, before the trial and after it. */
+/* Reads a scene and runs the trial on its surfaces. Returns the bench with the surfaces chosen. */
 static struct bench choose_with(void **state, const char *text, const struct cml_surface_options *options,
                                 const struct cml_engine_options *engine_options)
 {
@@ -37,8 +37,8 @@ static struct bench choose(void **state, const char *text, const struct cml_surf
     return choose_with(state, text, options, &engine_options);
 }
 
-/* One layer below a tip of this height over 0.1 cm, which ends 0.1 cm above the nominal plane; boundary 1 is
- * a plane. */
+/* Returns a scene: one layer below a radial tip of this height over 0.1 cm, which ends 0.1 cm above the
+ * nominal plane. Boundary 1 is a plane. */
 static const char *hill(const char *height, const char *more)
 {
     static char text[512];
@@ -70,7 +70,7 @@ static void a_hill_that_matters_stays(void **state)
     tear_down(&bench);
 }
 
-/* 1e6 packets cannot show so small a bias. */
+/* The bias of a very low hill is too small for 1e6 packets to show, so the boundary stays curved. */
 static void what_cannot_be_shown_stays(void **state)
 {
     if (SANITIZED) skip();
@@ -82,7 +82,8 @@ static void what_cannot_be_shown_stays(void **state)
     tear_down(&bench);
 }
 
-/* Its tallies alone would take longer than the trial may. */
+/* A boundary below a huge grid stays curved: adding up the tallies alone would take longer than the trial
+ * may. */
 static void below_a_huge_grid_it_stays(void **state)
 {
     struct bench bench = choose(state,
@@ -109,13 +110,14 @@ static void nothing_is_a_plane_unasked_or_with_facets(void **state)
     }
 }
 
-/* All that a run may choose but the scene and the tolerance, and maps, which are not compared. */
+/* The outcome depends on the scene and the tolerance only. Threads, seed and other options of a run, and
+ * maps (which the trial does not compare), must not change it. */
 static void the_outcome_depends_on_the_scene_only(void **state)
 {
     static const struct cml_engine_options others[] = {
         {.seed = 7, .threads = 3, .reentry = true},
         {.seed = 1, .run = 5, .threads = 1, .chunk = 7, .reentry = true}};
-    const char *const height = SANITIZED ? "0.15" : "0.1002"; /* of this the trial is long */
+    const char *const height = SANITIZED ? "0.15" : "0.1002"; /* a trial at this height takes long */
     struct bench first = choose(state, hill(height, ""), &asked);
     for (int i = SANITIZED; i < 2; i++) {
         const char *map = i ? "map 3 3 1 1" : "";
@@ -127,8 +129,8 @@ static void the_outcome_depends_on_the_scene_only(void **state)
     tear_down(&first);
 }
 
-/* Between planes at normal incidence MCML counts light that goes to and fro in a clear first layer as
- * specular, between others it is reflected (P1). */
+/* At normal incidence, MCML counts light that bounces inside a clear first layer between planes as
+ * specular; between other boundaries it is reflected (P1). The faces of such a layer stay curved. */
 static void faces_of_a_clear_first_layer_stay_at_normal_incidence(void **state)
 {
     static const char *const text = "1.0\n1\nx.mco A\n10\nbeam pencil angle=%d\n0.02 0.02\n20 20 3\n2\n1\n"
@@ -142,8 +144,8 @@ static void faces_of_a_clear_first_layer_stay_at_normal_incidence(void **state)
     }
 }
 
-/* All light is absorbed within 0.02 cm below a step which is as high: as a plane it moves the light from the
- * first depth bin to the second, and changes nothing else. */
+/* All light is absorbed within 0.02 cm below a step of that height. A plane instead of the step moves the
+ * light from the first depth bin to the second and changes nothing else. */
 static void one_profile_alone_keeps_a_boundary(void **state)
 {
     struct bench bench = choose(state,
@@ -156,7 +158,8 @@ static void one_profile_alone_keeps_a_boundary(void **state)
     tear_down(&bench);
 }
 
-/* Two layers of one medium and a step between them: what each absorbs is all that a plane changes. */
+/* Two layers of one medium have a step between them. A plane instead of the step changes only how much
+ * each layer absorbs. */
 static void what_a_layer_absorbs_keeps_a_boundary(void **state)
 {
     struct bench bench = choose(state,
@@ -168,8 +171,8 @@ static void what_a_layer_absorbs_keeps_a_boundary(void **state)
     tear_down(&bench);
 }
 
-/* A lens leads all light into a sphere at its focus, which absorbs 8e-4 of it, and a plane 4 % of that; the
- * layers absorb 30 %, and nothing else is seen of it. */
+/* A lens focuses all light into a sphere, which absorbs 8e-4 of it. A plane instead of the lens sends 4 %
+ * of the light there. The layers absorb 30 %, and no other quantity shows the difference. */
 static void what_a_body_absorbs_keeps_a_boundary(void **state)
 {
     struct cml_surface_options strict = asked;
@@ -188,9 +191,9 @@ static void what_a_body_absorbs_keeps_a_boundary(void **state)
     tear_down(&bench);
 }
 
-/* Light that goes straight through two layers which absorb: either hill takes away 3.4 % of what leaves
- * below, and changes what a layer absorbs by less, which is within the tolerance; both together take away
- * 6.8 %, which is not. */
+/* Light goes straight through two absorbing layers. Either hill takes away 3.4 % of the light that leaves
+ * below, which is within the tolerance, and changes the absorption of a layer by less. Both hills together
+ * take away 6.8 %, which is not. */
 static void planes_keep_the_tolerance_together(void **state)
 {
     static const char *const text = "1.0\n1\nx.mco A\n10\n1 0.02\n1 20 1\n2\n1\n%s\n1 2 0 0 0.5\n%s\n"

@@ -1,7 +1,7 @@
-/* Where packets start and where they go, by kernels/source.h in single precision: moments of place and
- * direction of every shape and light, and their products, against integrals of the densities of
- * samples/manual/input/beams.md by the midpoint rule. Random sampling, whose error the squares tell, and the lattice,
- * which comes closer. SPDX-License-Identifier: MIT */
+/* Tests of where packets start and in which direction, by kernels/source.h in single precision.
+ * For every shape and angular law of a beam, moments of place and direction, and their products, are
+ * compared with integrals of the densities of samples/manual/input/beams.md by the midpoint rule. Random
+ * sampling is judged by its own spread; the lattice must come closer. SPDX-License-Identifier: MIT */
 #include "engine/world.h"
 #include "lib/case_files.h"
 #include "lib/require.h"
@@ -10,22 +10,22 @@
 
 #include <math.h>
 
-static long packets = 200000; /* argument 1 */
+static long packets = 200000; /* packets per beam; argument 1 of the program */
 
-#define LIMIT 4.5 /* of |z| over all beams, moments and samplings */
+#define LIMIT 4.5 /* limit of |z| over all beams, moments and samplings */
 enum { STEPS = 20000, PIXELS_X = 4, PIXELS_Y = 3, ROWS = 5 };
 static const double pixels[PIXELS_Y][PIXELS_X] = {{0, 1, 3, 0}, {2, 0, 0, 1}, {0, 0, 5, 0}};
 static const double rows[ROWS][2] = {{0, 1}, {10, 3}, {25, 0.5}, {40, 2}, {60, 0}};
 
 enum shape { PENCIL, DISK, GAUSSIAN, RING, RECTANGLE, IMAGE };
-enum light { PARALLEL, EVEN, COSINE, TABLE }; /* EVEN: up to the angle `widest` */
+enum light { PARALLEL, EVEN, COSINE, TABLE }; /* EVEN: uniform up to the angle `widest` */
 
 static const struct beam {
     const char *line;
     enum shape shape;
     double size[2], middle[3], angle, azimuth;
     enum light light;
-    double widest; /* degrees */
+    double widest; /* largest angle, degrees */
 } beams[] = {
     {"pencil light=lambertian", PENCIL, {0}, {0}, 0, 0, COSINE, 90},
     {"disk 0.1 at=0.2,-0.1 angle=40 azimuth=30", DISK, {0.1}, {0.2, -0.1}, 40, 30, PARALLEL, 0},
@@ -55,7 +55,7 @@ static const struct beam {
 };
 enum { BEAMS = sizeof beams / sizeof *beams, NUMBERS = 5 };
 
-/* Powers of the place along own x and y, and of the direction along own x, own y and the axis. */
+/* Powers of the place along the beam's own x and y, and of the direction along its own x, y and axis. */
 static const int moments[][NUMBERS] = {
     {1, 0, 0, 0, 0}, {0, 1, 0, 0, 0}, {2, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {0, 2, 0, 0, 0}, {2, 2, 0, 0, 0},
     {4, 0, 0, 0, 0}, {0, 4, 0, 0, 0}, {0, 0, 1, 0, 0}, {0, 0, 0, 1, 0}, {0, 0, 2, 0, 0}, {0, 0, 1, 1, 0},
@@ -72,7 +72,7 @@ static double power(double x, int n)
     return all;
 }
 
-/* Mean of cos^i sin^k over the circle. */
+/* Returns the mean of cos^i sin^k over the circle. */
 static double of_circle(int i, int k)
 {
     double sum = 0;
@@ -81,7 +81,7 @@ static double of_circle(int i, int k)
     return sum / 64;
 }
 
-/* Mean of x^n between a and b. */
+/* Returns the mean of x^n between a and b. */
 static double between(double a, double b, int n)
 {
     return (power(b, n + 1) - power(a, n + 1)) / (n + 1) / (b - a);
@@ -130,7 +130,7 @@ static double intensity(enum light light, int row, double t)
     return rows[row][1] + (rows[row + 1][1] - rows[row][1]) * (t - a) / (b - a);
 }
 
-/* Mean of sin^i cos^k of the angle to the axis. */
+/* Returns the mean of sin^i cos^k of the angle between light and the beam's axis. */
 static double light_moment(const struct beam *beam, int i, int k)
 {
     const int parts = beam->light == TABLE ? ROWS - 1 : 1;
@@ -156,7 +156,7 @@ static double expected(const struct beam *beam, const int *n)
 
 /* ---- packets ---- */
 
-/* A clear layer between equal media, one run a beam. */
+/* Reads a clear layer between equal media, one run per beam. */
 static void read_scenes(void **state, struct cml_scene_list *list)
 {
     struct cml_error err;
@@ -191,7 +191,7 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Own x, own y and the axis, as samples/manual/input/beams.md has them. */
+/* Computes the beam's own x, own y and axis, as defined in samples/manual/input/beams.md. */
 static void axes_of(const struct beam *beam, double axes[3][3])
 {
     const double a = beam->angle / 180 * acos(-1.0), p = beam->azimuth / 180 * acos(-1.0);
@@ -201,7 +201,8 @@ static void axes_of(const struct beam *beam, double axes[3][3])
     memcpy(axes, all, sizeof all);
 }
 
-/* What moments are of: where the packet's line crosses the plane of the shape, and its direction. */
+/* Computes the numbers whose moments are compared: the point where the packet's line crosses the plane of
+ * the shape, and the packet's direction. */
 static void numbers_of(const struct cml_world *world, const struct beam *beam, double axes[3][3],
                        uint64_t index, double *to)
 {

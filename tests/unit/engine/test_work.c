@@ -1,5 +1,5 @@
-/* How engines take work and hand it in: every packet once, batch by batch, and no thread waits for another.
- * SPDX-License-Identifier: MIT */
+/* Tests of how engines take photons and hand in their tallies: every packet once, batch by batch, and no
+ * thread waits for another. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
 
@@ -11,25 +11,27 @@
 #include <stdatomic.h>
 #include <time.h>
 
-#define BLOCK 47 /* packets, all of one batch */
+#define BLOCK 47 /* packets of one block, all of one batch */
 #define BLOCKS (2 * CML_NUM_BATCHES)
 #define PACKETS (BLOCK * BLOCKS)
-#define PATIENCE 120 /* s: how long a thread is held at most; only a failure takes that long */
+#define PATIENCE 120 /* s: longest time that a thread is held, reached in a failure only */
 
 static const char *const plane = "1.0\n1\np.mco A\n1000\n0.01 0.02\n20 20 10\n2\n1.0\n"
                                  "1.4 0.5 50 0.8 0.1\n1.5 1 20 0 0.2\n1.0\n";
-/* So many cells that threads share A_rz. */
+/* A scene with so many cells that threads share A_rz. */
 static const char *const fine = "1.0\n1\np.mco A\n1000\n0.0002 0.0004\n1100 1000 10\n1\n1.0\n"
                                 "1.4 0.5 50 0.8 0.1\n1.0\n";
 
-/* Where the first thread that comes there is held until the others have flown all else. */
+/* Function in which the first thread to enter it is held until the other threads have flown everything
+ * else. */
 enum hold { NOWHERE, IN_NEXT, IN_NOTE };
 
-/* Gives out blocks in an order in which neighbours have different batches. */
+/* The source of photons and the sink of tallies under test. It gives out blocks in an order in which
+ * neighbouring blocks have different batches. */
 struct ledger {
-    pthread_mutex_t lock; /* around all that follows */
+    pthread_mutex_t lock; /* guards all members below */
     pthread_cond_t changed;
-    uint64_t most; /* packets of a piece; 0: as many as are asked for */
+    uint64_t most; /* packets of a piece; 0: as many as asked for */
     uint64_t given, noted;
     int times[PACKETS];
     int wrong_notes;
@@ -39,7 +41,7 @@ struct ledger {
     struct cml_result result;
 };
 
-/* Of the thread: packets that it was given of a batch and that were not under way when that was noted. */
+/* Packets of each batch that this thread was given and has not yet handed in by note(). */
 static _Thread_local uint64_t pending[CML_NUM_BATCHES];
 static _Thread_local int calls;
 
@@ -50,7 +52,7 @@ static uint64_t all_pending(void)
     return sum;
 }
 
-/* Keeps this thread here until the others have taken and noted everything but what it has itself. */
+/* Holds this thread until the others have taken and noted all packets but those that this thread has. */
 static void hold(struct ledger *ledger)
 {
     struct timespec end;
@@ -81,7 +83,7 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
     return count > 0;
 }
 
-/* Of a batch that the thread was given. */
+/* Callback: a thread hands in its tally of a batch that it was given. */
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;
@@ -107,9 +109,9 @@ static void add(void *context, struct cml_tally *tally)
     pthread_mutex_unlock(&ledger->lock);
 }
 
-/* Every batch by itself. */
+/* Source of photons that gives out a single batch. */
 struct single {
-    int batch; /* the next one, whose packets are one piece; -1: there is none */
+    int batch; /* the next batch, given as one piece; -1: none */
     struct cml_result *result;
 };
 
@@ -148,7 +150,7 @@ static struct cml_result empty_result(const struct bench *bench)
     return result;
 }
 
-/* One batch after the other, so that no packet of one can be taken for one of another. */
+/* Flies one batch after the other, so that no packet can be counted in a wrong batch. Returns the result. */
 static struct cml_result fly_by_batch(const struct bench *bench, const struct cml_engine *engine)
 {
     struct cml_error err;
@@ -163,7 +165,8 @@ static struct cml_result fly_by_batch(const struct bench *bench, const struct cm
     return result;
 }
 
-/* To the last bit: the cells of all arrays, with totals and profiles of every batch, balance and counts. */
+/* Compares two results to the last bit: cells of all arrays, totals and profiles of every batch, balance
+ * and counts. */
 static void expect_same_result(struct cml_result *a, struct cml_result *b)
 {
     size_t count_a, count_b;
@@ -175,7 +178,8 @@ static void expect_same_result(struct cml_result *a, struct cml_result *b)
     assert_memory_equal(a->summary.count, b->summary.count, sizeof a->summary.count);
 }
 
-/* All packets on an engine of `bench`, and what must hold of any. */
+/* Flies all packets on an engine and checks that every packet was flown once, and that the result is the
+ * one of batch by batch. */
 static void fly(const struct bench *bench, const struct cml_engine *engine, struct cml_result *right,
                 struct ledger *ledger)
 {
@@ -237,7 +241,8 @@ static void the_reference_engine_takes_the_same_work(void **state)
     tear_down(&bench);
 }
 
-/* With a grid of each kind: a copy of A_rz for each thread, and one for all. */
+/* A held thread keeps no other thread from its work. One grid gives each thread a copy of A_rz, the other
+ * has one copy for all. */
 static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
 {
     const char *const texts[] = {plane, fine};
@@ -259,11 +264,12 @@ static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
     }
 }
 
-/* Totally reflected below the flank of a cone, 1e7 times before it counts as lost. */
+/* A scene whose packets are totally reflected below the flank of a cone, 1e7 times before each counts as
+ * lost. */
 static const char *const stuck = "1.0\n1\ns.mco A\n1000\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\n"
                                  "b 2 0.17320508075688773 0.1 0 0\n2 1e-30 0 0 0.5\n1\n";
 
-/* One piece of packets without end, for a run that is to stop. */
+/* Gives out one piece of practically endless packets, for a run that is to stop. */
 static bool next_of_many(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     (void)takers;
@@ -293,7 +299,7 @@ static bool stops_now(void *context)
     return true;
 }
 
-/* By every engine that there is. */
+/* Runs every available engine and expects this status. */
 static void expect_run_to_end_with(const struct bench *bench, cml_status expected)
 {
     static const char *const names[] = {"cpu", "reference", "opencl"};
@@ -312,7 +318,8 @@ static void expect_run_to_end_with(const struct bench *bench, cml_status expecte
     }
 }
 
-/* Those of any other scene are flown to their ends. */
+/* When a run is to stop, engines give up packets that never end. Packets of any other scene are flown to
+ * their ends. */
 static void packets_without_end_are_given_up_when_the_run_is_to_stop(void **state)
 {
     const struct cml_surface_options options = {.force = CML_SURFACE_AUTO};

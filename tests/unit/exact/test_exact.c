@@ -1,5 +1,5 @@
-/* Totals by adding-doubling against other programs' adding-doubling (tests/reference), closed forms and
- * theorems. Nothing here comes from this program. SPDX-License-Identifier: MIT */
+/* Tests of totals by adding-doubling against other programs' adding-doubling (tests/reference), closed
+ * forms and theorems, never against this program. SPDX-License-Identifier: MIT */
 #include "exact/exact.h"
 #include "exact/phase_moments.h"
 
@@ -17,7 +17,7 @@ enum { MOST_LAYERS = 8 };
 
 static const double pi = 3.14159265358979323846;
 
-/* Layers between two outer media. */
+/* A stack of layers between two outer media. */
 struct stack {
     int layers;
     struct cml_medium_def media[MOST_LAYERS + 2];
@@ -44,7 +44,7 @@ static struct stack slab(double n, double mua, double mus, double g, double d)
     return stack;
 }
 
-/* The caller clears it. With sanitizers no error below 1e-5 is asked for, which takes a fraction of the
+/* Solves a stack; the caller clears the totals. With sanitizers no error below 1e-5 is asked for, to save
  * time. */
 static struct cml_exact solve(const struct stack *stack, bool diffuse, double angle, double tolerance)
 {
@@ -59,7 +59,8 @@ static struct cml_exact solve(const struct stack *stack, bool diffuse, double an
     return exact;
 }
 
-/* Reflected (with what is specular) and transmitted light must be within the stated error, and `margin`. */
+/* Checks that reflected light (with specular light) and transmitted light agree within stated error +
+ * margin. */
 static void expect(const char *what, const struct stack *stack, bool diffuse, double angle, double reflected,
                    double transmitted, double margin)
 {
@@ -71,7 +72,7 @@ static void expect(const char *what, const struct stack *stack, bool diffuse, do
     cml_exact_clear(&exact);
 }
 
-/* A row of layers.csv: "n/mua/mus/g/d|..." */
+/* Parses one row of layers.csv, "n/mua/mus/g/d|...". */
 static struct stack parse_layers(const char *text)
 {
     struct stack stack = stack_of(1, 1);
@@ -91,7 +92,7 @@ static FILE *open_reference(const char *name)
     return file;
 }
 
-/* The tables have seven digits; of stacks they claim 1e-7. The error that is stated must cover the rest. */
+/* The tables have seven digits and claim 1e-7 for stacks. The stated error must cover the rest. */
 static void slabs_agree_with_other_adding_doubling(void **state)
 {
     (void)state;
@@ -134,7 +135,7 @@ static void stacks_agree_with_other_adding_doubling(void **state)
     assert_int_equal(rows, 6);
 }
 
-/* Fresnel's formulas in angles; a in the medium of index n1. */
+/* Returns Fresnel's reflectance from angles; a is the angle in the medium of index n1. */
 static double reflectance(double n1, double n2, double a)
 {
     const double sine = n1 / n2 * sin(a), b = asin(fmin(sine, 1));
@@ -143,7 +144,7 @@ static double reflectance(double n1, double n2, double a)
     return (pow(sin(a - b) / sin(a + b), 2) + pow(tan(a - b) / tan(a + b), 2)) / 2;
 }
 
-/* A plate without scattering in air: all ways to and fro, summed. */
+/* Sums all internal reflections of a plate without scattering in air: reflectance R, transmittance T. */
 static void plate(double n, double mua, double d, double angle, double *R, double *T)
 {
     const double r = reflectance(1, n, angle), t = exp(-mua * d / sqrt(1 - pow(sin(angle) / n, 2)));
@@ -164,7 +165,7 @@ static void plates_obey_fresnel_and_beer(void **state)
         }
 }
 
-/* Diffuse light on the same plate, by Simpson's rule over the angle. */
+/* Diffuse light on a plate without scattering, by Simpson's rule over the angle. */
 static void plates_in_diffuse_light(void **state)
 {
     (void)state;
@@ -184,7 +185,7 @@ static void plates_in_diffuse_light(void **state)
     }
 }
 
-/* What is specular: one reflection, but of a plate of glass at normal incidence both (rule P1). */
+/* Specular light is one reflection; on a glass plate at normal incidence it is both (rule P1). */
 static void specular_light_is_split_as_by_the_program(void **state)
 {
     (void)state;
@@ -199,8 +200,8 @@ static void specular_light_is_split_as_by_the_program(void **state)
     cml_exact_clear(&oblique);
 }
 
-/* Chandrasekhar's H function of isotropic scattering of albedo w, in the closed form of Stibbs and Weir
- * (1959), by Simpson's rule. */
+/* Returns Chandrasekhar's H function for isotropic scattering of albedo w, in the closed form of Stibbs
+ * and Weir (1959), by Simpson's rule. */
 static double chandrasekhar(double w, double mu)
 {
     enum { STEPS = 4000 };
@@ -214,7 +215,7 @@ static double chandrasekhar(double w, double mu)
     return exp(-mu / pi * sum * pi / 2 / STEPS / 3);
 }
 
-/* Of all light that strikes a half space at the cosine mu, H(mu) sqrt(1 - w) is absorbed. */
+/* A half space absorbs the share H(mu) sqrt(1 - w) of light that strikes it at the cosine mu. */
 static void a_half_space_follows_chandrasekhar(void **state)
 {
     (void)state;
@@ -227,8 +228,7 @@ static void a_half_space_follows_chandrasekhar(void **state)
         }
 }
 
-/* What scatters exactly backwards has two streams: Kubelka and Munk. What scatters exactly forwards only
- * absorbs. */
+/* Backward scattering alone has two streams (Kubelka and Munk). Forward scattering alone only absorbs. */
 static void extreme_anisotropy_has_closed_forms(void **state)
 {
     (void)state;
@@ -255,11 +255,11 @@ static struct stack upside_down(const struct stack *stack)
     return turned;
 }
 
-/* Helmholtz: the etendue that passes both outer media is the same from either side. */
+/* Helmholtz reciprocity: the etendue transmitted between the outer media is the same in both directions. */
 static void transmission_is_reciprocal(void **state)
 {
     (void)state;
-    if (SANITIZED) skip(); /* it needs a small error */
+    if (SANITIZED) skip(); /* the test needs a small error */
     const struct stack stack = mixed_stack(), turned = upside_down(&stack);
     struct cml_exact down = solve(&stack, true, 0, 1e-9), up = solve(&turned, true, 0, 1e-9);
     assert_near("reciprocity", 1.2 * 1.2 * down.value[CML_EXACT_TT], 1.45 * 1.45 * up.value[CML_EXACT_TT],
@@ -269,7 +269,7 @@ static void transmission_is_reciprocal(void **state)
     cml_exact_clear(&up);
 }
 
-/* The first layer in two parts: nothing else changes, and both parts together absorb what it did. */
+/* The first layer is cut in two: nothing else changes, and both parts absorb as much as the layer did. */
 static void a_layer_in_two_parts_is_the_same(void **state)
 {
     (void)state;
@@ -291,10 +291,10 @@ static void a_layer_in_two_parts_is_the_same(void **state)
     cml_exact_clear(&b);
 }
 
-/* Light that cannot be anywhere must not make a matrix singular: glass in which light would be trapped,
- * layers without thickness, a beam that is reflected totally, indices that differ by rounding, a half space
- * that absorbs nothing. */
-/* Cut into more layers than one block of the stack has, in slanted light that is refracted between blocks. */
+/* Light that can never occur must not make a matrix singular: glass in which light would be trapped,
+ * layers without thickness, a totally reflected beam, indices that differ by rounding, a half space that
+ * absorbs nothing. */
+/* More layers than one block holds, in slanted light that is refracted between blocks, absorb the same. */
 static void layers_in_many_parts_absorb_the_same(void **state)
 {
     (void)state;
@@ -351,9 +351,10 @@ static void limits_are_finite_and_keep_all_light(void **state)
     }
 }
 
-/* The diffusion length of light deep in a medium, in mean free paths: exp(-k tau) solves the equation of
- * transfer where the moments psi_l of its radiance obey a_l psi_l = k ((l + 1) psi_{l+1} + l psi_{l-1}), a_l
- * = (2 l + 1) (1 - w g^l). So a_0 = k^2 / (a_1 - 4 k^2 / (a_2 - 9 k^2 / ...)), by bisection. */
+/* Returns k, the inverse diffusion length of light deep in a medium, in mean free paths. exp(-k tau)
+ * solves the equation of transfer if the moments psi_l of its radiance obey a_l psi_l = k ((l + 1)
+ * psi_{l+1} + l psi_{l-1}), a_l = (2 l + 1) (1 - w g^l). Hence a_0 = k^2 / (a_1 - 4 k^2 / (a_2 - 9 k^2 /
+ * ...)), solved by bisection. */
 static long double diffusion_exponent(long double w, long double g)
 {
     long double low = 0, high = 1;
@@ -372,11 +373,11 @@ static long double diffusion_exponent(long double w, long double g)
     return low;
 }
 
-/* What goes through a thick slab falls by exp(-k) with each mean free path, to a relative error as stated. */
+/* Transmission of a thick slab falls by exp(-k) per mean free path, within the stated relative error. */
 static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
 {
     (void)state;
-    if (SANITIZED) skip(); /* it needs a small error */
+    if (SANITIZED) skip(); /* the test needs a small error */
     const double g[] = {0, 0.9, -0.5}, lengths[] = {14, 20, 40, 300};
     for (int i = 0; i < 3; i++) {
         const double exponent = (double)diffusion_exponent(100 / 100.5L, g[i]) * 100.5;
@@ -398,7 +399,7 @@ static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
     }
 }
 
-/* Twice as thick by the layer's own doubling, and by adding two halves: in all digits but for rounding. */
+/* A slab doubled by the layer's own doubling equals two added halves, but for rounding. */
 static void thick_slabs_are_two_halves(void **state)
 {
     (void)state;
@@ -414,7 +415,7 @@ static void thick_slabs_are_two_halves(void **state)
     }
 }
 
-/* A stack of one to three layers of any kind, up to some 30 mean free paths. */
+/* Returns a random stack of one to three layers, up to some 30 mean free paths thick. */
 static struct stack random_stack(struct dice *dice)
 {
     static const double indices[] = {1, 1.33, 1.4, 1.5};
@@ -429,7 +430,7 @@ static struct stack random_stack(struct dice *dice)
     return stack;
 }
 
-/* Errors as stated at low orders cover what high orders find. */
+/* Errors stated at low orders cover the difference from results at high orders. */
 static void stated_errors_are_no_smaller_than_true_ones(void **state)
 {
     (void)state;
@@ -450,7 +451,7 @@ static void stated_errors_are_no_smaller_than_true_ones(void **state)
     }
 }
 
-/* Work is limited by a number, not by a clock: what is printed does not depend on the machine. */
+/* A number of operations, not a clock, limits the work: the result does not depend on the machine. */
 static void too_much_work_is_refused_or_cut_short(void **state)
 {
     (void)state;
@@ -469,7 +470,7 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     cml_exact_clear(&exact);
 }
 
-/* For each, all directions would be looked at: hours. */
+/* Examining all directions for each of a million indices would take hours. */
 static void a_million_indices_are_refused_at_once(void **state)
 {
     enum { LAYERS = 1000000 };
@@ -506,7 +507,7 @@ static double hg_density(double g, double c)
     return (1 - g * g) / 2 / pow(1 + g * g - 2 * g * c, 1.5);
 }
 
-/* Densities of the cosine as samples/manual/input/phase-functions.md has them, of which `of` is the phase. */
+/* Returns the density of phase function `of` at the cosine c (samples/manual/input/phase-functions.md). */
 static double density(const struct cml_phase *of, double c)
 {
     const double *n = of->number, g = n[0], a = n[1];
@@ -518,7 +519,7 @@ static double density(const struct cml_phase *of, double c)
            pow(1 + g * g - 2 * g * c, a + 1);
 }
 
-/* Sixty of them, by the midpoint rule over the cosine, which errs by 2e-8. */
+/* Compares sixty moments with integrals of the density by the midpoint rule, which errs by 2e-8. */
 static void moments_are_those_of_the_density(void **state)
 {
     (void)state;
@@ -554,7 +555,7 @@ static void moments_are_those_of_the_density(void **state)
     }
 }
 
-/* Three ways to say Henyey and Greenstein's function. */
+/* Three parametrisations of Henyey and Greenstein's function give equal totals. */
 static void equal_functions_have_equal_totals(void **state)
 {
     (void)state;

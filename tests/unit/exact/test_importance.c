@@ -1,5 +1,6 @@
-/* What light at a depth is worth, where that is known without adding-doubling; and flights whose windows are
- * made of it, or of what is wrong. SPDX-License-Identifier: MIT */
+/* Tests of the importance of light at a depth (the share that will still reach a face), where its value is
+ * known without adding-doubling. Also flies packets whose weight windows are made of right and of wrong
+ * importances. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
 #include "lib/sanitized.h"
@@ -15,8 +16,8 @@ enum { CELLS = 50, RINGS = 40, SEEDS = SANITIZED ? 2 : 16, PACKETS = 3000 };
 
 static const char *const slab = "1.0\n1\ns.mco A\n1000\n0.1 0.1\n1 1 1\n1\n1.0\n1.4 0.5 50 0.8 1.2\n1.0\n";
 
-/* Of light that is the same in all directions, behind the optical depth t: E2(t) / 2, by the rectangle rule.
- */
+/* Returns the share of isotropic light that passes the optical depth t unscattered, E2(t) / 2, by the
+ * rectangle rule. */
 static double straight_share(double t)
 {
     const int n = 100000;
@@ -40,7 +41,7 @@ static void without_scattering_it_is_what_comes_straight_through(void **state)
     }
 }
 
-/* All light leaves, above or below: both are worth 1 together. */
+/* Without absorption all light leaves above or below, so both importances add up to 1. */
 static void without_absorption_it_is_shared_by_both_sides(void **state)
 {
     (void)state;
@@ -70,7 +71,8 @@ static void worth_of_ring(bool below, double inner, double outer, double value[R
     require_ok(cml_importance_of_place(stack, 2, seen, 2, 0.7, RINGS, CELLS, value, &err), &err);
 }
 
-/* Diffusion knows depths that are some mean free paths off a face to some per cent. */
+/* A ring over the whole face sees the importance of depth, at every radius. The diffusion approximation
+ * behind rings is good to 10 %. */
 static void what_a_whole_face_sees_is_what_comes_out_of_it(void **state)
 {
     (void)state;
@@ -86,7 +88,8 @@ static void what_a_whole_face_sees_is_what_comes_out_of_it(void **state)
         }
 }
 
-/* Parts of a face add up to it, and a detector is worth most below itself. */
+/* Importances of two parts of a face add up to that of the face, and a detector sees most of the light
+ * right below it. */
 static void what_parts_see_adds_up(void **state)
 {
     (void)state;
@@ -102,8 +105,8 @@ static void what_parts_see_adds_up(void **state)
     }
 }
 
-/* Relative standard error of Tt in all packets of all seeds together. off: of Rd and Tt from what they are,
- * in errors. */
+/* Returns the relative standard error of Tt over all packets of all seeds. off: difference of Rd and Tt
+ * from their true values, in standard errors. */
 static double fly(struct bench *bench, const char *name, const double truth[2], double *off)
 {
     static const enum cml_balance_term terms[2] = {CML_BALANCE_REFLECTED, CML_BALANCE_TRANSMITTED};
@@ -133,7 +136,8 @@ static double fly(struct bench *bench, const char *name, const double truth[2], 
     return error[1] / truth[1];
 }
 
-/* p = -0.3: deep packets shall weigh more, not less. Sanitizers see flights that are too few for errors. */
+/* Windows from a wrong importance, p = -0.3 (deep packets weigh more, not less), raise the error and leave
+ * the mean right. With sanitizers there are too few packets to judge errors. */
 static void windows_that_are_wrong_cost_errors_and_no_truth(void **state)
 {
     const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11};

@@ -1,5 +1,6 @@
-/* Matrices of rough boundaries against reciprocity, energy and the shares of an independent program in double
- * precision; totals of rough stacks against theorems. SPDX-License-Identifier: MIT */
+/* Tests of the matrices of rough boundaries against reciprocity, energy and an independent program in
+ * double precision. Totals of stacks with rough boundaries are tested against theorems.
+ * SPDX-License-Identifier: MIT */
 #include "exact/exact.h"
 #include "exact/rough_response.h"
 
@@ -13,8 +14,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* A boundary between two media, the lower of which is a layer above more of itself, in a beam at each angle.
- */
+/* A rough boundary between two media, and the beams (one per angle) that strike it. The lower medium is a
+ * layer above a half space of the same medium. */
 struct face {
     struct cml_directions directions;
     struct cml_rough_response response;
@@ -22,7 +23,8 @@ struct face {
 
 enum { MOST_BEAMS = 4, ORDER = 16 };
 
-/* The caller clears both members. degrees: [beams] rising */
+/* Returns the matrices of a rough plane for beams at these angles; the caller clears both members.
+ * degrees: [beams], rising. */
 static struct face face_of(const struct cml_rough_plane *plane, int beams, const double *degrees,
                            double walks)
 {
@@ -80,7 +82,8 @@ static void expect_balance(const struct face *face, const struct cml_rough_matri
     }
 }
 
-/* Of the mean, and of any part of the walks. */
+/* Reciprocity and energy conservation hold for the mean matrix and for the matrix of any part of the
+ * random walks. */
 static void matrices_are_reciprocal_and_lose_nothing(void **state)
 {
     (void)state;
@@ -99,7 +102,8 @@ static void matrices_are_reciprocal_and_lose_nothing(void **state)
     }
 }
 
-/* The share of beam k, the steepest first, that R or T [rows][columns] sends on. */
+/* Returns the share of beam k (beams count from the steepest) that the matrix R or T [rows][columns] sends
+ * on. */
 static double share_of(const struct face *face, const double *matrix, int rows, int k)
 {
     const int columns = face->response.above;
@@ -112,8 +116,8 @@ static double share_of(const struct face *face, const double *matrix, int rows, 
     return sum;
 }
 
-/* Values of a program of 300 lines in double precision, each good to 2e-4 and 3e-4. Of light from inside, a
- * third is gone without second facets. */
+/* Reflected shares agree with those of an independent program of 300 lines in double precision, good to
+ * 2e-4 and 3e-4. Without second facets a third of the light from inside would be lost. */
 static void faces_reflect_as_an_independent_walk(void **state)
 {
     (void)state;
@@ -138,8 +142,9 @@ static void faces_reflect_as_an_independent_walk(void **state)
     }
 }
 
-/* The square of n sin is a polynomial of the cosine in every interval, so that its mean has no error but that
- * of walks. A lobe of slope alpha moves it by some alpha^2. */
+/* The mean square of n sin over a lobe lies near that of the mirror direction. The square is a polynomial
+ * of the cosine in every interval, so its mean has no error but the noise of walks. A lobe of slope alpha
+ * moves it by about alpha^2. */
 static void lobes_lie_about_the_direction_of_the_mirror(void **state)
 {
     (void)state;
@@ -191,7 +196,7 @@ static void mirrors_keep_their_share_at_each_facet(void **state)
 
 enum { LAYERS = 2 };
 
-/* angle < 0: diffuse light; the caller clears it. */
+/* Solves a stack with rough boundaries; the caller clears the totals. angle < 0: diffuse light. */
 static struct cml_exact solve(const struct cml_medium_def *media, const struct cml_rough_def *rough,
                               double angle, double walks)
 {
@@ -212,7 +217,7 @@ static double sum_of(const struct cml_exact *exact)
            exact->value[CML_EXACT_TT];
 }
 
-/* A medium of its own between two layers would hold light for ever if it were smooth. */
+/* The medium between the two layers would trap light for ever if its boundaries were smooth. */
 static const struct cml_medium_def media[] = {
     {.n = 1}, {.n = 1.5, .d = 0.1}, {.n = 1.37, .mua = 0.3, .mus = 10, .g = 0.7, .d = 0.2}, {.n = 1.2}};
 
@@ -223,7 +228,7 @@ static void the_finest_facets_are_smooth(void **state)
         {CML_ROUGH_BECKMANN, 1e-4, 1}, {CML_ROUGH_BECKMANN, 1e-4, 1}, {CML_ROUGH_BECKMANN, 1e-4, 1}};
     for (int k = 0; k < 3; k++) {
         struct cml_exact rough = solve(media, finest, 0.5 * k, 2e4), smooth = solve(media, NULL, 0.5 * k, 0);
-        /* only behind a smooth boundary does specular light count what a clear layer sends back */
+        /* light sent back by a clear layer counts as specular behind a smooth boundary only */
         rough.value[CML_EXACT_RD] += rough.value[CML_EXACT_RSP];
         smooth.value[CML_EXACT_RD] += smooth.value[CML_EXACT_RSP];
         for (int i = CML_EXACT_RD; i < rough.count; i++)
@@ -236,7 +241,7 @@ static void the_finest_facets_are_smooth(void **state)
     }
 }
 
-/* Diffuse light comes through from either side in the ratio of squared indices. */
+/* Diffuse transmission from the two sides is in the ratio of the squared indices. */
 static void rough_stacks_transmit_reciprocally(void **state)
 {
     (void)state;
@@ -254,7 +259,8 @@ static void rough_stacks_transmit_reciprocally(void **state)
     cml_exact_clear(&up);
 }
 
-/* Few walks must not claim more than many walks show. */
+/* Stated errors cover the noise of the random walks: a solution by few walks agrees with one by many
+ * within its error. */
 static void stated_errors_hold_the_noise_of_walks(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Responses of flat layers below a level, from their table, against adding-doubling of the very direction, of
- * a higher order: at random directions, grazing ones and those beside critical angles.
- * SPDX-License-Identifier: MIT */
+/* Tests of the table of responses of flat layers below a level. It is compared with adding-doubling of
+ * higher order at exactly the same direction: random directions, grazing ones and those beside critical
+ * angles. SPDX-License-Identifier: MIT */
 #include "exact/stack.h"
 #include "exact/tail_response.h"
 
@@ -20,7 +20,7 @@ static int compare_rays(const void *a, const void *b)
     return (x->cosine < y->cosine) - (x->cosine > y->cosine);
 }
 
-/* Cosines in the level's medium, falling. */
+/* Draws cosines in the level's medium, in falling order. */
 static void choose_rays(const struct cml_flat_tail *tail, struct dice *dice, struct cml_exact_ray *ray)
 {
     const double n = tail->index[tail->intervals - 1];
@@ -32,8 +32,8 @@ static void choose_rays(const struct cml_flat_tail *tail, struct dice *dice, str
     qsort(ray, RAYS, sizeof *ray, compare_rays);
 }
 
-/* What the table says of a score at a cosine in the level's medium, and how light grazes there: the cosine in
- * the medium whose index ends the interval. */
+/* Returns the response that the table gives for a score at a cosine in the level's medium. grazing: cosine
+ * of the light in the medium whose index ends the interval. */
 static double look_up(const struct cml_flat_tail *tail, double cosine, int score, double *grazing)
 {
     const double n = tail->index[tail->intervals - 1];
@@ -52,8 +52,9 @@ static double look_up(const struct cml_flat_tail *tail, double cosine, int score
     return ldexp(low[0] + (at - cell) * (low[tail->scores] - low[0]), -tail->exponent[score]);
 }
 
-/* err_share: of a response, of itself; light within 2 degrees of grazing counts by its cosine, and less than
- * `least` of the most as that. */
+/* Compares responses of the table with solved ones. err_share is the allowed error relative to the
+ * response. Light within 2 degrees of grazing is weighted by its cosine, and responses below `least` of
+ * the largest count as that. */
 static void expect_responses(const struct cml_medium_def *media, int num_layers, int layer, double z,
                              double err_share, double least)
 {
@@ -89,7 +90,8 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
     cml_flat_tail_clear(&tail);
 }
 
-/* Sanitizers, which look for other faults than wrong digits, see no many indices and no deep layer. */
+/* With sanitizers the case of many indices and the deep layer are left out, because sanitizers look for
+ * other faults than wrong digits. */
 static void thick_layers_respond_as_solved(void **state)
 {
     (void)state;
@@ -113,7 +115,8 @@ static void thick_layers_respond_as_solved(void **state)
     expect_responses(clear, 3, 2, 0.05, 1e-5, 1e-3);
 }
 
-/* Around the critical angle what a thin layer lets through is a kink, of which nodes see little. */
+/* Transmission of a thin layer has a kink at the critical angle, which the nodes of the table resolve
+ * poorly. The error is therefore relative to the largest response. */
 static void responses_of_thin_layers_are_close_to_their_largest(void **state)
 {
     (void)state;
@@ -123,7 +126,7 @@ static void responses_of_thin_layers_are_close_to_their_largest(void **state)
     }
 }
 
-/* Nothing can be known of it by so few directions. */
+/* More indices than the table has directions for are refused. */
 static void too_many_indices_are_refused(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The footprint against brute force, and the search for borders that meet themselves.
- * SPDX-License-Identifier: MIT */
+/* Tests of footprints (the polygon that a mesh covers, seen from above) against brute force, and of the
+ * search for borders that cross themselves. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ static double random_unit(void)
     return (double)(random_state >> 11) * 0x1p-53;
 }
 
-/* A star-shaped polygon with random radii, in the negative sense or not; always simple. */
+/* Makes a star-shaped polygon with random radii, which is always simple. negative: it runs clockwise. */
 static void random_star(double (*point)[2], size_t n, bool negative)
 {
     const double scale = exp(20 * random_unit() - 10), x = 5 * random_unit(), y = -5 * random_unit();
@@ -35,7 +35,7 @@ static void random_star(double (*point)[2], size_t n, bool negative)
     }
 }
 
-/* A comb of long teeth: every row of y sees every tooth. */
+/* Makes a comb of long teeth: a horizontal line at any y crosses every tooth. */
 static void comb(double (*point)[2], size_t n)
 {
     for (size_t i = 0; i + 2 < n; i++) {
@@ -55,7 +55,7 @@ static struct cml_footprint *make_footprint(const double (*point)[2], size_t n)
     mesh.border = calloc(n, sizeof *mesh.border);
     assert_true(mesh.vertex && mesh.border);
     for (size_t i = 0; i < n; i++) {
-        mesh.border[i] = (uint32_t)(n - 1 - i); /* so that index and place differ */
+        mesh.border[i] = (uint32_t)(n - 1 - i); /* index and place differ on purpose */
         memcpy(mesh.vertex[n - 1 - i], point[i], sizeof point[0]);
     }
     assert_int_equal(cml_footprint_create(&mesh, &footprint, &err), CML_OK);
@@ -63,7 +63,8 @@ static struct cml_footprint *make_footprint(const double (*point)[2], size_t n)
     return footprint;
 }
 
-/* Winding angle by brute force: independent of the crossing number. */
+/* True if the polygon winds around (x, y), by the winding angle. The code under test counts crossings
+ * instead. */
 static bool winds_around(const double (*point)[2], size_t n, double x, double y)
 {
     double angle = 0;
@@ -107,7 +108,8 @@ static double distance_to_border(const double (*point)[2], size_t n, double x, d
     return nearest;
 }
 
-/* At distances around the one asked for, large and small against the polygon. */
+/* Points at various distances from the polygon, large and small against its size, find the nearest part of
+ * the border. */
 static void finds_the_border(void **state)
 {
     (void)state;
@@ -184,7 +186,8 @@ static size_t crossing(const double (*point)[2], size_t n)
     return edge;
 }
 
-/* Proper crossings only; random points are in general position. */
+/* True if two edges cross properly. Touching edges are left out, because random points are in general
+ * position. */
 static bool crosses_by_brute_force(const double (*point)[2], size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -217,7 +220,8 @@ static void finds_crossings(void **state)
     for (int i = 0; i < 200; i++) {
         random_star(point, 200, i % 2);
         assert_true(crossing((const double(*)[2])point, 200) == CML_POLYGON_SIMPLE);
-        memcpy(point[50], point[(60 + i) % 200 == 50 ? 51 : (60 + i) % 200], sizeof point[0]); /* touches */
+        memcpy(point[50], point[(60 + i) % 200 == 50 ? 51 : (60 + i) % 200],
+               sizeof point[0]); /* a vertex that touches another one */
         assert_true(crossing((const double(*)[2])point, 200) != CML_POLYGON_SIMPLE);
     }
     comb(point, 200);
@@ -239,7 +243,7 @@ static void finds_contacts(void **state)
     assert_true(crossing(line, 3) != CML_POLYGON_SIMPLE);
 }
 
-/* The border of an L: 3 x 3 without the corner from (1, 1) on. */
+/* Boxes against the border of an L, a 3 x 3 square without the corner from (1, 1) on. */
 static void a_box_lies_inside_or_not(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* From a soup of triangles to one oriented sheet. SPDX-License-Identifier: MIT */
+/* Tests of making one oriented sheet with a skirt from a list of triangles. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 
 #include "geometry/mesh.h"
 
-/* A small generator of its own, so that a failing case comes back. */
+/* State of a random generator of this file, so that a failing case can be repeated. */
 static uint32_t random_state;
 
 static uint32_t random_below(uint32_t n)
@@ -54,7 +54,7 @@ static void prepare(struct cml_mesh *mesh, struct cml_mesh_notes *notes)
 
 enum { N = 7 }; /* cells per side of the bumpy sheet */
 
-/* A bump over [0, N]^2, border at z = 0.25, wound upwards. */
+/* Returns a bump over [0, N]^2, facing up, whose border lies at z = 0.25. */
 static struct cml_mesh bumpy_sheet(void)
 {
     double vertex[(N + 1) * (N + 1)][3];
@@ -128,7 +128,7 @@ static void orients_any_winding(void **state)
     }
 }
 
-/* Every triangle brings its own vertices, some zeros are negative. */
+/* Triangles that each have vertices of their own are welded at equal coordinates, negative zeros included. */
 static void welds_a_soup(void **state)
 {
     (void)state;
@@ -195,7 +195,8 @@ static void prepared_stays_as_it_is(void **state)
     cml_mesh_clear(&copy);
 }
 
-/* An upright wall, a lid: the sheet leaves its plane upwards, outwards over the plane, and inwards. */
+/* The border orients the sheet, whether the sheet leaves the border's plane by an upright wall, outwards
+ * over the plane, or inwards under a lid. */
 static void orients_by_the_border(void **state)
 {
     (void)state;
@@ -249,7 +250,7 @@ static void summarises(void **state)
     assert_true(fabs(summary.z_rms - sqrt(1.0 / 6 - 1.0 / 9)) < 1e-15);
     assert_true(summary.peak_to_valley == 1 && summary.slope_rms == 1 && summary.slope_max == 1);
     assert_true(summary.edge_min == sqrt(3.0));
-    assert_true(summary.edge_median == 0.5 * (sqrt(3.0) + 2)); /* four of each */
+    assert_true(summary.edge_median == 0.5 * (sqrt(3.0) + 2)); /* four edges of each length */
     double z;
     assert_false(cml_mesh_is_flat(&mesh, &z));
     cml_mesh_clear(&mesh);
@@ -265,7 +266,7 @@ static void flat_and_levelled(void **state)
     prepare(&mesh, NULL);
     assert_true(cml_mesh_is_flat(&mesh, &z) && z == mesh.z_border && fabs(z) < 1e-24);
     cml_mesh_clear(&mesh);
-    /* single precision: levelled with a note */
+    /* a border level to single precision is levelled, with a note */
     struct cml_mesh single = MAKE(nearly, faces);
     struct cml_mesh_notes notes;
     single.vertex[0][2] = 3e-8;
@@ -278,7 +279,7 @@ static void flat_and_levelled(void **state)
     struct cml_error err;
     assert_int_equal(cml_mesh_prepare(&tilted, NULL, NULL, &err), CML_E_INPUT);
     cml_mesh_clear(&tilted);
-    /* an upright face so small that levelling the border takes its height away */
+    /* an upright face so small that levelling the border removes its height */
     const double tiny[][3] = {{0, 0, 0}, {1e12, 0, 0}, {1e12, 1e12, 0}, {0, 1e12, 0}, {0, 5e11, 1}};
     const uint32_t upright[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
     struct cml_mesh lost = MAKE(tiny, upright);
@@ -288,7 +289,8 @@ static void flat_and_levelled(void **state)
     cml_mesh_clear(&lost);
 }
 
-/* A sheet over a polygon, its vertices joined to the first one, which lies inside; heights differ. */
+/* Returns a sheet over a polygon. Its vertices, of random heights, are joined to the first vertex, which
+ * lies inside. */
 static struct cml_mesh fan(const double (*outline)[2], uint32_t n, bool clockwise)
 {
     double(*vertex)[3] = calloc(n + 1, sizeof *vertex);
@@ -304,7 +306,8 @@ static struct cml_mesh fan(const double (*outline)[2], uint32_t n, bool clockwis
         .num_vertices = n + 1, .num_triangles = n, .vertex = vertex, .triangle = triangle};
 }
 
-/* Triangles that all face up and together have the area of their simple outline cover it without a fold. */
+/* Adds a skirt and checks that the outline is covered without folds: all triangles face up, and their
+ * areas add up to that of the outline. */
 static void expect_skirt(struct cml_mesh *mesh, uint32_t n, double width)
 {
     struct cml_mesh_notes notes;
@@ -328,7 +331,7 @@ static void expect_skirt(struct cml_mesh *mesh, uint32_t n, double width)
     }
 }
 
-/* A rectangle of 2 x 1 with `side` edges to a side, counter-clockwise around (0, 0). */
+/* Makes a rectangle of 2 x 1 with `side` edges to a side, counter-clockwise around (0, 0). */
 static uint32_t rectangle(uint32_t side, double (*outline)[2])
 {
     for (uint32_t i = 0; i < 4 * side; i++) {
@@ -356,7 +359,8 @@ static void a_rectangle_gets_a_skirt_of_even_width(void **state)
     }
 }
 
-/* The level is the mean over the border's length, not over its vertices: one side of four is divided. */
+/* The skirt leads to the mean height over the border's length, not over its vertices. One of four sides is
+ * divided, so the two differ. */
 static void a_skirt_leads_to_the_mean_height(void **state)
 {
     (void)state;
@@ -368,7 +372,8 @@ static void a_skirt_leads_to_the_mean_height(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* Waves of the outline shorter and longer than the skirt, and random steps from vertex to vertex. */
+/* An outline gets a skirt if it has waves shorter and longer than the skirt's width, or random steps
+ * between vertices. */
 static void a_wavy_outline_gets_a_skirt(void **state)
 {
     (void)state;
@@ -388,7 +393,7 @@ static void a_wavy_outline_gets_a_skirt(void **state)
     }
 }
 
-/* A notch that is too narrow for a wide skirt. */
+/* A notch too narrow for a wide skirt makes the skirt meet itself, which is refused. */
 static void a_skirt_that_meets_itself_is_refused(void **state)
 {
     (void)state;
@@ -454,7 +459,7 @@ static void messages_without_a_file(void **state)
     assert_null(mesh.vertex);
 }
 
-/* The same sheet 2^40 times larger or smaller: the same topology, the same normals bit by bit. */
+/* A sheet scaled by 2^40 or 2^-40 has the same topology and, bit by bit, the same normals. */
 static void knows_no_absolute_length(void **state)
 {
     (void)state;

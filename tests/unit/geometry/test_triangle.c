@@ -1,5 +1,5 @@
-/* The triangle test against separating axes in whole numbers, the predicates against 128-bit determinants.
- * SPDX-License-Identifier: MIT */
+/* Tests of the triangle intersection test against separating axes in integers, and of the exact predicates
+ * against 128-bit determinants. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 #include "geometry/predicate.h"
 #include "geometry/triangle.h"
@@ -53,8 +53,9 @@ static bool axis_separates(const point axis, const point a[3], const point b[3])
     return high[0] < low[1] || high[1] < low[0];
 }
 
-/* Exact, and by a different idea than the code under test: disjoint convex bodies have a separating plane
- * along the normals, the products of edges, or (in one plane) across an edge. */
+/* True if two triangles meet, exact in integers and by another method than the code under test. Disjoint
+ * convex bodies have a separating plane along a normal, along a product of edges, or (in one plane) across
+ * an edge. */
 static bool meet_by_axes(const point a[3], const point b[3])
 {
     point edge[6], normal[2], axis;
@@ -179,7 +180,7 @@ static int sign_of(__int128 x)
     return (x > 0) - (x < 0);
 }
 
-/* Nearly coplanar points with 40-bit coordinates: the filter in double cannot decide these. */
+/* Nearly coplanar points with 40-bit coordinates, which the filter in double precision cannot decide. */
 static void test_predicates_are_exact(void **state)
 {
     (void)state;
@@ -207,7 +208,7 @@ static void test_predicates_are_exact(void **state)
     assert_true(zeros > 1000);
 }
 
-/* Differences that do not fit into one double: 2^-60 beside 1. */
+/* Differences that do not fit into one double, such as 2^-60 beside 1. */
 static void test_predicates_with_tails(void **state)
 {
     (void)state;
@@ -221,7 +222,8 @@ static void test_predicates_with_tails(void **state)
         cml_orient2d((const double[2]){-1, -1}, (const double[2]){1, 1}, (const double[2]){tiny, tiny}), 0);
 }
 
-/* The tree against all pairs. */
+/* Counters of the tree's callbacks: pairs of triangles found, and triangles found in a column. Tests
+ * compare them with all pairs. */
 struct count {
     int pairs;
     int column;

@@ -1,4 +1,4 @@
-/* What the .mci reader accepts. SPDX-License-Identifier: MIT */
+/* Tests of scene files (.mci) that the reader accepts. SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 
 #include <math.h>
@@ -92,7 +92,7 @@ static void heights_come_from_a_file_beside(void **state)
     case_remove(state, "h 1.txt");
 }
 
-/* A pyramid with its tip 1 unit above a square border. */
+/* A mesh: a pyramid with its tip 1 unit above a square border. */
 static const char pyramid[] = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\n"
                               "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
 
@@ -114,7 +114,8 @@ static void mesh_options_are_applied(void **state)
     case_remove(state, "skin#1.obj");
 }
 
-/* The tip at (3, 0, 1) of the file, up x, turned by 180 degrees; the border spans 0.4 in height. */
+/* A mesh with its tip at (3, 0, 1) of the file, x up, turned by 180 degrees. Its border spans 0.4 in
+ * height, so it gets a skirt. */
 static void a_mesh_is_turned_and_gets_a_skirt(void **state)
 {
     struct cml_scene_list list;
@@ -152,10 +153,11 @@ static void flat_boundaries_keep_their_place_and_lose_their_shape(void **state)
     cml_scene_list_clear(&list);
     case_remove(state, "skin.obj");
     assert_int_equal(case_read_with(state, text, &flat, &list, &err),
-                     CML_E_INPUT); /* it is read all the same */
+                     CML_E_INPUT); /* the mesh is read even if boundaries are flat */
 }
 
-/* Repeated after its 3 columns and 2 rows; mirrored after twice as many less one. */
+/* A repeated heightmap of 3 columns and 2 rows has that period. The period of a mirrored one is 2 (n - 1)
+ * for n columns or rows. */
 static void heightmaps_are_repeated(void **state)
 {
     static const char text[] = HEAD RUN "1\n1\nm \"map.asc\" units=cm shift=1,0,2 tile\n1.4 1 2 0.9 9\n1\n";
@@ -177,7 +179,7 @@ static void heightmaps_are_repeated(void **state)
     assert_true(cml_tile_period(&b->tile, 0) == 4 && cml_tile_period(&b->tile, 1) == 2);
     cml_scene_list_clear(&list);
     case_write(state, "map.asc", "ncols 4 nrows 2 cellsize 1\n0 2 4 6\n0 1 2 3\n");
-    case_read_ok(state, text, &list); /* three times the steps inside */
+    case_read_ok(state, text, &list); /* the step at the seam is three times those inside */
     cml_scene_list_clear(&list);
     case_write(state, "map.asc", "ncols 5 nrows 2 cellsize 1\n0 2 4 6 8\n0 1 2 3 2\n");
     assert_int_equal(case_read(state, text, &list, &err), CML_E_INPUT);
@@ -193,7 +195,7 @@ static void heightmaps_are_repeated(void **state)
     case_remove(state, "map.asc");
 }
 
-/* A shallow bump of 0.05 on a ramp of 0 to 4: flat within a tenth of the ramp, not exactly. */
+/* A shallow bump of 0.05 on a ramp from 0 to 4 is flat within a tenth of the ramp, but not exactly. */
 static void heightmaps_are_meshed_at_the_tolerance(void **state)
 {
     static const char text[] = HEAD RUN "1\n1\nm \"map.asc\" units=cm\n1.4 1 2 0.9 9\n1\n";
@@ -235,7 +237,8 @@ static void beams_are_read_anywhere_before_the_layers(void **state)
     cml_scene_list_clear(&list);
 }
 
-/* Original MCML reads a blank CRLF line as data, dies of a micro sign and splits lines at 254 bytes. */
+/* The reader accepts text on which original MCML fails: a blank line with CRLF (read as data), a micro
+ * sign (a crash), a line over 254 bytes (split). */
 static void careless_text_is_read(void **state)
 {
     char text[2048];
@@ -281,7 +284,8 @@ static void several_runs_are_read_and_the_rest_ignored(void **state)
     assert_int_equal(list.scenes[0].boundaries[1].form, CML_FORM_RADIAL);
     assert_int_equal(list.scenes[1].boundaries[0].form, CML_FORM_RADIAL);
     cml_scene_list_clear(&list);
-    case_read_ok(state, "1\n1\nx A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\nbeam A\n", &list); /* a run's name */
+    case_read_ok(state, "1\n1\nx A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\nbeam A\n",
+                 &list); /* a run named `beam` */
     assert_int_equal(list.count, 1);
     cml_scene_list_clear(&list);
 }

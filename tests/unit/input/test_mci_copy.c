@@ -1,6 +1,5 @@
-/* A scene again, with other numbers (cml_mci_copy): it says what the same file says when it is read with
- * those settings, shares what is large, and outlives the scene that it was copied from.
- * SPDX-License-Identifier: MIT */
+/* Tests of cml_mci_copy, which copies a scene with other numbers. The copy equals the file read with those
+ * settings, shares large data with the original, and outlives the original. SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 #include "lib/require.h"
 
@@ -10,7 +9,7 @@ static const char text[] =
     "b 2 0.1 0.1 0 0\n1.4 1 2 0.895 1\nphase hg2 0.95 0.4 0.9\ni sphere 0 0 0.5 0.1 1.5 1 2 0.895\n"
     "phase hg2 0.95 0.4 0.9\nb 2 -0.2 0.3 0 0\n1.5 1 2 0.5 2\n1.3 3 4 0.3 1\nbacking 0.5\n1\n";
 
-/* In the ranges, and with what belongs together. */
+/* Settings in their ranges, together with the settings that they depend on. */
 static const char *const set[] = {
     "photons=7",     "below.n=1.1",      "layer1.mua=0.3",     "layer1.d=1.5",      "layer1.phase.w=0.8",
     "layer1.g=0.84", "body1.mus=9",      "backing.r=0.25",     "boundary0.scale=2", "beam.radius=0.3",
@@ -75,7 +74,7 @@ static void it_says_what_a_file_read_so_says(void **state)
     cml_scene_list_clear(&whole);
 }
 
-/* Each by itself, in the words of a file that is read so. */
+/* Each setting that the reader of a file refuses is refused by the copy, in the same words. */
 static void it_refuses_what_a_file_read_so_refuses(void **state)
 {
     static const char *const wrong[] = {

@@ -1,10 +1,11 @@
-/* What the .mci reader refuses, and in which words. Every text below must give exactly its message.
+/* Tests of scene files (.mci) that the reader refuses. Each text below must give exactly its message.
  * SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 
 #include <math.h>
 
-/* Line 3 is the name, 4 photons, 5 dz dr, 6 nz nr na, 7 the number of layers, 8 n above. */
+/* Lines of the text: 3 is the output name, 4 photons, 5 dz dr, 6 nz nr na, 7 the number of layers, 8 n
+ * above. */
 #define HEAD "1.0\n1\n"
 #define NAME HEAD "a.mco A\n"
 #define BINS NAME "100\n0.1 0.2\n"
@@ -323,7 +324,7 @@ static void beams_that_are_none(void **state)
     CHECK_ALL(state, table);
 }
 
-/* Behind the header NUL bytes up to a multiple of 4, then the pixels. */
+/* Header of a .gsf heightmap. NUL bytes up to a multiple of 4 and the pixels follow. */
 #define FIELD "Gwyddion Simple Field 1.0\n"
 #define SIZES "XRes = 2\nYRes = 2\n"
 #define LENGTHS "XReal = 1\nYReal = 1\nXYUnits = cm\n"
@@ -340,7 +341,7 @@ static void images_that_are_wrong(void **state)
 {
     static const struct {
         const char *header;
-        size_t bytes; /* of pixels; 0: no NUL byte either */
+        size_t bytes; /* bytes of pixels; 0: no NUL bytes either */
         float pixels[4];
         const char *message;
     } table[] = {

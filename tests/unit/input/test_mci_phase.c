@@ -1,12 +1,12 @@
-/* The line `phase`: whose it is, its numbers and settings, its tables, and what is refused in which words.
- * SPDX-License-Identifier: MIT */
+/* Tests of the line `phase` of a scene: the layer that it belongs to, its numbers, settings and tables,
+ * and the messages of refusals. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/require.h"
 #include "lib/mci_case.h"
 
 #include <math.h>
 
-/* Line 9 is the layer, with g to follow. */
+/* Line 9 is the layer; its g must follow. */
 #define HEAD "1.0\n1\na.mco A\n100\n0.1 0.2\n3 4 5\n1\n1\n1.4 1 2 "
 #define LAYER(g) HEAD #g " 1\n"
 

@@ -1,6 +1,6 @@
-/* Cases of kernels/body.h, compiled once in float and once in double: lines almost along a cylinder, which
- * pass its axis far away, against the cylinder's own definition in long double. SPDX-License-Identifier: MIT
- */
+/* Cases of kernels/body.h, compiled once in float and once in double. Lines almost parallel to a cylinder
+ * pass its axis at a great distance; their crossings are compared with the definition of the cylinder in
+ * long double. SPDX-License-Identifier: MIT */
 #include "geometry/vec3.h"
 #include "lib/solids.h"
 
@@ -10,9 +10,10 @@ static const double eps = (double)CML_EPSILON;
 
 struct lengthwise {
     struct cml_body body;
-    struct cml_convex solid; /* the same, as rounded */
-    struct cml_vec p, u;     /* from the middle of the first end */
-    double rounding; /* cm: what a place may be beside the surface; the way to it has up to 8 of these */
+    struct cml_convex solid; /* the same cylinder, as rounded */
+    struct cml_vec p, u;     /* p counts from the middle of the first end */
+    double rounding; /* cm: allowed distance of a place from the surface; the way to it may be off by 8 of
+                        these */
 };
 
 static void to_wide(struct cml_vec v, wide out[3])
@@ -36,8 +37,8 @@ static void any_cylinder(struct lengthwise *line, struct dice *dice)
         .length = (double)line->body.length};
 }
 
-/* A line at 1e-9 to 1e-1 rad to the axis from a place `along` it: in half of all cases on the side, but for
- * rounding. */
+/* Draws a line at 1e-9 to 1e-1 rad to the axis, from a place at `along` on the axis. In half of all cases
+ * the place lies on the side of the cylinder, but for rounding. */
 static void any_line(struct lengthwise *line, double along, struct dice *dice)
 {
     double e[3], e1[3], e2[3], size, phi = dice_between(dice, 0, 6.3),
@@ -59,7 +60,7 @@ static void any_line(struct lengthwise *line, double along, struct dice *dice)
     line->rounding = 32 * eps * (line->solid.length + line->solid.radius + fabs(along));
 }
 
-/* How far inside the cylinder the place at t lies. */
+/* Returns how far (cm) the point at distance t of the line lies inside the cylinder. */
 static double depth_at(const struct lengthwise *line, double t)
 {
     wide p[3], u[3];
@@ -79,7 +80,7 @@ static void assert_on_surface(const struct lengthwise *line, const struct cml_bo
     assert_near("place on the line", depth_at(line, (double)at->t), 0, 8 * line->rounding);
 }
 
-/* From inside there is a crossing ahead, and the way to it is inside. */
+/* A packet inside the cylinder has a crossing ahead, and its way there lies inside. */
 static void a_packet_leaves_where_its_line_does(void **state)
 {
     struct dice dice = dice_new(71);
@@ -98,7 +99,8 @@ static void a_packet_leaves_where_its_line_does(void **state)
     }
 }
 
-/* From before an end: what is met is the surface, and a line that is clearly inside meets it. */
+/* A packet before an end of the cylinder: a crossing that is found lies on the surface, and a line that
+ * clearly passes the inside has one. */
 static void a_packet_enters_where_its_line_does(void **state)
 {
     struct dice dice = dice_new(72);

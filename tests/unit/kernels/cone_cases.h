@@ -1,13 +1,14 @@
-/* Cases of kernels/cone.h whose answers are known by hand, compiled once in float and once in double.
- * z points down: a hill has a negative depth. SPDX-License-Identifier: MIT */
+/* Cases of kernels/cone.h (rays against rings, which are parts of cones) whose answers are known by hand,
+ * compiled once in float and once in double. z points down: a hill has a negative depth.
+ * SPDX-License-Identifier: MIT */
 #include "lib/cone_oracle.h"
 
 #define ABOVE (-1.0)
 #define BELOW 1.0
 static const double eps = (double)CML_EPSILON;
 
-static const double hill_r[] = {0, 1}, hill_z[] = {-1, 0};    /* z = r - 1 */
-static const double crater_r[] = {0, 1}, crater_z[] = {1, 0}; /* z = 1 - r */
+static const double hill_r[] = {0, 1}, hill_z[] = {-1, 0};    /* hill: z = r - 1 */
+static const double crater_r[] = {0, 1}, crater_z[] = {1, 0}; /* crater: z = 1 - r */
 
 struct found {
     int hit, ring;
@@ -81,9 +82,8 @@ static void a_ray_through_the_axis_meets_the_far_flank(void **state)
     expect(shoot(&hill, -2, 0, -2, 1, 0, 1, ABOVE), 1.5 * sqrt(2), 0, 8 * eps);
 }
 
-/* Its discriminant is 0 but for rounding, and a sign of it that says "no root" must not let the ray into the
- * hill.
- */
+/* The discriminant of this ray is 0 but for rounding. If its sign says "no root", the ray must still not
+ * enter the hill. */
 static void an_oblique_ray_at_the_tip_of_a_pit_comes_out_there(void **state)
 {
     (void)state;
@@ -100,7 +100,7 @@ static void an_oblique_ray_at_the_tip_of_a_pit_comes_out_there(void **state)
     }
 }
 
-/* r^2(t) cancels there; it once came out below 0, and the ray passed into the hill. */
+/* r^2(t) loses its digits here by cancellation. It once became negative, and the ray passed into the hill. */
 static void a_ray_that_ends_on_the_axis_under_the_tip_has_hit(void **state)
 {
     (void)state;
@@ -123,7 +123,7 @@ static void a_horizontal_ray_enters_and_leaves_a_hill(void **state)
     assert_false(shoot(&hill, -3, 0, 0.5, 1, 0, 0, BELOW).hit);
 }
 
-/* A horizontal ray at half the hill's height that passes the axis at distance y. */
+/* A horizontal ray at half the hill's height passes the axis at distance y. */
 static void a_ray_dips_into_a_flank_misses_it_or_touches_it(void **state)
 {
     (void)state;
@@ -141,8 +141,8 @@ static void a_ray_dips_into_a_flank_misses_it_or_touches_it(void **state)
     if (touch.hit) assert_near("touching point", touch.t, 3, 8 * sqrt(eps));
 }
 
-/* A ray that dips below the flank by a rounding or two: where it touches, its height hardly changes, and a
- * Newton step from there once ended 0.04 cm off. */
+/* A ray dips below the flank by a rounding or two. Near the point of contact its height hardly changes,
+ * and a Newton step from there once ended 0.04 cm off. */
 static void a_ray_that_just_touches_a_flank_hits_it_there(void **state)
 {
     (void)state;
@@ -178,8 +178,8 @@ static void a_root_on_a_shared_ring_is_found_once(void **state)
     assert_near("distance", oblique.t, sqrt(2), 8 * eps);
 }
 
-/* All round a ridge at radius 1, along its tangent and 0.01 below it: the surface comes down to it at radius
- * 1.01. Rounding says whether the ray begins inside the ridge or outside. */
+/* A ray runs along the tangent of a ridge at radius 1, and 0.01 below its top. The surface comes down to
+ * the ray at radius 1.01. Rounding decides if the ray begins inside or outside the ridge. */
 static void a_ray_along_a_ridge_leaves_it_at_once(void **state)
 {
     (void)state;
@@ -199,7 +199,7 @@ static void a_packet_that_stands_on_a_ring_leaves_it(void **state)
     for (int i = 0; i < COUNT(away); i++)
         assert_false(
             shoot_from(&hill, 0.5, 0, -0.5, away[i][0], away[i][1], away[i][2], ABOVE, INFINITY, 0).hit);
-    /* down the flank, a little less steep than it: on to the outer plane */
+    /* down the flank, a little less steep than the flank, to the outer plane */
     expect(shoot_from(&hill, 0.5, 0, -0.5, 1, 0, 0.5, ABOVE, INFINITY, 0), sqrt(1.25), 1, 16 * eps);
     assert_false(shoot_from(&hill, 0.5, 0, -0.5, 0, 0, 1, BELOW, INFINITY, 0).hit);
     assert_false(shoot_from(&hill, 0, 0, -1, 0, 0, 1, BELOW, INFINITY, 0).hit);
@@ -217,9 +217,9 @@ static void a_packet_that_stands_in_a_hollow_hits_the_same_ring_again(void **sta
     expect(shoot_from(&crater, 0.5, 0, 0.5, -cos(1.0), sin(1.0), 0, ABOVE, INFINITY, 0), chord, 0, 8 * eps);
 }
 
-/* Beside the tip of a pit rounding may put the packet below either flank. Heading down, along the cone's
- * other nappe but for one part in a thousand, it leaves at once: the quadratic's second root is no crossing.
- */
+/* Near the tip of a pit, rounding may put the packet below either flank. A packet that heads down, almost
+ * along the other nappe of the cone (off by one part in a thousand), leaves at once: the second root of
+ * the quadratic is no crossing. */
 static void a_packet_that_stands_in_a_tip_leaves_it_there(void **state)
 {
     (void)state;
@@ -243,7 +243,7 @@ static void a_packet_that_stands_on_a_ring_hits_the_next_one(void **state)
     const struct field trough = field_of(3, r, z);
     expect(shoot_from(&trough, 0.5, 0, 0.5, 1, 0, 0, ABOVE, INFINITY, 0), 1, 1, 8 * eps);
     expect(shoot_from(&trough, 1.5, 0, 0.5, -1, 0, 0, ABOVE, INFINITY, 1), 1, 0, 8 * eps);
-    /* from the outer plane under it: x = 4 - s, z = s / 8 meets the flank z = 2 - x at s = 16 / 7 */
+    /* from below the outer plane: x = 4 - s, z = s / 8 meets the flank z = 2 - x at s = 16 / 7 */
     expect(shoot_from(&trough, 4, 0, 0, -1, 0, 0.125, BELOW, INFINITY, 2), 16.0 / 7 * sqrt(65.0 / 64), 1,
            16 * eps);
 }
@@ -315,7 +315,7 @@ static void a_hit_counts_only_before_t_max(void **state)
     assert_false(shoot_from(&hill, 1024, 0, -1, 1, 0, 1, ABOVE, 1.41, -1).hit);
 }
 
-/* The surface's slope along x and y by central differences. */
+/* Returns the surface's slopes along x and y by central differences. */
 static void normals_are_those_of_finite_differences(void **state)
 {
     (void)state;
@@ -354,7 +354,7 @@ static void the_tip_and_a_ridge_have_mean_normals(void **state)
         assert_near("y", (double)ridge.y, 0, 2 * eps);
         assert_near("z", (double)ridge.z, -1, 2 * eps);
     }
-    const double kink = atan(1.0) / 2; /* between 45 degrees and flat */
+    const double kink = atan(1.0) / 2; /* half the angle between 45 degrees and flat */
     for (int ring = 1; ring < 3; ring++) {
         const struct cml_vec foot = cml_cone_normal(rings, ring, 2, 0);
         assert_near("foot x", (double)foot.x, sin(kink), 4 * eps);
@@ -362,7 +362,8 @@ static void the_tip_and_a_ridge_have_mean_normals(void **state)
     }
 }
 
-/* A direction that leaves the mean normal's side may still enter the facet's: the facet has to decide. */
+/* Near a ridge a direction may leave the side of the mean normal and still enter the facet. The normal of
+ * the facet must decide. */
 static void even_on_a_ridge_the_facet_is_that_of_one_ring(void **state)
 {
     (void)state;

@@ -1,12 +1,12 @@
-/* Random rays and walks against random heightfields, judged by the oracle of cone_oracle.h; compiled once in
- * float and once in double. The oracle takes the very numbers that the kernel takes, so a difference is the
- * kernel's. SPDX-License-Identifier: MIT */
+/* Random rays and walks against random heightfields, compiled once in float and once in double. The oracle
+ * of cone_oracle.h judges them. The oracle takes the same rounded numbers as the kernel, so a difference
+ * is a fault of the kernel. SPDX-License-Identifier: MIT */
 #include "lib/cone_oracle.h"
 #include "walk.h"
 
 static const double eps = (double)CML_EPSILON;
 
-/* Distances within which rounding of the heights may put the first crossing. */
+/* Range of distances in which the first crossing may lie, given the rounding of heights. */
 struct verdict {
     double exact, early, late;
 };
@@ -26,10 +26,10 @@ static struct cml_vec random_direction(struct dice *dice, struct cml_vec p)
     double u[3];
     dice_direction(dice, u);
     const int kind = dice_below(dice, 8);
-    if (kind == 0) u[2] *= 1e-3; /* grazing */
+    if (kind == 0) u[2] *= 1e-3; /* a grazing ray */
     if (kind == 1) u[0] = u[1] = 0;
     if (kind == 2) u[2] = 0;
-    if (kind == 3) { /* through the axis */
+    if (kind == 3) { /* a ray through the axis */
         u[0] = -(double)p.x;
         u[1] = -(double)p.y;
     }
@@ -53,11 +53,11 @@ static struct cml_vec random_point(struct dice *dice, const struct field *field)
 }
 
 struct tally_of_rays {
-    long hits, misses, differ; /* differ: hit or no hit, within rounding of the surface */
-    double worst; /* distance error relative to the distance, where the crossing is not grazing */
+    long hits, misses, differ; /* differ: one of the two found a hit, within rounding of the surface */
+    double worst; /* largest error of a distance, relative to the distance, without grazing crossings */
 };
 
-/* At a point of a ring's edge, where two cones meet. */
+/* Returns a direction from p to a point on a ring's edge, where two cones meet. */
 static struct cml_vec towards_an_edge(struct dice *dice, const struct field *field, struct cml_vec p)
 {
     const int i = dice_below(dice, field->n);
@@ -130,7 +130,7 @@ static struct cml_surface surface_of(const struct field *field)
     return surface;
 }
 
-/* From outside the field's depths, mostly; near and far. */
+/* Returns a point near or far, mostly outside the depths of the field. */
 static struct cml_vec point_outside(struct dice *dice, const struct field *field)
 {
     struct cml_vec p = random_point(dice, field);
@@ -139,14 +139,16 @@ static struct cml_vec point_outside(struct dice *dice, const struct field *field
     return p;
 }
 
-/* A little before the ray comes to the field's depths, 0 when it does not come from outside. */
+/* Returns a distance shortly before the ray enters the depths of the field; 0 if the ray does not come
+ * from outside. */
 static real depths_entry(const struct cml_surface *surface, real z, real uz, real side)
 {
     const real t = ((side > 0 ? surface->highest : surface->lowest) - z) / uz;
     return side * uz < 0 && t > 0 ? (real)0.9990234375 * t : (real)0;
 }
 
-/* The march may begin there: nothing changes but the time it takes. */
+/* A search that begins where the ray enters the field's depths finds the same crossing as one from the
+ * ray's start. */
 static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
 {
     (void)state;
@@ -181,14 +183,14 @@ static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
     assert_true(hits > repeats(500000) && clipped > repeats(500000));
 }
 
-/* A ray at a small angle to a ring's cone, from before a place on it. */
+/* Returns a point before a ring, and a direction that meets the ring's cone at a small angle. */
 static struct cml_vec graze(struct dice *dice, const struct field *field, struct cml_vec *u)
 {
     const int i = dice_below(dice, field->n - 1);
     const double r0 = (double)field->r[i], dr = (double)field->r[i + 1] - r0;
     const double m = (double)field->slope[i], s = dice_uniform(dice), along = dice_between(dice, -1, 1);
     const double turn = exp(dice_between(dice, log(1e-7), 0)), angle = exp(dice_between(dice, log(1e-7), -3));
-    double v[3] = {along, turn, m * along - angle}, size = 0; /* outwards, around, down */
+    double v[3] = {along, turn, m * along - angle}, size = 0; /* components outwards, around the axis, down */
     for (int k = 0; k < 3; k++) size = hypot(size, v[k]);
     for (int k = 0; k < 3; k++) v[k] /= size;
     const double flown = dr * dice_uniform(dice), r = r0 + s * dr;
@@ -197,7 +199,8 @@ static struct cml_vec graze(struct dice *dice, const struct field *field, struct
                             (real)((double)field->z[i] + m * s * dr - flown * v[2])};
 }
 
-/* However little the quadratic of a cone can tell of where such a ray meets it. */
+/* Grazing rays are met on the surface, although the quadratic of a cone determines the place of crossing
+ * poorly. */
 static void grazing_rays_hit_the_surface_where_it_is(void **state)
 {
     (void)state;
@@ -221,10 +224,10 @@ static void grazing_rays_hit_the_surface_where_it_is(void **state)
     }
     printf("%ld hits, off the surface by %.2g roundings\n", hits, worst);
     assert_true(hits > repeats(500000));
-    assert_true(worst < (sizeof(real) == 4 ? 8 : 1024)); /* near the axis a double has digits to spare */
+    assert_true(worst < (sizeof(real) == 4 ? 8 : 1024)); /* double has digits to spare near the axis */
 }
 
-/* In a hollow a packet may be reflected from ring to the same ring time and again. */
+/* In a hollow a packet may be reflected many times by the same ring. */
 static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
 {
     (void)state;
@@ -254,7 +257,7 @@ static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
     assert_true(sum < 0.15 * (double)hits);
 }
 
-/* cml_cone_hit from t = 0, but span by span. Returns how many spans it took. */
+/* Does what cml_cone_hit does from t = 0, but one span at a time. Returns the number of spans. */
 static int march_alone(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_max,
                        int *hit, real *t, int *ring)
 {
@@ -274,7 +277,7 @@ static int march_alone(struct cml_rings rings, struct cml_vec p, struct cml_vec 
     }
 }
 
-/* Rings of even width on a slope, some deeper by rounding's share or by much. */
+/* Returns a field of many rings of equal width on a slope. Some rings lie deeper, by rounding or by much. */
 static struct field field_of_many(struct dice *dice)
 {
     struct field field = {.n = MAX_RINGS};
@@ -287,7 +290,7 @@ static struct field field_of_many(struct dice *dice)
     return field;
 }
 
-/* A march over many rings looks at several together, and meets what it would meet alone. */
+/* A march over many rings looks at several spans together and finds the same crossing as span by span. */
 static void a_march_over_many_rings_misses_none(void **state)
 {
     (void)state;
@@ -302,7 +305,7 @@ static void a_march_over_many_rings_misses_none(void **state)
         int ring[2], alone;
         const int spans = march_alone(rings_of(&field), p, u, side, t_max, &alone, &t[0], &ring[0]);
         const int hit = cml_cone_hit(rings_of(&field), p, u, side, 0, t_max, -1, &t[1], &ring[1]);
-        if (field.slope[ring[0]] == 0) continue; /* level rings are met otherwise */
+        if (field.slope[ring[0]] == 0) continue; /* level rings are met by other code */
         assert_int_equal(hit, alone);
         assert_true(!hit || (t[0] == t[1] && ring[0] == ring[1]));
         hits += hit;
@@ -317,11 +320,11 @@ static void a_march_over_many_rings_misses_none(void **state)
 struct walker {
     const struct field *field;
     struct cml_surface surface;
-    struct cml_world world; /* one boundary */
+    struct cml_world world; /* world with one boundary */
     struct cml_packet packet;
     double side;
     long crossings, flights;
-    double worst; /* deepest on the wrong side, in roundings of the height */
+    double worst; /* deepest place on the wrong side, in roundings of the height */
 };
 
 static void place(struct dice *dice, struct walker *walker)
@@ -359,8 +362,8 @@ static void look(struct walker *walker, double flown)
                  walker->flights, (double)p.x, (double)p.y, (double)p.z);
 }
 
-/* What the walk meets it must be about to cross: a packet that leaves a ring and meets it at once again turns
- * this round. */
+/* Checks that the packet heads through the surface that it meets. A packet that has left a ring and meets
+ * it again at once would head the other way. */
 static void look_at_hit(const struct walker *walker, const struct cml_hit *hit)
 {
     const double ahead = walker->side * (double)cml_dot(walker->packet.u, hit->facet);
@@ -368,7 +371,7 @@ static void look_at_hit(const struct walker *walker, const struct cml_hit *hit)
         fail_msg("met the surface from behind (%g) after %ld flights", ahead, walker->flights);
 }
 
-/* Mostly back towards the surface. */
+/* Draws a new direction, mostly one back towards the surface. */
 static void scatter(struct dice *dice, struct walker *walker)
 {
     struct cml_vec u = random_direction(dice, walker->packet.p);
@@ -376,7 +379,7 @@ static void scatter(struct dice *dice, struct walker *walker)
     walker->packet.u = u;
 }
 
-/* Equal indices, or either of two, by the rules of the walk. */
+/* Crosses the surface by the rules of the walk, with equal indices or one of three other pairs. */
 static void cross(struct dice *dice, struct walker *walker, const struct cml_hit *hit)
 {
     static const double index[][2] = {{1, 1}, {1, 1.4}, {1.4, 1}, {1, 3}};
@@ -412,8 +415,8 @@ static void fly(struct dice *dice, struct walker *walker)
         place(dice, walker);
 }
 
-/* The side is only ever carried along, never looked up again: one slip would show as a wrong side of
- * macroscopic depth. */
+/* A walk flips its side at each crossing and never looks it up again. One missed crossing would therefore
+ * show as a deep place on the wrong side. */
 #ifndef FIELDS
 #define FIELDS 25
 #endif
@@ -432,7 +435,7 @@ static void a_walk_of_a_million_flights_never_slips_through(void **state)
     assert_true(walker.crossings > (long)repeats(10000) * FIELDS);
 }
 
-/* Grooves with walls of slope 1000, their bottoms at z = 0. */
+/* Returns grooves with walls of slope 1000 and bottoms at z = 0. */
 static struct field grooves(void)
 {
     struct field field = {.n = 41};
@@ -444,8 +447,8 @@ static struct field grooves(void)
     return field;
 }
 
-/* Dropped on a groove's bottom a packet is mirrored from wall to wall until it comes up again. Its r says
- * less than 1000 roundings about its depth. */
+/* A packet dropped on the bottom of a groove is mirrored from wall to wall until it comes up again. On
+ * such steep walls its radius determines its depth only to 1000 roundings. */
 static void a_packet_does_not_sink_between_walls(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Cases of kernels/mathf.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
+/* Cases of kernels/mathf.h (logarithm, exponential, sine, arc cosine), compiled once in float and once in
+ * double. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "mathf.h"
 
@@ -26,7 +27,8 @@ static void the_logarithm_of_one_is_zero(void **state)
     assert_true(cml_log(1) == 0);
 }
 
-/* Both sides of 1, where the relative error is worst, and all of the uniforms' range, densely. */
+/* Arguments on both sides of 1, where the relative error is largest, and a dense sample of the range of
+ * uniforms. */
 static void the_logarithm_keeps_its_bound_near_one(void **state)
 {
     (void)state;
@@ -59,7 +61,7 @@ static void the_logarithm_keeps_its_bound_everywhere(void **state)
 static double circle_error(uint32_t word)
 {
     const long double turn = 6.283185307179586476925286766559L;
-    /* the lower 30 bits are a signed part of a quadrant, whose number stands above them */
+    /* the lower 30 bits, signed, are a part of a quadrant; the upper bits are its number */
     const long double angle = (word >> 30) * turn / 4 + (long double)(int32_t)(word << 2) * 0x1p-34L * turn;
     real c, s;
     cml_circle_point(word, &c, &s);
@@ -81,7 +83,7 @@ static void circle_points_keep_their_bound(void **state)
     assert_near("largest error", worst, 0, circle_bound);
 }
 
-/* The quadrants are turns of each other, so the mean of the points vanishes exactly. */
+/* Rotations by quadrants map the points onto each other, so the mean of all points is exactly 0. */
 static void opposite_words_give_opposite_points(void **state)
 {
     (void)state;
@@ -102,8 +104,8 @@ static double acos_error(real c)
     return (double)fabsl((long double)cml_acos(c) - acosl((long double)c));
 }
 
-/* Evenly, from the ends in steps of one rounding, near 1/2, where two formulas meet, and over all exponents.
- */
+/* Arguments: evenly spaced, from both ends in steps of one rounding, near 1/2 (where two formulas meet),
+ * and over all exponents. */
 static void the_arc_cosine_keeps_its_bound(void **state)
 {
     (void)state;
@@ -121,7 +123,8 @@ static void the_arc_cosine_keeps_its_bound(void **state)
     assert_near("largest error", worst, 0, acos_bound);
 }
 
-/* Exits along the normal and along the surface are in the first and the last angle bin. */
+/* Packets that leave along the normal are in the first angle bin; those along the surface are in the last
+ * one. */
 static void the_ends_of_the_arc_cosine_are_right(void **state)
 {
     (void)state;
@@ -137,7 +140,8 @@ static double exp_error(real x)
     return (double)fabsl(((long double)cml_exp_minus(x) - exact) / exact);
 }
 
-/* Evenly, and over all exponents; exactly 1 at 0, as an absorption that is not there leaves everything. */
+/* Arguments: evenly spaced, and over all exponents. exp(0) is exactly 1, so that a medium without
+ * absorption absorbs nothing. */
 static void the_exponential_keeps_its_bound(void **state)
 {
     (void)state;

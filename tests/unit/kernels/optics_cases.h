@@ -1,9 +1,11 @@
-/* Cases of kernels/optics.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
+/* Cases of kernels/optics.h, compiled once in float and once in double: Fresnel reflectance, directions,
+ * phase functions, optical depth. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 
 #include <complex.h>
 
-/* The optical depth's redraws are scripted here: no seed reaches a word of 0 in reasonable time. */
+/* Random words for the redraws of the optical depth. They are scripted, because no seed reaches a word of
+ * 0 in reasonable time. */
 static uint32_t script[8];
 static int script_length, script_read;
 static enum cml_purpose script_purpose;
@@ -43,7 +45,8 @@ static double dot(struct cml_vec a, struct cml_vec b)
 
 /* ---- Fresnel ---- */
 
-/* From the angles [Hecht, Optics, eqs 4.34-4.47]; ci in 0..1. */
+/* Returns the reflectance computed from the angles [Hecht, Optics, eqs 4.34-4.47]; ci: cosine of
+ * incidence, 0..1. *ct: cosine of refraction. */
 static long double fresnel_by_angles(long double n1, long double n2, long double ci, long double *ct)
 {
     const long double si = sqrtl((1 - ci) * (1 + ci)), st = n1 / n2 * si;
@@ -55,8 +58,8 @@ static long double fresnel_by_angles(long double n1, long double n2, long double
     return 0.5L * (powl(sinl(a - b) / sinl(a + b), 2) + powl(tanl(a - b) / tanl(a + b), 2));
 }
 
-/* R has an infinite slope at the critical angle, so the bound counts in the cosine as well: what the formula
- * gives for a cosine that is off by a few roundings. */
+/* Checks the reflectance at one cosine. R has an infinite slope at the critical angle, so the bound also
+ * allows the values at cosines a few roundings away. */
 static void check_fresnel(double n1, double n2, double cosine)
 {
     const real rn1 = (real)n1, rn2 = (real)n2, ci = (real)cosine;
@@ -100,8 +103,8 @@ static void fresnel_at_normal_incidence_is_the_textbook_number(void **state)
     assert_true(ct == 1);
 }
 
-/* From the amplitudes with a complex index, at all angles; without K it is a dielectric, whose own formula is
- * met, and next to a matched one nothing is 0 / 0. */
+/* Compares the reflectance of a metal with the amplitudes of a complex index at all angles. With K = 0 it
+ * equals the formula of a dielectric, and matched indices do not give 0 / 0. */
 static void a_metal_reflects_by_its_complex_index(void **state)
 {
     (void)state;
@@ -139,7 +142,7 @@ static void total_reflection_is_exactly_one(void **state)
     }
 }
 
-/* The reflectance is the same both ways along one ray. */
+/* The reflectance along a ray is the same in both directions. */
 static void the_reflectance_is_symmetric(void **state)
 {
     (void)state;
@@ -155,7 +158,7 @@ static void the_reflectance_is_symmetric(void **state)
 
 /* ---- reflection and refraction of directions ---- */
 
-/* A direction that meets the normal at an angle from any side, and the angle it leaves at. */
+/* Checks reflection and refraction of a random direction that meets a random normal at this angle (rad). */
 static void check_refraction(struct dice *dice, double n1, double n2, double angle)
 {
     double m[3], e[3];
@@ -199,7 +202,7 @@ static void directions_obey_snell_and_the_mirror(void **state)
         }
 }
 
-/* The rounding of ci becomes longer by the square of the ratio. */
+/* The ratio of indices squared enlarges the rounding of the cosine of incidence. */
 static void any_ratio_of_indices_gives_a_direction(void **state)
 {
     (void)state;
@@ -228,7 +231,7 @@ static void normal_incidence_goes_straight_on(void **state)
 
 /* ---- Henyey-Greenstein ---- */
 
-/* As cml_scatter does it. */
+/* Computes the deflection as cml_scatter does. */
 static void deflect(real g, real s, real *cosine, real *sine)
 {
     real per_square, unused;
@@ -236,7 +239,7 @@ static void deflect(real g, real s, real *cosine, real *sine)
     cml_henyey_greenstein(g, s, per_square, cosine, sine);
 }
 
-/* The inverted distribution [eq. 3.22] in long double; for a negative g the mirror image. */
+/* Returns the inverted distribution [eq. 3.22] in long double; a negative g gives the mirror image. */
 static long double inverted_cosine(long double g, long double s)
 {
     const long double size = fabsl(g), d = 1 + size * s;
@@ -287,7 +290,7 @@ static void g_of_plus_or_minus_one_is_exactly_forward_or_backward(void **state)
     }
 }
 
-/* Legendre moments g and g^2 by the midpoint rule over the uniform. */
+/* The first two Legendre moments are g and g^2, by the midpoint rule over the uniform. */
 static void the_mean_cosine_is_g_and_the_second_moment_g_squared(void **state)
 {
     (void)state;
@@ -306,14 +309,14 @@ static void the_mean_cosine_is_g_and_the_second_moment_g_squared(void **state)
     }
 }
 
-/* P(cos < mu), the integral of eq. 3.21. */
+/* Returns P(cos < mu), the integral of eq. 3.21. */
 static double below_cosine(double g, double mu)
 {
     if (g == 0) return (1 + mu) / 2;
     return (1 - g * g) / (2 * g) * (1 / sqrt(1 + g * g - 2 * g * mu) - 1 / (1 + g));
 }
 
-/* The cosine with the digits that the sine has near +-1. */
+/* Returns the cosine with more digits near +-1, computed from the sine. */
 static double sharp_cosine(double c, double s)
 {
     return c > 0 ? 1 - s * s / (1 + c) : s * s / (1 - c) - 1;
@@ -329,7 +332,7 @@ static void cosines_follow_henyey_and_greenstein(void **state)
         const double g = some[i];
         long count[bins] = {0};
         double edge[bins + 1], expected[bins];
-        /* bins that narrow towards the peak, so that each holds many samples */
+        /* bins narrow towards the peak, so that each holds many samples */
         for (int b = 0; b <= bins; b++) {
             const double x = 2.0 * b / bins - 1, d = 1 + g * x;
             edge[b] = g == 0 ? x : (1 + g * g - pow((1 - g * g) / d, 2)) / (2 * g);
@@ -348,9 +351,9 @@ static void cosines_follow_henyey_and_greenstein(void **state)
     }
 }
 
-/* ---- spin ---- */
+/* ---- scattered directions ---- */
 
-static struct cml_vec spin(struct cml_vec u, real ct, real st, real cp, real sp)
+static struct cml_vec deflected(struct cml_vec u, real ct, real st, real cp, real sp)
 {
     real unused, per_divisor;
     cml_reciprocals(1, cml_frame_divisor(u), &unused, &per_divisor);
@@ -368,8 +371,9 @@ static struct cml_vec start(int i)
     return vec(k * s[0], k * s[1], k * s[2]);
 }
 
-/* Turns to the azimuths 0 and 90 degrees are perpendicular to the direction and to each other. */
-static void a_spin_is_an_isometry(void **state)
+/* Rotations by the azimuths 0 and 90 degrees give directions perpendicular to the old one and to each
+ * other. */
+static void a_deflection_is_an_isometry(void **state)
 {
     (void)state;
     struct dice dice = dice_new(27);
@@ -380,14 +384,14 @@ static void a_spin_is_an_isometry(void **state)
             dice_direction(&dice, d);
             u = vec(d[0], d[1], d[2]);
         }
-        const struct cml_vec a = spin(u, 0, 1, 1, 0), b = spin(u, 0, 1, 0, 1);
+        const struct cml_vec a = deflected(u, 0, 1, 1, 0), b = deflected(u, 0, 1, 0, 1);
         assert_near("a.u", dot(a, u), 0, 6 * eps);
         assert_near("b.u", dot(b, u), 0, 6 * eps);
         assert_near("a.b", dot(a, b), 0, 6 * eps);
         const double theta = dice_between(&dice, 0, PI);
         real c, s;
         cml_circle_point(dice_word(&dice), &c, &s);
-        const struct cml_vec v = spin(u, (real)cos(theta), (real)sin(theta), c, s);
+        const struct cml_vec v = deflected(u, (real)cos(theta), (real)sin(theta), c, s);
         assert_near("deflection", dot(v, u), cos(theta), 6 * eps);
         assert_near("azimuth", dot(v, a), sin(theta) * (double)c, 6 * eps);
         assert_near("azimuth", dot(v, b), sin(theta) * (double)s, 6 * eps);
@@ -425,7 +429,7 @@ static void azimuths_are_uniform_about_any_direction(void **state)
         for (int n = 0; n < 64000; n++) {
             real c, s;
             cml_circle_point(dice_word(&dice), &c, &s);
-            const struct cml_vec v = spin(u, (real)0.8, (real)0.6, c, s);
+            const struct cml_vec v = deflected(u, (real)0.8, (real)0.6, c, s);
             const double phi = atan2(dot(v, f) / length(f), dot(v, e) / length(e));
             count[(int)((phi / (2 * PI) + 0.5) * 64) & 63]++;
         }
@@ -458,7 +462,7 @@ static void optical_depths_are_exponential_with_mean_one(void **state)
     assert_near("mean", sum / (1 << 18), 1, 2e-6); /* the midpoint rule misses ln 2 / 2 of a cell */
 }
 
-/* As many words lie beyond a depth as the exponential says, to the last word. */
+/* The number of words that give more than a depth follows the exponential, up to the last word. */
 static void the_tail_beyond_sixteen_mean_free_paths_is_there(void **state)
 {
     (void)state;
@@ -466,7 +470,8 @@ static void the_tail_beyond_sixteen_mean_free_paths_is_there(void **state)
         assert_near("depth", depth_of(1, 1, word), -log((word + 0.5) * 0x1p-32), 22 * eps);
 }
 
-/* A word of 0 is any depth beyond 32 ln 2: the rest is exponential again, from draws of its own purpose. */
+/* A word of 0 stands for any depth beyond 32 ln 2. The rest of the depth is exponential again and has
+ * random words of its own. */
 static void beyond_the_last_word_the_depth_has_no_memory(void **state)
 {
     (void)state;
@@ -516,7 +521,7 @@ int main(void)
         cmocka_unit_test(g_of_plus_or_minus_one_is_exactly_forward_or_backward),
         cmocka_unit_test(the_mean_cosine_is_g_and_the_second_moment_g_squared),
         cmocka_unit_test(cosines_follow_henyey_and_greenstein),
-        cmocka_unit_test(a_spin_is_an_isometry),
+        cmocka_unit_test(a_deflection_is_an_isometry),
         cmocka_unit_test(a_direction_stays_a_unit_vector_over_a_million_events),
         cmocka_unit_test(azimuths_are_uniform_about_any_direction),
         cmocka_unit_test(optical_depths_are_exponential_with_mean_one),

@@ -1,4 +1,5 @@
-/* Cases of kernels/rng.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
+/* Cases of kernels/rng.h (random numbers of packets), compiled once in float and once in double.
+ * SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 
 #include <Random123/threefry.h>
@@ -57,7 +58,8 @@ static int compare_blocks(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct cml_block));
 }
 
-/* Also photon indices that agree in their lower 32 bits, and neighbouring runs. */
+/* No two draws share a block of random numbers. The photon indices tested include some with equal lower 32
+ * bits, and the runs include neighbours. */
 static void no_block_serves_two_purposes(void **state)
 {
     (void)state;
@@ -103,8 +105,9 @@ static void a_symmetric_uniform_is_exact_and_odd(void **state)
     }
 }
 
-/* Every word of the blocks of one photon, over events, or of one event, over photons: the upper byte through
- * cml_uniform, the lower byte (it rounds the weights), and pairs of successive upper four bits. */
+/* Chi-square tests of every word of the blocks, over the events of one photon or over photons at one
+ * event. They test the upper byte through cml_uniform, the lower byte (which rounds weights), and pairs of
+ * successive upper four bits. */
 static void check_flatness(bool over_photons, int word)
 {
     enum { blocks = 200000 };

@@ -1,6 +1,6 @@
-/* Cases of kernels/rough.h, compiled once in float and once in double. Its formulas are judged by the C
- * library in long double, drawn normals and single events by quadrature over slopes, whole events by
- * reciprocity. SPDX-License-Identifier: MIT */
+/* Cases of kernels/rough.h (scattering by rough boundaries), compiled once in float and once in double.
+ * Functions are compared with long double, drawn normals and single events with quadrature over slopes,
+ * whole events with reciprocity. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 
 #include "rough.h"
@@ -12,14 +12,14 @@ static const struct {
 } surfaces[] = {{CML_ROUGH_GGX, 0.05},   {CML_ROUGH_GGX, 0.3},       {CML_ROUGH_GGX, 1},
                 {CML_ROUGH_GGX, 2},      {CML_ROUGH_BECKMANN, 0.05}, {CML_ROUGH_BECKMANN, 0.3},
                 {CML_ROUGH_BECKMANN, 1}, {CML_ROUGH_BECKMANN, 2}};
-static const double err_rounding = sizeof(real) == 4 ? 1 : 1e-8; /* of float's bounds */
+static const double err_rounding = sizeof(real) == 4 ? 1 : 1e-8; /* rounding in units of float's bounds */
 
 static struct cml_rough rough_of(int i)
 {
     return (struct cml_rough){(int)surfaces[i].kind, (real)surfaces[i].alpha};
 }
 
-/* A direction at an angle from the normal, in degrees; above 90 it goes down. */
+/* Returns a direction at an angle (degrees) from the normal; above 90 degrees it goes down. */
 static struct cml_vec at_angle(double degrees)
 {
     return (struct cml_vec){(real)sin(degrees * PI / 180), 0, (real)cos(degrees * PI / 180)};
@@ -39,7 +39,7 @@ static void functions_of_the_error_integral_are_those_of_the_c_library(void **st
         assert_near("erfcx", (double)(cml_erfcx((real)x) / scaled), 1, 5e-7 * err_rounding + 1e-10);
         assert_near("erfc of its inverse", (double)erfcl(root), (double)(real)y, 4e-7 * err_rounding + 1e-15);
     }
-    for (int i = 0; i < 70; i++) { /* the tail, to 1e-7 */
+    for (int i = 0; i < 70; i++) { /* the tail, with an error of 1e-7 */
         const double y = pow(10, -0.1 * i - 0.1), root = (double)cml_erfc_inverse((real)y);
         assert_near("tail of erfc", (double)erfcl(root) / (double)(real)y, 1,
                     (1 + root * root) * 1e-6 * err_rounding);
@@ -58,7 +58,7 @@ static void the_depth_from_the_other_side_keeps_its_digits(void **state)
     }
 }
 
-/* What w sees of slopes below x, on paper: see cml_rough_share. */
+/* Returns the share of slopes below x that a direction w sees, by the formula at cml_rough_share. */
 static long double share_below(long double wz, long double side, long double x)
 {
     return side * expl(-x * x) / 2 + wz * sqrtl((long double)PI) * erfcl(-x) / 2;
@@ -84,8 +84,8 @@ static void slopes_of_beckmann_have_the_share_that_is_drawn(void **state)
 
 /* ---- a surface seen from a direction ---- */
 
-/* Mean over a facet's slopes of f(slope along x, along y), by a rule of equal shares of the projected area.
- */
+/* The slopes of a facet along x and y. The mean of a function over the facets that a packet sees uses
+ * parts of equal projected area. */
 struct slopes {
     double x, y;
 };
@@ -97,13 +97,13 @@ static struct slopes slopes_of(int i, double share, double turn)
     return (struct slopes){t * cos(turn), t * sin(turn)};
 }
 
-/* -v.m D(m) / (m.z D) of a facet: what of it a packet that flies along v sees; 0 from behind. */
+/* Returns the part of a facet that a packet along v sees, -v.m D(m) / (m.z D); 0 from behind. */
 static double seen(struct cml_vec v, struct slopes s)
 {
     return fmax(0, (double)v.x * s.x + (double)v.y * s.y - (double)v.z);
 }
 
-/* Mean of `seen` over the azimuths of a slope t, on paper. */
+/* Returns the mean of seen() over the azimuths of facets with slope t, in closed form. */
 static double seen_of_ring(struct cml_vec v, double t)
 {
     const double along = t * (double)v.x, z = (double)v.z;
@@ -111,7 +111,7 @@ static double seen_of_ring(struct cml_vec v, double t)
     return (sqrt(along * along - z * z) - z * acos(z / along)) / PI;
 }
 
-/* The area that a packet sees of the whole surface is |v.z| |Lambda|: by quadrature, substituting share =
+/* The area that a packet sees of the whole surface is |v.z| |Lambda|. The quadrature substitutes share =
  * sin^2 q, so that the tail of ggx is smooth. */
 static void lambda_is_the_projected_area(void **state)
 {
@@ -144,12 +144,13 @@ static int cell_of(int i, struct cml_vec m)
     return (row < SHARES ? row : SHARES - 1) * TURNS + column;
 }
 
-/* From angles of incidence below and above the horizon, against what quadrature says that a packet sees of
- * each cell of slopes. Cells that hardly anything is seen of are joined. */
+/* Normals drawn from above and below the horizon are counted in cells of slopes and compared with
+ * quadrature over the facets seen. Cells that are hardly visible are joined. */
 static void drawn_normals_are_those_that_are_seen(void **state)
 {
     (void)state;
-    const double angles[] = {150, 105, 70}; /* of flight: 30, 75 and 110 degrees of incidence */
+    const double angles[] = {150, 105,
+                             70}; /* angles of flight; the angles of incidence are 30, 75 and 110 degrees */
     const int draws = repeats(800000);
     for (int i = 0; i < COUNT(surfaces); i++)
         for (int k = 0; k < COUNT(angles); k++) {
@@ -200,9 +201,9 @@ static void drawn_normals_are_those_that_are_seen(void **state)
 
 /* ---- single events ---- */
 
-/* Shares of packets that leave after one facet, reflected and refracted: quadrature over the facets that are
- * seen, with Smith's G2 / G1 for who leaves: (1 + Li) / (1 + Li + Lo) upwards, (1 + Li) B(1 + Li, 1 + Lo)
- * beyond. The facet's optics are P5's in long double. */
+/* Computes the shares of packets that leave after a single facet, reflected and refracted. It integrates
+ * over the facets seen, with Smith's G2 / G1 as the chance to leave: (1 + Li) / (1 + Li + Lo) upwards, (1
+ * + Li) B(1 + Li, 1 + Lo) downwards. The optics of a facet are those of rule P5 in long double. */
 static void first_order(int i, double degrees, double n1, double n2, double *mirrored, double *through)
 {
     const struct cml_vec v = at_angle(180 - degrees), up = {v.x, v.y, -v.z};
@@ -274,8 +275,8 @@ static void packets_leave_after_one_facet_as_smiths_shadowing_says(void **state)
 
 enum { RINGS = 6, BINS = 2 * RINGS };
 
-/* Reciprocity: n1^2 W P of bins of equal cosine-weighted solid angle W, on both sides, is symmetric; its sums
- * say that light that is even on both sides stays even. */
+/* Reciprocity: n1^2 W P is symmetric, where the bins of both sides have equal cosine-weighted solid angle
+ * W. Its sums say that isotropic light on both sides stays isotropic. */
 static void events_are_reciprocal(void **state)
 {
     (void)state;
@@ -320,12 +321,12 @@ static void events_are_reciprocal(void **state)
                     pairs++;
                 }
         }
-    /* Sidak's limit of some 1000 pairs at 1e-4 is 5.33; their squares sum to chi-square. */
+    /* Sidak's limit for some 1000 pairs at 1e-4 is 5.33; the sum of squares is chi-square */
     if (!(worst < 5.33 && chi_square_p(sum, pairs) > 1e-4))
         fail_msg("chi-square %g of %d pairs, the worst z %g", sum, pairs, worst);
 }
 
-/* A mirror turns all light back; the share that stays is the product over all facets. */
+/* A backing reflects all directions; the weight kept is the product of its reflectances over all facets. */
 static void a_backing_reflects_at_every_facet(void **state)
 {
     (void)state;
@@ -345,7 +346,8 @@ static void a_backing_reflects_at_every_facet(void **state)
     assert_true(more > 1000);
 }
 
-/* Directions and normals that are level, upright, and nearly so: finite units, and the side is that of z. */
+/* Directions and normals that are horizontal, vertical or nearly so give finite unit vectors, on the side
+ * that z says. */
 static void extreme_directions_end(void **state)
 {
     (void)state;

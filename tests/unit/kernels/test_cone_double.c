@@ -1,3 +1,3 @@
-/* SPDX-License-Identifier: MIT */
+/* Runs the cases of cone_cases.h in double precision. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "unit/kernels/cone_cases.h"

@@ -1,5 +1,5 @@
-/* The events of kernels/walk.h that keep a mean, roulette and the rounding of absorbed weight; steps that end
- * on a plane; facets beside a tip. SPDX-License-Identifier: MIT */
+/* Tests of kernels/walk.h: events that keep a mean (roulette, rounding of absorbed weight), steps that end
+ * on a plane, and facets near the tip of a cone. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "detector.h"
 #include "walk.h"
@@ -13,7 +13,8 @@
 
 static const struct cml_stream stream = {.key = {7, 0, 0, 0}};
 
-/* 1e6 packets of weight w, of which survivors weigh `after`: their mean against w, z below 4.9. */
+/* Plays roulette with 1e6 packets of weight w, whose survivors weigh `after`. Their mean weight must be w,
+ * with z below 4.9. */
 static void play(struct cml_roulette_rule rule, cml_u32 w, cml_u32 after)
 {
     const double n = 1e6, p = (double)w / after;
@@ -49,7 +50,7 @@ static void heavy_packets_play_no_roulette(void **state)
     }
 }
 
-/* Original MCML: a chance of a tenth, exactly, which is 429496730 words of 2^32. */
+/* The roulette of original MCML lets exactly a tenth survive, 429496730 words of 2^32. */
 static void the_rule_of_mcml_lets_a_tenth_survive(void **state)
 {
     (void)state;
@@ -61,14 +62,15 @@ static void the_rule_of_mcml_lets_a_tenth_survive(void **state)
     }
 }
 
-/* How many branches come of a packet, each of whose parts wants `parts` again. */
+/* Returns how many branches come of a packet if each of its parts asks to be split into `parts` again. */
 static double family(struct cml_branches *to, struct cml_packet packet, cml_u32 parts)
 {
     const cml_u32 now = cml_parts_of(to, &packet, packet.w / parts);
     return now > 1 ? now - 1 + now * family(to, packet, parts) : 0;
 }
 
-/* Half may be lost where it does not come out even. Roulette moves what is left to those that survive. */
+/* Splitting ends. Up to half of the allowed branches may stay unused if they cannot be shared evenly.
+ * Roulette returns branches of dead packets to the survivors. */
 static void a_family_ends(void **state)
 {
     (void)state;
@@ -83,7 +85,7 @@ static void a_family_ends(void **state)
     assert_int_equal(cml_spent_after(1000, 10, 25), 0);
 }
 
-/* The mean over all values of the 16 random bits. */
+/* Returns the mean absorbed weight over all values of the 16 random bits. */
 static double mean_absorbed(cml_u32 w, real absorb)
 {
     double sum = 0;
@@ -91,8 +93,8 @@ static double mean_absorbed(cml_u32 w, real absorb)
     return sum / 65536;
 }
 
-/* Far less than one unit per interaction is still absorbed in the mean, to 2^-17 units: of the least that may
- * be asked for to 4e-4 of it. */
+/* An interaction may absorb far less than one unit of weight. The mean is still right to 2^-17 units,
+ * which is 4e-4 of the smallest allowed absorption. */
 static void absorbed_weight_is_rounded_without_bias(void **state)
 {
     (void)state;
@@ -114,9 +116,10 @@ static struct cml_vec random_direction(struct dice *dice)
     return (struct cml_vec){(real)u[0], (real)u[1], (real)u[2]};
 }
 
-/* A packet below the plane, side +1, or above it, -1, whose step ends exactly at the plane or one rounding
- * off: it either crosses, and stands on z = 0, or interacts; then it has not crossed, wherever rounding put
- * it, and does so at once when it heads outwards, never when it heads back. */
+/* A step ends exactly at a plane or one rounding off it. The packet is below the plane (side +1) or above
+ * it (side -1).
+ * It either crosses and stands on z = 0, or interacts. A packet that interacts has not crossed, wherever
+ * rounding put it: it crosses at once if it then heads outwards, and never if it heads back. */
 static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
 {
     (void)state;
@@ -149,8 +152,8 @@ static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
     assert_true(crossed > 90000 && stayed > 180000);
 }
 
-/* Whatever a packet meets, it leaves on the side of the facet that it is then on, and one that leads away
- * from the facet already, as rounding beside the tip of a cone has it, goes on as it came. */
+/* A packet leaves every facet on its new side. Near the tip of a cone, rounding may give a packet that
+ * already leads away from the facet; it goes on in its direction. */
 static void no_packet_is_reflected_into_its_facet(void **state)
 {
     (void)state;
@@ -180,15 +183,16 @@ static struct cml_vec unit(struct cml_vec v)
     return (struct cml_vec){(real)(v.x / size), (real)(v.y / size), (real)(v.z / size)};
 }
 
-/* A direction in the plane that a unit vector is normal to. */
+/* Returns a direction perpendicular to a unit vector. */
 static struct cml_vec random_direction_in_plane(struct dice *dice, struct cml_vec normal)
 {
     const struct cml_vec v = random_direction(dice);
     return unit(cml_along(v, -cml_dot(v, normal), normal));
 }
 
-/* Normals that turn light into the plane of its facet but for rounding, where it would meet the facet's
- * neighbours for ever: it leaves clearly, and the facet is counted. */
+/* Shading normals may turn light into the plane of its facet, but for rounding, where it would meet
+ * neighbouring facets for ever. The direction is therefore turned clearly away from the facet, and the
+ * event is counted. */
 static void no_shading_normal_turns_light_into_a_facets_plane(void **state)
 {
     (void)state;
@@ -215,7 +219,7 @@ static void no_shading_normal_turns_light_into_a_facets_plane(void **state)
     assert_true(reflected > 10000 && crossed > 10000);
 }
 
-/* Against as many points of the circle. */
+/* The share of a circle that a detector sees agrees with counting points on the circle. */
 static void a_detector_sees_its_arc_of_a_circle(void **state)
 {
     enum { POINTS = 20000 };

@@ -1,5 +1,5 @@
-/* The heads of result files: whole ones, cut and changed ones, those of other programs.
- * SPDX-License-Identifier: MIT */
+/* Tests of reading the heads of result files: whole files, cut files, changed files, and files of other
+ * programs. SPDX-License-Identifier: MIT */
 #include "lib/mco_case.h"
 
 #include "output/files/hdf5_file.h"
@@ -9,14 +9,14 @@
 
 #define SUM "0123456789abcdef"
 
-/* A whole file of ours; the caller frees the text. */
+/* Returns the text of a whole .mco of this program; the caller frees it. */
 static char *whole_mco(void)
 {
     static const char ours[] =
         "\n# clustermcml 1.0\n# scene a\n\nse_RAT # Standard errors\n0\nnan\n1E-05\n0.5\n"
         "\nbooks # weight\n1 # launched\n0 # gained\n\nA_body # in each body\n0.3\n\n# end\n";
     char *head = case_replace(case_open, "this run.", "this run.   Last line: # end   Identity: " SUM);
-    strcat(head, ours); /* case_replace leaves room */
+    strcat(head, ours); /* case_replace leaves room behind the text */
     return head;
 }
 
@@ -51,7 +51,7 @@ static void a_cut_mco_is_refused(void **state)
     free(text);
 }
 
-/* A changed digit is not noticed, and the comment of head.h says so. */
+/* A damaged .mco is refused. A changed digit is not noticed, as the comment of head.h says. */
 static void a_changed_mco_is_refused(void **state)
 {
     static const struct {
@@ -82,7 +82,7 @@ static void a_changed_mco_is_refused(void **state)
     free(text);
 }
 
-/* Of original MCML, and of programs that repeat the .mci with its comments. */
+/* Files of original MCML, and of programs that repeat the .mci with its comments. */
 static void files_of_other_programs(void **state)
 {
     static const char copied[] =
@@ -116,7 +116,8 @@ static void steps(const void *context, size_t begin, size_t count, double *out)
     for (size_t i = 0; i < count; i++) out[i] = (double)(begin + i) * 0.37;
 }
 
-/* The bytes of an .h5 file with one array, which is not of a run where it is not called Rd. */
+/* Returns the bytes of an .h5 file with one array. A file of a run has an array Rd; another name makes it
+ * a file of another kind. */
 static char *h5_bytes(void **state, const char *array, double photons, size_t *size)
 {
     static const struct cml_axis axis = {"r", "radius", "cm", 300, 0.05, 0.1, NULL};
@@ -143,7 +144,7 @@ static void h5_files(void **state)
     size_t size, refused = 0;
     if (!cml_hdf5_available()) skip();
     char *bytes = h5_bytes(state, "path", 1e6, &size);
-    assert_true(reads(state, "x.h5", bytes, size, &head)); /* of saved packets */
+    assert_true(reads(state, "x.h5", bytes, size, &head)); /* a file of saved packets */
     assert_true(head.photons == 0);
     free(bytes);
     bytes = h5_bytes(state, "Rd", 0.5, &size);
@@ -155,14 +156,14 @@ static void h5_files(void **state)
     assert_string_equal(head.identity, SUM);
     for (size_t length = 0; length < size; length += 1 + size / 500)
         assert_false(reads(state, "x.h5", bytes, length, &head));
-    for (size_t at = 0; at + 16 < size; at += 16) { /* a hole wherever something stands */
+    for (size_t at = 0; at + 16 < size; at += 16) { /* blanks out 16 bytes wherever some are not 0 */
         char kept[16];
         memcpy(kept, bytes + at, 16);
         memset(bytes + at, 0, 16);
         refused += !reads(state, "x.h5", bytes, size, &head);
         memcpy(bytes + at, kept, 16);
     }
-    assert_true(refused > 1300 / 16); /* what 300 numbers take at least, deflated */
+    assert_true(refused > 1300 / 16); /* least size of 300 numbers, deflated */
     free(bytes);
 }
 

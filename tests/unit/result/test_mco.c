@@ -1,5 +1,5 @@
-/* Writing result files: the bytes, what other programs' readers find in them, and files that are not lost.
- * SPDX-License-Identifier: MIT */
+/* Tests of writing .mco files: their bytes, the numbers that other programs' readers find in them, and
+ * that no file is lost. SPDX-License-Identifier: MIT */
 #include "lib/mco_case.h"
 #include "result/mco.h"
 
@@ -7,7 +7,7 @@
 
 #include <sys/stat.h>
 
-/* What a run writes behind the sections of MCML, for the grid of case_open. */
+/* The sections that this program adds behind those of MCML, for the grid of case_open. */
 static const char ours[] =
     "\n# clustermcml 1.0\n# engine cpu, seed 7, run 2, packets are scored at their first exit\n"
     "# sampling lattice, roulette below 0.001 to 0.1\n# set layer1.mua = 2\n"
@@ -132,7 +132,8 @@ static char *joined(const char *head, const char *tail)
     return strcat(text, tail);
 }
 
-/* 17.6 s is 0.00489 h, which would print as 0.00, but the file's 18 s is 0.005 h. */
+/* Hours are computed from the printed seconds: 17.6 s are 0.00489 h, which would print as 0.00, but the
+ * file says 18 s, which are 0.005 h. */
 static void the_hours_are_those_of_the_printed_seconds(void **state)
 {
     struct cml_outcome mco;
@@ -144,14 +145,14 @@ static void the_hours_are_those_of_the_printed_seconds(void **state)
     free(expected);
 }
 
-/* Line `number` of the text, from 1. */
+/* Returns line `number` of the text, from 1. */
 static const char *line_of(const char *text, int number)
 {
     for (int line = 1; line < number; line++) text = strchr(text, '\n') + 1;
     return text;
 }
 
-/* What getmcml.m has to find on a line that it knows by its number alone: these numbers at its start. */
+/* Lines that getmcml.m knows by their number alone, and the numbers that must begin them. */
 struct counted {
     int line, count;
     double values[5];
@@ -191,7 +192,8 @@ static void a_reader_that_counts_lines(void **state)
     }
 }
 
-/* As CONV does: the keys one after the other by the start of a line, then so many numbers over any lines. */
+/* Reads a section as CONV does: it finds the key at the start of a line, after the previous key, then
+ * `count` numbers over any lines. Returns the text behind them. */
 static const char *conv_section(const char *text, const char *key, int count, double *values)
 {
     while (strncmp(text, key, strlen(key)) != 0) text = strchr(text, '\n') + 1;
@@ -221,7 +223,7 @@ static void a_reader_that_searches_keys(void **state)
     const char *at = text;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         double values[6] = {0};
-        const int rat = strcmp(table[i].key, "RAT") == 0; /* one number per line, the rest is a comment */
+        const int rat = strcmp(table[i].key, "RAT") == 0; /* RAT has one number per line, then a comment */
         at = conv_section(at, table[i].key, rat ? 1 : table[i].count, values);
         assert_true(values[0] == table[i].first);
         if (table[i].count > 0 && !rat) assert_true(values[table[i].count - 1] == table[i].last);
@@ -254,7 +256,7 @@ static void what_cannot_be_written_is_named(void **state)
 
 static void a_read_only_directory_is_reported(void **state)
 {
-    if (geteuid() == 0) skip(); /* nothing is read-only for root */
+    if (geteuid() == 0) skip(); /* root may write read-only files */
     case_write_bytes(state, "old.mco", "old", 3);
     assert_int_equal(chmod(*state, 0500), 0);
     assert_unwritable(state, "old.mco", "old.mco: cannot be written (Permission denied)");

@@ -1,4 +1,4 @@
-/* From tallies to densities: what is divided by comes back when it is multiplied with.
+/* Tests of scaling tallies to densities: a density multiplied by its divisors gives the tally again.
  * SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
@@ -14,7 +14,8 @@ static void rings_make_up_the_disk(void **state)
     assert_near("area", sum, CML_PI, 1e-13);
 }
 
-/* By as much as the header says, the midpoint values are larger than 2 pi and pi. */
+/* The solid angles of all bins add up to 2 pi (projected: pi), once the known error of midpoint values is
+ * divided out. */
 static void angles_make_up_the_hemisphere(void **state)
 {
     (void)state;
@@ -31,7 +32,8 @@ static void angles_make_up_the_hemisphere(void **state)
     }
 }
 
-/* 64 packets, one to a batch, of which half is absorbed in one cell, and half leaves in another, up. */
+/* 64 packets, one per batch: half of the weight is absorbed in one cell, and half leaves upwards in
+ * another. Densities integrate to these totals. */
 static void densities_integrate_to_totals(void **state)
 {
     (void)state;

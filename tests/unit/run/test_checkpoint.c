@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of checkpoints: saving, loading, finished runs, parts of a run, and every kind of damaged file.
+ * SPDX-License-Identifier: MIT */
 #include "run/checkpoint.h"
 #include "lib/dice.h"
 
@@ -15,7 +16,7 @@ static const struct cml_tally_grid grid = {.nr = 3,
                                            .absorption = true,
                                            .saved = {.limit = 3, .media = 4, .beams = 1}};
 static const char identity[] = "program x\nseed 1\ninput a.mci of 3 bytes, crc32 00000001\n";
-enum { BEGIN = 64, END = 128 }; /* of the round */
+enum { BEGIN = 64, END = 128 }; /* photon indices of the round */
 static char path[64];
 static struct cml_error err, note;
 
@@ -33,7 +34,7 @@ static struct cml_result new_result(uint32_t seed)
     cml_u128 *cell = cml_result_cells(&result, &cells);
     for (size_t i = 0; seed && i < cells; i++) cell[i] = (cml_u128)dice_word(&dice) << (i % 90);
     for (int i = 0; seed && i < CML_NUM_COUNTS; i++) result.summary.count[i] = dice_word(&dice);
-    result.summary.count[CML_COUNT_PHOTONS] = END - seed - 2; /* what save() does not leave open */
+    result.summary.count[CML_COUNT_PHOTONS] = END - seed - 2; /* photons that save() does not leave open */
     if (seed) cml_lost_list_add(&result.summary.lost, seed);
     for (uint64_t i = 0; seed && i < 5; i++) {
         uint64_t row[13] = {seed + 90 - 20 * i, i};
@@ -143,7 +144,7 @@ static void one_older_is_kept_and_used_when_the_new_one_is_damaged(void **state)
         assert_int_equal(truncate(path, size), 0);
         assert_reads(5);
     }
-    assert_int_equal(unlink(path), 0); /* as a crash between the two renames leaves it */
+    assert_int_equal(unlink(path), 0); /* the state after a crash between the two renames */
     assert_reads(5);
     assert_string_not_equal(note.text, "");
     save(7);
@@ -180,7 +181,7 @@ static void that_of_another_run_is_refused_with_the_reason(void **state)
     assert_non_null(strstr(err.text, "'' there, 'input b.obj' here"));
 }
 
-/* Places in the file of save(5): the head's numbers, then the identity, two ranges, the summary. */
+/* Offsets in the file of save(5): the numbers of the head, then the identity, two ranges, the summary. */
 enum {
     AT_ORDER = 24,
     AT_VERSION = 32,
@@ -195,7 +196,7 @@ enum {
     AT_SECONDS = 112,
     AT_PART = 120,
     AT_PARTS = 128,
-    AT_RECORDED = 152, /* of every kind, 8 bytes each */
+    AT_RECORDED = 152, /* counts of each kind, 8 bytes each */
     AT_NUM_LAYERS = AT_RECORDED + 8 * CML_RECORDED_LAYERS,
     AT_NUM_EXPECTED = AT_RECORDED + 8 * CML_RECORDED_EXPECTED,
     AT_NUM_DETECTORS = AT_RECORDED + 8 * CML_RECORDED_DETECTORS,
@@ -207,7 +208,7 @@ enum {
     AT_LOST = AT_SUMMARY + offsetof(struct cml_summary, lost.index)
 };
 
-/* Puts a number into the file and makes its checksum right again. */
+/* Writes a value at an offset of the file and makes the checksum right again. */
 static void forge(long place, const void *value, size_t size)
 {
     static unsigned char bytes[1 << 16];
@@ -241,7 +242,7 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         uint64_t value;
         size_t size;
     } cases[] = {
-        {AT_IDENTITY_SIZE, UINT64_MAX, 8}, /* wraps to a buffer of no bytes */
+        {AT_IDENTITY_SIZE, UINT64_MAX, 8}, /* wraps to an empty buffer */
         {AT_IDENTITY_SIZE, UINT64_MAX - 1, 8},
         {AT_IDENTITY_SIZE, 1u << 20, 8}, /* longer than the file */
         {AT_JSON_SIZE, UINT64_MAX, 8},
@@ -250,43 +251,43 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_NUM_RANGES, UINT64_MAX, 8},
         {AT_NUM_CELLS, 0, 8},
         {AT_NUM_CELLS, UINT64_MAX, 8},
-        {AT_NUM_SAVED, 2, 8}, /* one is left */
+        {AT_NUM_SAVED, 2, 8}, /* one row is left over */
         {AT_NUM_SAVED, 4, 8},
         {AT_NUM_SAVED, UINT64_MAX, 8},
-        {AT_FOUND, 2, 8}, /* fewer than are there */
+        {AT_FOUND, 2, 8}, /* fewer found than saved */
         {AT_FOUND, END + 1, 8},
         {AT_BEGIN, END, 8}, /* a round without photons */
         {AT_BEGIN, END + 1, 8},
         {AT_END, 0, 8},
         {AT_END, UINT64_MAX, 8},
-        {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite */
-        {AT_SECONDS, 0xbff0000000000000u, 8}, /* -1 */
+        {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite time */
+        {AT_SECONDS, 0xbff0000000000000u, 8}, /* time of -1 s */
         {AT_NUM_LAYERS, CML_RECORD_MEDIA + 1, 8},
-        {AT_NUM_LAYERS, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_LAYERS, UINT64_MAX, 8}, /* -1 layers */
         {AT_NUM_EXPECTED, CML_RECORD_MEDIA + 2, 8},
-        {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 */
+        {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 expected values */
         {AT_NUM_DETECTORS, CML_RECORD_MEDIA + 1, 8},
-        {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 */
-        {AT_NUM_FLUXES, 1, 8},             /* not four of a body */
-        {AT_RANGES, 127, 8},               /* {127, 5}: beyond the end */
-        {AT_RANGES, UINT64_MAX - 2, 8},    /* first + count wraps */
-        {AT_RANGES, 63, 8},                /* before the round */
-        {AT_RANGES, 70, 8},                /* overlaps {70, 2} */
-        {AT_RANGES + 8, 0, 8},             /* empty */
-        {AT_RANGES + 8, 4, 8},             /* one index neither flown nor open */
+        {AT_NUM_DETECTORS, UINT64_MAX, 8}, /* -1 detectors */
+        {AT_NUM_FLUXES, 1, 8},             /* not four fluxes per body */
+        {AT_RANGES, 127, 8},               /* range {127, 5}: beyond the end */
+        {AT_RANGES, UINT64_MAX - 2, 8},    /* range whose first + count wraps */
+        {AT_RANGES, 63, 8},                /* range before the round */
+        {AT_RANGES, 70, 8},                /* range that overlaps {70, 2} */
+        {AT_RANGES + 8, 0, 8},             /* empty range */
+        {AT_RANGES + 8, 4, 8},             /* one index is neither flown nor open */
         {AT_PHOTONS, END - 6, 8},
         {AT_LOST_COUNT, 1u << 20, 4},
-        {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 */
-        {AT_LOST, END, 8},               /* no index of this run */
+        {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 lost packets */
+        {AT_LOST, END, 8},               /* index outside the run */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_forged_is_refused(cases[i].place, cases[i].value, cases[i].size);
     const long last = size_of(path) - 8 - (long)cml_saved_row_bytes(4);
-    assert_forged_is_refused(last, END, 8);     /* no index of this run */
-    assert_forged_is_refused(last, 90 - 65, 8); /* not above that of the row before */
+    assert_forged_is_refused(last, END, 8);     /* index outside the run */
+    assert_forged_is_refused(last, 90 - 65, 8); /* not above the row before */
 }
 
-/* Of another program, another machine or another version, though the checksum is right. */
+/* A checkpoint of another program, machine or version is refused, though its checksum is right. */
 static void what_cannot_be_understood_is_refused(void **state)
 {
     (void)state;
@@ -312,7 +313,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     }
 }
 
-/* Opening a pipe for reading waits for a writer, and a device may have no end. */
+/* A checkpoint must be a regular file: opening a pipe for reading waits for a writer, and a device may
+ * never end. */
 static void what_is_no_regular_file_is_refused(void **state)
 {
     (void)state;
@@ -338,7 +340,8 @@ static void a_finished_run_says_so(void **state)
     assert_false(cml_checkpoint_look(path).tallies);
 }
 
-/* With its record, and its tallies where they were kept and are asked for. */
+/* A finished run can be continued with its record, and with its tallies if they were kept and are asked
+ * for. */
 static void a_finished_run_can_be_gone_on_with(void **state)
 {
     (void)state;
@@ -374,7 +377,7 @@ static void a_finished_run_can_be_gone_on_with(void **state)
     cml_result_free(&again);
 }
 
-/* A file may not grow beyond this many bytes: what a full disk does. */
+/* Limits the size of files (bytes), which then fail like on a full disk. */
 static void limit_files(rlim_t bytes)
 {
     struct rlimit limit;
@@ -415,7 +418,8 @@ static int choose_path(void **state)
     return 0;
 }
 
-/* Every turn is in one part, in order, also where there are more parts than turns. */
+/* Parts of a run share the turns of photons: each turn is in one part, in order, even if there are more
+ * parts than turns. */
 static void parts_share_all_turns(void **state)
 {
     (void)state;
@@ -433,7 +437,8 @@ static void parts_share_all_turns(void **state)
         }
 }
 
-/* A part holds nothing of the rounds before its own, and what it was called with. */
+/* The checkpoint of a part says which part it is. It holds the settings of its call, and nothing of the
+ * rounds before the part's own. */
 static void a_part_says_whose_it_is(void **state)
 {
     (void)state;

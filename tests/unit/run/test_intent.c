@@ -1,11 +1,12 @@
-/* What a run has to do, for every combination of what it may find. SPDX-License-Identifier: MIT */
+/* Tests of the decision to start, continue, extend or refuse a run, for every combination of files and
+ * options that it may find. SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
 #include "lib/require.h"
 
 enum { NO, YES, ANY, ANY_KIND = CML_CHECKPOINT_FINISHED + 1 };
 
-/* The first row that fits decides. */
+/* Rules in order; the first row that fits decides. */
 static const struct {
     int extends, resumes, kind, tallies, result_gone, result_stands, kept;
     enum cml_run_intent intent;

@@ -1,12 +1,12 @@
-/* A flight that takes longer than it may. SPDX-License-Identifier: MIT */
+/* Tests of a flight that takes longer than its time limit. SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 #include "lib/require.h"
 
 #include "engine/engines.h"
 #include "run/run.h"
 
-/* Light inside a layer that absorbs nothing, 1e5 mean free paths from either side: 1e10 steps to the end of a
- * packet. */
+/* A scene with light inside a layer without absorption, 1e5 mean free paths from either side: a packet
+ * takes 1e10 steps. */
 static const char *const deep =
     "1.0\n1\nx.mco A\nbeam pencil z=1e3\n1000\n.01 .01\n10 10 1\n1\n1.0\n1.0 0 100 0 2e3\n1.0\n";
 static const char *const thin = "1.0\n1\nx.mco A\n1000\n.01 .01\n10 10 1\n1\n1.0\n1.0 1 10 0 .1\n1.0\n";
@@ -41,7 +41,8 @@ static void packets_that_hardly_end_are_given_up(void **state)
         assert_string_equal(err.text,
                             "x.mco: packets hardly end: 1000 were not flown in 0.05 s (plan --photons "
                             "waits for them)");
-        assert_int_equal(fly(state, thin, engines[i], &err), CML_OK); /* the next flight is another matter */
+        assert_int_equal(fly(state, thin, engines[i], &err),
+                         CML_OK); /* a later flight of another scene is not affected */
     }
 }
 

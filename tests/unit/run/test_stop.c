@@ -1,4 +1,4 @@
-/* Signals of a run by a clock of this test's own: which of them stop it, and which end the process.
+/* Tests, with a fake clock, of which signals stop a run cleanly and which end the process at once.
  * SPDX-License-Identifier: MIT */
 #include "run/stop.h"
 
@@ -11,7 +11,7 @@
 
 static long milliseconds = 5000;
 
-/* Instead of the C library's. */
+/* Fake clock that replaces the C library's. */
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
     (void)clock;
@@ -19,7 +19,7 @@ int clock_gettime(clockid_t clock, struct timespec *t)
     return 0;
 }
 
-/* The exit code of a process like this one that gets a signal at this time, 0 where it lives on. */
+/* Returns the exit code of a child process that gets a signal at this time; 0 if it survives. */
 static int code_of(int number, long time)
 {
     const pid_t child = fork();
@@ -51,7 +51,7 @@ static void only_a_later_signal_ends_the_process(void **state)
         assert_int_equal(code_of(numbers[i], 5999), 0);
         assert_int_equal(code_of(numbers[i], 6002), 128 + numbers[i]);
     }
-    milliseconds = 5500; /* the second counts from the first */
+    milliseconds = 5500; /* the second is measured from the first signal */
     raise(SIGINT);
     assert_int_equal(code_of(SIGINT, 6002), 128 + SIGINT);
 }

@@ -1,4 +1,5 @@
-/* What a run's sums say of it. SPDX-License-Identifier: MIT */
+/* Tests of the verdict on a run: too many lost packets, or energy books that do not balance, are an error.
+ * SPDX-License-Identifier: MIT */
 #include "lib/require.h"
 
 #include "run/run.h"
@@ -10,7 +11,8 @@ static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layer
 static char output[] = "x.mco";
 static const struct cml_scene scene = {.output = output};
 
-/* 2e6 packets, of which `lost` were lost with all their weight; the others were reflected. */
+/* Returns a result of 2e6 packets. `lost` packets were lost with all their weight; the others were
+ * reflected. */
 static struct cml_result flown(uint64_t lost)
 {
     struct cml_result result;

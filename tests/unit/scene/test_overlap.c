@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of the check that boundaries do not overlap: planes, radial fields and meshes, against each other
+ * and against themselves. SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 #include "scene/overlap_sheet.h"
 #include "scene/radial.h"
@@ -25,7 +26,7 @@ static double draw(void)
     return (double)(random_state >> 11) * 0x1p-53;
 }
 
-/* Heights up, as the user thinks of them. */
+/* Height of a surface; positive is up, as in files. */
 typedef double height_function(double x, double y);
 
 static double flat(double x, double y)
@@ -34,7 +35,7 @@ static double flat(double x, double y)
     return 0.0;
 }
 
-/* 1 in the middle, 0 on the border of [-1, 1]^2. */
+/* Returns the height of a pyramid: 1 in the middle, 0 on the border of [-1, 1]^2. */
 static double pyramid(double x, double y)
 {
     return 1.0 - fmax(fabs(x), fabs(y));
@@ -65,7 +66,7 @@ static struct cml_mesh prepare(struct cml_mesh mesh)
     return mesh;
 }
 
-/* A square [-1, 1]^2 of n x n cells, two triangles each, shifted by (x, y). */
+/* Returns a square [-1, 1]^2 of n x n cells with two triangles each, shifted by (x, y). */
 static struct cml_mesh sheet(size_t n, double x, double y, height_function *height)
 {
     struct cml_mesh mesh = {.num_vertices = (n + 1) * (n + 1), .num_triangles = 2 * n * n};
@@ -87,8 +88,8 @@ static struct cml_mesh sheet(size_t n, double x, double y, height_function *heig
     return prepare(mesh);
 }
 
-/* A profile in x, z that is pulled along y from -1 to 1 in `n` strips. Not a boundary, because its ends stay
- * open: for cml_sheet_against_itself alone, which does not mind. */
+/* Returns a profile in x, z that is pulled along y from -1 to 1 in `n` strips. Its ends are open, so it is
+ * no boundary; it serves cml_sheet_against_itself alone, which accepts open ends. */
 static struct cml_mesh pulled(size_t points, const double (*profile)[2], size_t n)
 {
     struct cml_mesh mesh = {.num_vertices = points * (n + 1), .num_triangles = 2 * (points - 1) * n};
@@ -130,7 +131,7 @@ static struct cml_boundary mesh(double z, struct cml_mesh made)
     return (struct cml_boundary){.form = CML_FORM_MESH, .z = z, .mesh = made, .line = 7};
 }
 
-/* NULL: no overlap. */
+/* Expects this message for n boundaries; NULL: no overlap. */
 static void expect(int n, struct cml_boundary *boundaries, const char *message)
 {
     char file[] = "a.mci";
@@ -174,12 +175,12 @@ static void test_fields(void **state)
         "a.mci:7: boundaries 0 and 1 cross at (0.1 0 0.07) cm: boundary 0 reaches 0.02 cm below boundary 1");
     expect_two(plane(0.0), radial(0.05, 3, r, up), "a.mci:7: boundaries 0 and 1 touch at (0.1 0 0) cm");
     expect_two(plane(0.0), radial(0.05, 3, r, tip), "a.mci:7: boundaries 0 and 1 touch at (0 0 0) cm");
-    /* a ring of the lower one between rings of the upper one decides: 0.05 against 0.035 */
+    /* a ring of the lower field between rings of the upper one decides: 0.05 against 0.035 */
     expect_two(radial(0.0, 3, r, h), radial(0.075, 4, r_fine, h_fine), NULL);
     expect_two(
         radial(0.0, 3, r, h), radial(0.05, 4, r_fine, h_fine),
         "a.mci:7: boundaries 0 and 1 cross at (0.1 0 0.07) cm: boundary 0 reaches 0.02 cm below boundary 1");
-    /* parallel surfaces */
+    /* parallel surfaces do not overlap */
     expect_two(radial(0.0, 3, r, h), radial(1e-3, 3, r, h), NULL);
     expect_two(radial(0.0, 3, r, h), radial(0.0, 3, r, h), "a.mci:7: boundaries 0 and 1 touch at (0 0 0) cm");
     struct cml_boundary thin[] = {radial(0.0, 3, r, h), radial(0.01, 3, r, h), plane(0.05)};
@@ -206,7 +207,7 @@ static void test_mesh_and_plane(void **state)
                "a.mci:7: boundaries 0 and 1 touch at (-1 -1 0) cm");
 }
 
-/* The field passes between the mesh's vertices. */
+/* A field that passes between the vertices of a mesh is still found to overlap. */
 static void test_mesh_and_field(void **state)
 {
     (void)state;
@@ -223,7 +224,8 @@ static void test_mesh_and_field(void **state)
     expect_two(mesh(0.1, sheet(2, 2.5, 0.0, hill)), radial(0.301, 4, far, spike), NULL);
 }
 
-/* Least gap over a fine grid of every triangle and of the surroundings. */
+/* Returns the least gap between a mesh and a field, over a fine grid on every triangle and around the
+ * mesh. */
 static double least_gap(const struct cml_mesh *mesh, double z, const struct cml_radial_surface *field)
 {
     double least = INFINITY;
@@ -258,7 +260,7 @@ static void test_field_against_dense_sampling(void **state)
         cml_radial_against_mesh(&field, &made, footprint, 0.0, true, &closest);
         const double sampled = least_gap(&made, 0.0, &field);
         assert_true(closest.gap <= sampled + 1e-15);
-        assert_true(closest.gap > sampled - 0.05); /* the grid misses the extremum by a little */
+        assert_true(closest.gap > sampled - 0.05); /* the grid misses the minimum by a little */
         const double height = cml_radial_height(&rings, hypot(closest.at[0], closest.at[1]));
         assert_true(fabs(0.5 - height - closest.at[2] - closest.gap) < 1e-15);
         cml_footprint_free(footprint);
@@ -273,7 +275,7 @@ static void test_meshes(void **state)
     expect_two(
         mesh(0.0, sheet(6, 0.0, 0.0, pit)), mesh(0.01, sheet(7, 0.1, 0.0, flat)),
         "a.mci:7: boundaries 0 and 1 cross at (0 0 0.3) cm: boundary 0 reaches 0.29 cm below boundary 1");
-    /* the same grid: every crossing passes exactly through edges */
+    /* equal grids: every crossing passes exactly through edges */
     expect_two(
         mesh(0.0, sheet(4, 0.0, 0.0, pit)), mesh(0.25, sheet(4, 0.0, 0.0, hill)),
         "a.mci:7: boundaries 0 and 1 cross at (0 0 0.3) cm: boundary 0 reaches 0.35 cm below boundary 1");
@@ -284,14 +286,14 @@ static void test_meshes(void **state)
     expect_two(
         mesh(0.02, sheet(2, 0.0, 0.0, hill)), mesh(0.0, sheet(2, 3.0, 0.0, pit)),
         "a.mci:7: boundaries 0 and 1 cross at (-1 -1 0.02) cm: boundary 0 reaches 0.02 cm below boundary 1");
-    /* a peak that pierces the outer plane of the other one */
+    /* a peak of one mesh pierces the outer plane of the other */
     expect_two(mesh(0.0, sheet(2, 0.0, 0.0, hill)), mesh(0.2, sheet(2, 5.0, 0.0, hill)),
                "a.mci:7: boundaries 0 and 1 cross at (5 0 0) cm: boundary 0 reaches 0.1 cm below boundary 1");
-    /* interlocked far apart: nothing meets */
+    /* the hills are far apart: nothing meets */
     expect_two(mesh(0.0, sheet(2, 0.0, 0.0, pit)), mesh(0.02, sheet(2, 0.0, 0.0, pit)), NULL);
 }
 
-/* Depth of a sheet over (x, y); NAN beside it. */
+/* Returns the depth of a sheet at (x, y); NAN outside of it. */
 static double depth_at(const struct cml_mesh *made, double x, double y)
 {
     for (size_t t = 0; t < made->num_triangles; t++) {
@@ -315,7 +317,7 @@ static double gap_at(const struct cml_mesh *a, const struct cml_mesh *b, double 
     return isnan(gap) ? INFINITY : gap;
 }
 
-/* Where two edges cross as seen from above. */
+/* Returns the vertical gap between two edges at the point where they cross, seen from above. */
 static double gap_at_edges(const struct cml_mesh *a, const struct cml_mesh *b, size_t i, size_t j)
 {
     const double *p = a->vertex[a->triangle[i / 3][i % 3]], *q = a->vertex[a->triangle[i / 3][(i + 1) % 3]];
@@ -327,7 +329,8 @@ static double gap_at_edges(const struct cml_mesh *a, const struct cml_mesh *b, s
     return gap_at(a, b, p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]));
 }
 
-/* The gap of two piecewise linear sheets is least at a vertex of either or where edges cross. */
+/* Returns the least gap between two piecewise linear sheets. It occurs at a vertex of either sheet or
+ * where edges cross. */
 static double least_gap_of_meshes(const struct cml_mesh *a, const struct cml_mesh *b)
 {
     double least = INFINITY;
@@ -340,7 +343,7 @@ static double least_gap_of_meshes(const struct cml_mesh *a, const struct cml_mes
     return least;
 }
 
-/* Two rough sheets, moved together until they all but touch, and until they just cross. */
+/* Two rough sheets are moved together until they almost touch, and until they just cross. */
 static void test_meshes_against_all_pairs(void **state)
 {
     (void)state;
@@ -360,13 +363,13 @@ static void test_meshes_against_all_pairs(void **state)
     }
 }
 
-/* Long edges that cross between vertices: two ridges at right angles. */
+/* Two ridges at right angles meet where their long edges cross, between vertices. */
 static void test_edges_cross_between_vertices(void **state)
 {
     (void)state;
     struct cml_mesh made[2];
     for (int i = 0; i < 2; i++) {
-        /* a roof over the rectangle |x| <= 3, |y| <= 1 (i = 0, upside down) or the other way round */
+        /* a roof over the rectangle |x| <= 3, |y| <= 1 (i = 0, upside down) or over |x| <= 1, |y| <= 3 */
         const double sign = i == 0 ? -1.0 : 1.0;
         const double corner[6][3] = {{-3, -1, 0}, {3, -1, 0},   {3, 1, 0},
                                      {-3, 1, 0},  {-2, 0, 0.5}, {2, 0, 0.5}};
@@ -412,7 +415,7 @@ static struct cml_sheet_overlap check_self(struct cml_mesh *made)
 static void test_self(void **state)
 {
     (void)state;
-    /* a mushroom's profile, and one whose stem is wider at its foot than the cap reaches down */
+    /* a mushroom's profile, and one whose cap reaches out over the border */
     const double fine[][2] = {{-2, 0},  {-0.5, 0.01}, {-0.5, 1},   {-1, 1.2}, {0, 2},
                               {1, 1.2}, {0.5, 1},     {0.5, 0.01}, {2, 0}};
     const double loop[][2] = {{-2, 0}, {1, 0.5}, {0.5, 2}, {-0.5, 2}, {-1, 0.5}, {2, 0}};
@@ -444,7 +447,7 @@ static void test_rough_sheets_do_not_cross_themselves(void **state)
     assert_int_equal(check_self(&made).contact, CML_APART);
 }
 
-/* A hill with one vertex of its left flank pulled through it and out of the right one. */
+/* A hill crosses itself: one vertex of its left flank is pulled through it and out of the right flank. */
 static void test_message_of_a_crossing_sheet(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* So many boundaries that comparing every pair would take hours. SPDX-License-Identifier: MIT */
+/* Tests of the overlap check with so many boundaries that testing every pair would take hours.
+ * SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include <setjmp.h>
@@ -11,7 +12,7 @@
 
 static char file[] = "a.mci";
 
-/* Cones one below the other, each over the depths of thousands of others. */
+/* Cones, one below the other; each spans the depths of thousands of others. */
 static void boundaries_by_the_hundred_thousand_are_compared(void **state)
 {
     enum { LAYERS = 100000, SAMPLES = 16 };
@@ -34,7 +35,7 @@ static void boundaries_by_the_hundred_thousand_are_compared(void **state)
     free(boundaries);
 }
 
-/* All at one depth, where planes may lie; what is no plane above or below them may not. */
+/* Boundaries that all lie at one depth. Planes may; a curved boundary above or below a plane may not. */
 static void planes_without_a_layer_between_them_are_compared(void **state)
 {
     enum { LAYERS = 100000 };

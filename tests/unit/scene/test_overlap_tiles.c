@@ -1,5 +1,5 @@
-/* The overlap check of tiles: against planes, other tiles, and what they cannot be compared with.
- * SPDX-License-Identifier: MIT */
+/* Tests of the overlap check of tiles against planes, other tiles, and boundaries that they cannot be
+ * compared with. SPDX-License-Identifier: MIT */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 
 #include "scene/scene.h"
 
-/* 3 x 2 heights, 0.1 cm apart; the highest at (0.1, 0.1), the lowest at (0.2, 0). */
+/* Heights of a tile, 3 x 2, 0.1 cm apart; the highest at (0.1, 0.1), the lowest at (0.2, 0). */
 static double waves[] = {0, 0, -0.25, 0, 0.125, 0};
 static double level[] = {0.125, 0.125, 0.125, 0.125, 0.125, 0.125};
 
@@ -29,7 +29,7 @@ static struct cml_boundary radial(double z, int n, double *r, double *h)
     return (struct cml_boundary){.form = CML_FORM_RADIAL, .z = z, .line = 7, .radial = {n, r, h}};
 }
 
-/* NULL: no overlap. */
+/* Expects this message for two boundaries; NULL: no overlap. */
 static void expect_two(struct cml_boundary upper, struct cml_boundary lower, const char *message)
 {
     char file[] = "a.mci";
@@ -43,7 +43,8 @@ static void expect_two(struct cml_boundary upper, struct cml_boundary lower, con
     assert_int_equal(status, message ? CML_E_INPUT : CML_OK);
 }
 
-/* Exact against planes and tiles of the same cells; else apart, or refused. */
+/* Tiles are compared exactly with planes and with tiles of equal cells. Other boundaries must lie at other
+ * depths or are refused. */
 static void tiles_are_compared_exactly_or_refused(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of radial profiles: which points of a profile become one straight interval.
+ * SPDX-License-Identifier: MIT */
 #include "scene/radial.h"
 
 #include <float.h>
@@ -61,7 +62,7 @@ static void test_drops_straight_runs_and_tails(void **state)
     expect(COUNT(r), r, h, 3, (const int[]){0, 2, 5});
 }
 
-/* Radii that are sums of spacings are off by ulps; a straight flank must still become one interval. */
+/* Radii that are sums of spacings are off by roundings. A straight flank must still become one interval. */
 static void test_sees_through_rounding(void **state)
 {
     (void)state;
@@ -74,7 +75,7 @@ static void test_sees_through_rounding(void **state)
     cml_radial_clear(&to);
 }
 
-/* Bends of an ulp each must not add up to a different surface. */
+/* Bends of one rounding each must not add up to a different surface. */
 static void test_small_bends_do_not_add_up(void **state)
 {
     (void)state;

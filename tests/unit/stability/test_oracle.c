@@ -1,5 +1,5 @@
-/* The index of the atlas' oracle (tests/stability): the same answers as from the list of all triangles.
- * SPDX-License-Identifier: MIT */
+/* Tests of the spatial index of the oracle of tests/stability: it gives the same answers as the list of
+ * all triangles. SPDX-License-Identifier: MIT */
 #include "stability/oracle.c"
 #include "stability/oracle_grid.c"
 
@@ -14,7 +14,8 @@ struct pair {
     struct oracle indexed, listed;
 };
 
-/* The power draws the patch's vertices together in its middle: 1 leaves them, more makes cells of many. */
+/* Makes a patch of triangles, with the index and without. `power` draws vertices to the middle of the
+ * patch: 1 leaves them in place, more makes cells with many triangles. */
 static void make_pair(struct pair *pair, double power, double height, double shear)
 {
     patch_make(&patch, 7, height, shear, 0, 0);
@@ -41,7 +42,7 @@ static void free_pair(struct pair *pair)
     cml_mesh_surface_free(pair->def.mesh);
 }
 
-/* A point of the sheet moved by 1e-17 to 1, in every other case along one axis only. */
+/* Draws a point of the sheet, moved by 1e-17 to 1, in every other case along one axis only. */
 static void choose_point(const struct oracle *oracle, struct dice *dice, double q[3])
 {
     const struct place place = oracle_place(oracle, (enum place_kind)dice_below(dice, 3), dice);

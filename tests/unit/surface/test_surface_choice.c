@@ -1,4 +1,5 @@
-/* What auto takes for which boundary, and how fine a tessellation is. SPDX-License-Identifier: MIT */
+/* Tests of `auto`, which chooses how each boundary is represented (plane, rings, mesh), and of the
+ * fineness of a tessellation. SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 #include "surface/surface.h"
 
@@ -17,7 +18,7 @@
         .force = CML_SURFACE_AUTO, .tessellation = {.normals = CML_NORMALS_ANALYTIC}, .tolerance = 1e-3      \
     }
 
-/* n samples of a zigzag of this height over half a centimetre, ending at 0. */
+/* A radial zigzag: n samples of this height over half a centimetre, ending at 0. */
 struct zigzag {
     struct cml_radial radial;
     double *numbers;
@@ -34,7 +35,7 @@ static struct zigzag make_zigzag(int n, double height)
     return z;
 }
 
-/* Measured: rings cost next to nothing, and a mesh would be biased. */
+/* Rings are chosen: measurements show that they cost next to nothing, and a mesh would have a bias. */
 static void cones_cost_less_than_a_mesh_and_have_no_bias(void **state)
 {
     (void)state;
@@ -44,7 +45,7 @@ static void cones_cost_less_than_a_mesh_and_have_no_bias(void **state)
     assert_true(many.query_ns < cml_choice_expect_mesh().query_ns);
 }
 
-/* A forced mesh keeps the tolerance that is asked for; without one the tessellation's own counts. */
+/* A forced mesh keeps the tolerance asked for. Without a tolerance it has the tessellation's own counts. */
 static void the_tolerance_picks_the_tessellation(void **state)
 {
     (void)state;
@@ -63,7 +64,7 @@ static void the_tolerance_picks_the_tessellation(void **state)
         before = mesh.num_triangles;
         cml_mesh_clear(&mesh);
     }
-    options.tessellation.normals = CML_NORMALS_VERTEX; /* whose bias does not shrink */
+    options.tessellation.normals = CML_NORMALS_VERTEX; /* vertex normals: the bias does not shrink */
     assert_true(isinf(cml_choice_expect_tessellation(&options).bias));
     options.tolerance = 0;
     options.tessellation.tolerance = 0.01;
@@ -92,8 +93,8 @@ static void represent(const char *text, const struct cml_surface_options *option
     represent_again(list, options, set);
 }
 
-/* A flat field is the plane in which it lies; what is not flat stays, however small, also where a trial may
- * make it a plane later. */
+/* A flat field is the plane in which it lies. A field with any height stays curved, however small, also if
+ * a trial may make it a plane later. */
 static void only_flat_fields_are_planes(void **state)
 {
     (void)state;
@@ -115,7 +116,7 @@ static void only_flat_fields_are_planes(void **state)
     }
     struct cml_scene_list list;
     struct cml_surface_set set;
-    options.force = CML_SURFACE_PLANE; /* all of them at their nominal depth */
+    options.force = CML_SURFACE_PLANE; /* all planes are at their nominal depth */
     represent(text, &options, &list, &set);
     for (int b = 0; b < 3; b++) {
         assert_int_equal(set.item[b].kind, CML_SURFACE_PLANE);
@@ -126,7 +127,8 @@ static void only_flat_fields_are_planes(void **state)
     cml_scene_list_clear(&list);
 }
 
-/* What it would be as a plane lies where the field ends; its level rings lie there, too. */
+/* A field goes on as its outer plane, at its last height. Level rings of the field lie at that height,
+ * too. */
 static void a_field_goes_on_as_its_outer_plane(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of tessellating radial profiles (cones) into meshes: volume, distance from the cones, slopes,
+ * shapes of triangles. SPDX-License-Identifier: MIT */
 #include "surface/tessellate.h"
 
 #include <float.h>
@@ -33,13 +34,13 @@ static void corners(const struct cml_mesh *mesh, size_t t, const double *v[3])
     for (int k = 0; k < 3; k++) v[k] = mesh->vertex[mesh->triangle[t][k]];
 }
 
-/* Seen from above, positive where the triangle faces up. */
+/* Returns the area of a triangle seen from above; positive if it faces up. */
 static double plan_area(const double *const v[3])
 {
     return -0.5 * ((v[1][0] - v[0][0]) * (v[2][1] - v[0][1]) - (v[1][1] - v[0][1]) * (v[2][0] - v[0][0]));
 }
 
-/* Area of the footprint, and volume between the sheet and z = 0 (heights count up). */
+/* Computes the area of the footprint and the volume between the sheet and z = 0 (heights are positive up). */
 static void measure(const struct cml_mesh *mesh, double *area, double *volume)
 {
     *area = *volume = 0.0;
@@ -63,7 +64,7 @@ static double exact_volume(const struct cml_radial *radial)
     return volume;
 }
 
-/* Radius of the cones at height h; the heights of `radial` must fall strictly. */
+/* Returns the radius of the cones at height h; the heights of `radial` must fall strictly. */
 static double cone_radius(const struct cml_radial *radial, double h)
 {
     int i = 0;
@@ -72,7 +73,7 @@ static double cone_radius(const struct cml_radial *radial, double h)
     return radial->r[i] + t * (radial->r[i + 1] - radial->r[i]);
 }
 
-/* Largest radial distance between mesh and cones, by a grid of points on every triangle. */
+/* Returns the largest radial distance between mesh and cones, over a grid of points on every triangle. */
 static double largest_deviation(const struct cml_mesh *mesh, const struct cml_radial *radial)
 {
     double largest = 0.0;
@@ -90,7 +91,7 @@ static double largest_deviation(const struct cml_mesh *mesh, const struct cml_ra
     return largest;
 }
 
-/* Longest edge over least height. */
+/* Returns the largest ratio of longest edge to least height over all triangles. */
 static double worst_shape(const struct cml_mesh *mesh)
 {
     double worst = 0.0;
@@ -134,7 +135,8 @@ static void test_one_cone(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* Rings with equal counts are similar polygons: the volume is exact, however irregular they are. */
+/* Rings with equal counts of vertices are similar polygons, so the volume is exact for any radii and
+ * heights. */
 static void test_volume_of_equal_counts(void **state)
 {
     (void)state;
@@ -149,7 +151,7 @@ static void test_volume_of_equal_counts(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* 12 rings, wide and narrow, that need different counts. */
+/* Returns 12 rings, wide and narrow, that need different counts. */
 static struct cml_radial irregular(double *r, double *h)
 {
     const double width[] = {0.01, 0.03, 0.1, 0.02, 0.02, 0.3, 0.04, 0.2, 0.01, 0.015, 0.4, 0.1};
@@ -174,9 +176,9 @@ static void test_deviation(void **state)
             const double allowed = options.tolerance * radial.r[radial.n - 1];
             const double deviation = largest_deviation(&mesh, &radial);
             assert_true(deviation <= allowed * (1 + 1e-9) + 1e-15);
-            assert_true(deviation >= 0.1 * allowed); /* not finer than needed */
+            assert_true(deviation >= 0.1 * allowed); /* the mesh is not finer than needed */
             assert_null(mesh.slope);
-            if (i > 1) assert_true(deviation < last / 14.0); /* counts x 4: second order */
+            if (i > 1) assert_true(deviation < last / 14.0); /* counts x 4: the error is of second order */
             last = deviation;
             cml_mesh_clear(&mesh);
         }
@@ -194,7 +196,7 @@ static void test_volume_converges(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* Every triangle's slope is that of the interval it lies in. */
+/* Every triangle has the slope of the interval in which it lies. */
 static void test_slopes(void **state)
 {
     (void)state;
@@ -249,7 +251,7 @@ static void test_regular_rings_make_no_needles(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* A ring far narrower than its neighbours: fewer needles, in balance, not a million. */
+/* A ring far narrower than its neighbours gets few needle-shaped triangles, not a million triangles. */
 static void test_narrow_ring(void **state)
 {
     (void)state;
@@ -283,7 +285,7 @@ static void test_thousand_rings(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* Polygons of different counts bulge differently; rings closer than that must not fold. */
+/* Polygons of different counts bulge differently. Rings closer to each other than the bulge must not fold. */
 static void test_close_rings_do_not_fold(void **state)
 {
     (void)state;

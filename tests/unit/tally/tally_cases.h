@@ -1,4 +1,4 @@
-/* What the tests of tallies and results share: small grids, and packets scored into them.
+/* Helpers of the tests of tallies and results: small grids, and packets scored into them.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -9,8 +9,8 @@
 
 static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
 
-/* The same with two pixels and the one outside, eight voxels and the one outside, their fluence, two facets.
- */
+/* A grid with maps: two pixels and the one outside, eight voxels and the one outside, their fluence, and
+ * two facets. */
 static const struct cml_tally_grid map_grid = {.nr = 3,
                                                .nz = 4,
                                                .na = 2,
@@ -39,7 +39,8 @@ static inline struct cml_result make_result(const struct cml_tally_grid *of, uin
     return result;
 }
 
-/* One packet of weight 2^31 that leaves in the given cell after half of it was absorbed. */
+/* Scores one packet of weight 2^31: half is absorbed in cell (r, z), half leaves in cell (r, a), up or
+ * down. */
 static inline void score(struct cml_tally *tally, int r, int a, int z, bool up)
 {
     const uint64_t half = (uint64_t)1 << 30;
@@ -59,7 +60,7 @@ static inline void score_at_random(struct dice *dice, struct cml_tally *tally, i
               dice_below(dice, 2));
 }
 
-/* All of the tally, whatever was noted of it before. */
+/* Adds the whole tally to a batch of the result, including what was noted of the tally before. */
 static inline void add_to_batch(struct cml_result *result, int batch, struct cml_tally *tally)
 {
     memset(tally->last_sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->last_sums);

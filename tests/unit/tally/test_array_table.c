@@ -1,11 +1,11 @@
-/* The table of arrays: how many cells each has, where they lie, and that no two arrays share one.
- * SPDX-License-Identifier: MIT */
+/* Tests of the table of arrays: the number of cells of each array, its place, and that no two arrays share
+ * a cell. SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
 #include "tally/groups.h"
 
-/* 3 radii, 4 depths, 2 angles, 5 media, 6 gates, 2 detectors with 5 pixels, 3 expected values, a map of 7 by
- * 2 pixels with 2 angles, 56 voxels, 8 directions, 11 facets. */
+/* A grid with every array: 3 radii, 4 depths, 2 angles, 5 media, 6 gates, 2 detectors with 5 pixels, 3
+ * expected values, a map of 7 by 2 pixels with 2 angles, 56 voxels, 8 directions, 11 facets. */
 static const struct cml_tally_grid of_all = {.nr = 3,
                                              .nz = 4,
                                              .na = 2,
@@ -35,7 +35,7 @@ static const struct cml_tally_grid of_all = {.nr = 3,
 
 enum { T = CML_NUM_TOTALS, B = CML_NUM_BALANCE_TERMS, F = 11 * CML_FACET_SCORES };
 
-/* Cells of one array by hand, of a tally, a result, profiles, bins and grids of rows. */
+/* Cells of each array, counted by hand, in a tally, a result, profiles, bins and grids of rows. */
 static const size_t sizes[CML_NUM_ARRAYS][5] = {
     [CML_ARRAY_totals] = {0, T, T, 0, 0},
     [CML_ARRAY_terms] = {0, 0, 0, B, 0},
@@ -95,13 +95,14 @@ static void every_array_has_the_cells_of_its_axes(void **state)
     }
 }
 
-/* Checkpoints hold results in this order, and devices have the first arrays of a tally. */
+/* Checkpoints store results in this order of arrays, and devices have the first arrays of a tally; the
+ * places must stay. */
 static void places_are_those_of_checkpoints(void **state)
 {
     (void)state;
     struct cml_tally_grid of = of_all;
     cml_tally_set_groups(&of);
-    of.map_once.step = of.pixel_once.step = 0; /* they have squares */
+    of.map_once.step = of.pixel_once.step = 0; /* these arrays have squares instead of groups */
     const struct cml_layout tally = cml_layout_of(&of, CML_OF_TALLY),
                             result = cml_layout_of(&of, CML_OF_RESULT);
     const size_t batched = 16 * 24 + 77 + 4 * 30 + 16 * 57 + 56 * 16 + 16 * F + 2 * 5 + 16 * 24;
@@ -125,13 +126,14 @@ static void places_are_those_of_checkpoints(void **state)
     assert_int_equal(result.Tt_dir, result.Rd_dir + 8);
 }
 
-/* Not of rows, which the grid above has. */
+/* Absorption by medium and time exists only if it has few cells, and rows do not have it, unlike the grid
+ * above. */
 static void absorption_by_medium_and_time_is_of_few_cells(void **state)
 {
     (void)state;
     struct cml_tally_grid of = of_all;
     of.row_depths = of.row_times = false;
-    for (int gates = 13106; gates <= 13107; gates++) { /* 5 media: 65535 and 65540 cells */
+    for (int gates = 13106; gates <= 13107; gates++) { /* with 5 media: 65535 and 65540 cells */
         of.gates = gates;
         const bool few = gates == 13106;
         const struct cml_layout tally = cml_layout_of(&of, CML_OF_TALLY),
@@ -173,7 +175,7 @@ static struct cml_tally_grid random_grid(struct dice *dice)
     return dice_below(dice, 3) ? of : cml_tally_grid_of_thread(&of);
 }
 
-/* Marks the cells of an array, part by part: none may be marked before. */
+/* Marks the cells of an array, part by part; a cell must not be marked twice. */
 static void mark(const struct cml_layout *layout, int array, unsigned char *seen)
 {
     for (size_t part = 0; part < layout->parts[array]; part++)
@@ -201,7 +203,7 @@ static void arrays_fill_their_block_and_share_no_cell(void **state)
     }
 }
 
-/* A thread has cells of its own but for arrays that all share; it borrows those of the owner. */
+/* A thread has its own cells of most arrays. Arrays that all threads share are borrowed from the owner. */
 static void threads_borrow_what_they_have_not(void **state)
 {
     (void)state;
@@ -217,8 +219,8 @@ static void threads_borrow_what_they_have_not(void **state)
     cml_tally_free(&owner);
 }
 
-/* Gates lie side by side: radius and gate of a cell decide where its weight comes to. What lies beyond the
- * last radius is in the last bin, what is later than all gates in the array behind. */
+/* Gates lie side by side: radius and gate choose the cell of a weight. Light beyond the last radius is in
+ * the last bin, and light later than all gates is in the array behind. */
 static void radii_have_gates_side_by_side(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Photons dealt to several beams: whole numbers by largest remainder, every photon once, and after an
- * extension those of one run of all. SPDX-License-Identifier: MIT */
+/* Tests of dealing photons to several beams: whole numbers by largest remainder, every photon once. A run
+ * that is extended flies the same photons as one long run. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/require.h"
 
@@ -34,7 +34,7 @@ static void numbers_are_known(void **state)
     }
 }
 
-/* Marks what a round flies, in seen[beam][index], which nothing may be twice. */
+/* Flies a round. Marks each photon in seen[beam][index]; no photon may occur twice. */
 static void fly(struct cml_deal *deal, uint64_t begin, uint64_t end, unsigned char seen[MOST][SPAN])
 {
     struct cml_error err;
@@ -53,7 +53,7 @@ static void fly(struct cml_deal *deal, uint64_t begin, uint64_t end, unsigned ch
     }
 }
 
-/* The points of a beam in a batch are the first ones of its lattice. */
+/* A beam flies the first points of its lattice in each batch, without gaps. */
 static void rounds_are_one_run(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* What a run says that an error costs. SPDX-License-Identifier: MIT */
+/* Tests of cml_result_times_to, which estimates how many times longer a run must be to reach a given
+ * error. SPDX-License-Identifier: MIT */
 #include "lib/require.h"
 
 #include "tally/result.h"
@@ -7,8 +8,8 @@
 
 static const struct cml_tally_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 1};
 
-/* 6400 photons. In half of the batches 30 of a batch's 100 are reflected, in the others 10: 0.2 of
- * all, and a standard error of 0.1 sqrt(64 / 63) / sqrt(64). Nothing is transmitted. */
+/* Returns a result of 6400 photons. Half of the batches reflect 30 of 100 photons, the others 10: 0.2 in
+ * the mean, with a standard error of 0.1 sqrt(64 / 63) / sqrt(64). Nothing is transmitted. */
 static struct cml_result flown(void)
 {
     struct cml_result result;
@@ -38,7 +39,7 @@ static void what_was_not_seen_takes_for_ever(void **state)
     (void)state;
     struct cml_result result = flown();
     assert_true(isinf(cml_result_times_to(&result, CML_TOTAL_TRANSMITTED, 0.01)));
-    for (int b = 0; b < CML_NUM_BATCHES; b++) /* as many from every batch: no spread */
+    for (int b = 0; b < CML_NUM_BATCHES; b++) /* the same number from every batch: no spread */
         result.totals[b * CML_NUM_TOTALS + CML_TOTAL_REFLECTED] = (cml_u128)20 << 31;
     assert_true(isinf(cml_result_times_to(&result, CML_TOTAL_REFLECTED, 0.01)));
     cml_result_free(&result);

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of ranges of photon indices: taking pieces, giving them back, and sharing them among processes.
+ * SPDX-License-Identifier: MIT */
 #include "tally/ranges.h"
 #include "lib/dice.h"
 
@@ -19,7 +20,7 @@ static void an_empty_set_gives_nothing(void **state)
     cml_ranges_clear(&ranges);
 }
 
-/* Takes pieces of random size, gives some of them back, as ranks do that stop in the middle of a range. */
+/* Takes pieces of random size and gives some of them back, like ranks that stop in the middle of a range. */
 static void every_index_is_flown_once(void **state)
 {
     (void)state;
@@ -54,7 +55,7 @@ static void many_ranges_fit(void **state)
     cml_ranges_clear(&ranges);
 }
 
-/* Of ranges of any size, against indices one by one. */
+/* Compares ranges of any size with marking indices one by one. */
 static void what_is_not_mine_goes_to_others(void **state)
 {
     (void)state;

@@ -1,10 +1,10 @@
-/* Results: what tallies add up to, in which bins, with which errors. SPDX-License-Identifier: MIT */
+/* Tests of results: sums of tallies, their bins, and their standard errors. SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
 #include "tally/groups.h"
 #include "tally/piece.h"
 
-/* One unit too many in any of these cells shows. */
+/* Checks that one unit too many in any of these cells is noticed. */
 static void assert_every_cell_counts(const struct cml_result *result, cml_u128 *const *cells, int count)
 {
     assert_true(cml_result_imbalance(result) == 0);
@@ -37,7 +37,7 @@ static void a_broken_map_does_not_balance(void **state)
                                &result.facets[CML_FACET_IRRADIANCE_BELOW],
                                &result.facets[CML_FACET_SCORES + CML_FACET_EXITANCE_ABOVE]};
     assert_every_cell_counts(&result, cells, COUNT(cells));
-    /* what a backing keeps has arrived at its facets */
+    /* light kept by a backing has arrived at its facets */
     result.summary.balance[CML_BALANCE_LAUNCHED] = result.summary.balance[CML_BALANCE_BACKING] = 1;
     assert_true(cml_result_imbalance(&result) != 0);
     result.facets[CML_FACET_IRRADIANCE_ABOVE] = 1;
@@ -45,7 +45,8 @@ static void a_broken_map_does_not_balance(void **state)
     cml_result_free(&result);
 }
 
-/* Of 1000 packets, 250 end in a pixel with half their weight: mean 1/8, mean square 1/16. */
+/* 250 of 1000 packets end in a pixel with half their weight: mean 1/8, mean square 1/16. The error follows
+ * from these. */
 static void the_error_of_what_a_packet_adds_once(void **state)
 {
     (void)state;
@@ -60,8 +61,8 @@ static void the_error_of_what_a_packet_adds_once(void **state)
                 1e-12);
 }
 
-/* Two cells of each group. One packet in all has the error that it has alone, its weight over all packets; as
- * much in every group has none. */
+/* Two cells of each group: a single packet has the error that it has alone, its weight over all packets;
+ * equal weights in all groups have an error of 0. */
 static void the_error_of_what_groups_add_once(void **state)
 {
     (void)state;
@@ -77,7 +78,7 @@ static void the_error_of_what_groups_add_once(void **state)
     assert_true(cml_result_once_error(&result, cells, 2, once) == 0);
 }
 
-/* Batches differ by at most one packet, and are all that there is. */
+/* Sizes of batches differ by at most one packet and add up to all packets. */
 static void every_photon_belongs_to_one_batch(void **state)
 {
     (void)state;
@@ -94,7 +95,8 @@ static void every_photon_belongs_to_one_batch(void **state)
     }
 }
 
-/* A round, place by place: every photon once, batch after batch, each as point i / 64 of batch i mod 64. */
+/* The places of a round hold every photon once, batch after batch; photon i is point i / 64 of batch i mod
+ * 64. */
 static void places_hold_every_photon_once(void **state)
 {
     (void)state;
@@ -153,7 +155,8 @@ static void a_result_has_the_margins_of_its_batches(void **state)
     cml_result_free(&result);
 }
 
-/* One tally for many batches, in any order and several times each, is worth as much as one for each. */
+/* One tally that serves many batches, in any order and several times each, gives the same result as one
+ * tally per batch. */
 static void a_tally_may_serve_many_batches(void **state)
 {
     (void)state;
@@ -164,7 +167,7 @@ static void a_tally_may_serve_many_batches(void **state)
         struct cml_tally piece = make_tally(&grid);
         const int batch = dice_below(&dice, CML_NUM_BATCHES);
         score_at_random(&dice, &piece, 10);
-        piece.Rd_ra[3 * 2 + 1] = 5; /* beyond the grid, too */
+        piece.Rd_ra[3 * 2 + 1] = 5; /* a cell beyond the grid */
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
         cml_tally_move(&all, &piece);
@@ -186,7 +189,7 @@ static void a_tally_may_serve_many_batches(void **state)
     cml_result_free(&apart);
 }
 
-/* P7: what lies beyond the grid goes into the last or first bin, and is counted. */
+/* Rule P7: weight beyond the grid goes into the last or first bin, and is counted. */
 static void cells_beyond_the_grid_go_into_its_rim(void **state)
 {
     (void)state;
@@ -195,9 +198,9 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
     tally.Rd_ra[3 * 2 + 1] = 1;
     tally.Tt_ra[3 * 2] = 2;
     tally.A_rz[1 * 6 + 0] = 4;  /* r bin 1, z < 0 */
-    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, too deep */
-    tally.A_rz[3 * 6 + 2] = 16; /* too far out, z bin 1 */
-    tally.A_rz[3 * 6 + 5] = 32; /* both */
+    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, below the grid */
+    tally.A_rz[3 * 6 + 2] = 16; /* r beyond the grid, z bin 1 */
+    tally.A_rz[3 * 6 + 5] = 32; /* r and z beyond the grid */
     add_to_batch(&result, 7, &tally);
     assert_true(result.Rd_ra[2 * 2 + 1] == 1 && result.Rd_r[7 * 3 + 2] == 1 && result.Rd_a[7 * 2 + 1] == 1);
     assert_true(result.Tt_ra[2 * 2] == 2 && result.Tt_r[7 * 3 + 2] == 2 && result.Tt_a[7 * 2] == 2);
@@ -211,7 +214,7 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
     cml_result_free(&result);
 }
 
-/* Batch 7: gates 1 and 2 of Rd_t, and what is later; absorption in gate 0. */
+/* Batch 7 has weight in gates 1 and 2 of Rd_t and after the last gate, and absorption in gate 0. */
 static void gates_are_kept_by_batch_and_balance(void **state)
 {
     (void)state;
@@ -266,7 +269,7 @@ static void a_broken_cell_does_not_balance(void **state)
     cml_tally_free(&tally);
 }
 
-/* Against the same formula written out, with batches of unequal size; and for independent packets it must
+/* Errors equal their formula written out, with batches of unequal size. For independent packets they also
  * agree with the binomial error. */
 static void errors_are_the_spread_of_batches(void **state)
 {
@@ -292,7 +295,7 @@ static void errors_are_the_spread_of_batches(void **state)
     cml_result_free(&result);
 }
 
-/* A total is a profile of one bin. */
+/* A total has the error of a profile with one bin. */
 static void the_error_of_a_total_is_that_of_its_bins(void **state)
 {
     (void)state;
@@ -316,7 +319,7 @@ static void the_error_of_a_total_is_that_of_its_bins(void **state)
     cml_result_free(&result);
 }
 
-/* One photon in each group, of which one leaves its weight in the cell: 1/16 +- sqrt(1/16 15/16 / 15). */
+/* Each group has one photon. One of them leaves its weight in the cell: 1/16 +- sqrt(1/16 15/16 / 15). */
 static void the_error_of_a_cell_comes_of_its_groups(void **state)
 {
     (void)state;
@@ -343,7 +346,7 @@ static void one_photon_has_no_error(void **state)
     cml_tally_free(&tally);
 }
 
-/* 2^48 packets in one cell, and tallies as full as they may get. */
+/* A result holds 2^48 packets in one cell, and tallies as full as they may get, without overflow. */
 static void a_result_does_not_overflow(void **state)
 {
     (void)state;
@@ -375,7 +378,7 @@ static struct cml_summary random_summary(struct dice *dice)
     return summary;
 }
 
-/* Ranks are summed in whatever tree MPI likes. */
+/* Summaries of ranks can be added in any order, as MPI may choose any tree. */
 static void summaries_merge_in_any_order(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Tests of saved packets: which rows are kept within a limit, their order, and merging of buffers.
+ * SPDX-License-Identifier: MIT */
 #include "tally/saved.h"
 #include "lib/dice.h"
 
@@ -13,14 +14,14 @@ static void take(void *context, const void *rows, size_t count)
     cml_saved_add(context, rows, count);
 }
 
-/* Row i of beam i mod beams: of each beam every third index. */
+/* Returns the photon index of row i, of beam i mod beams. Every third index of a beam is used. */
 static uint64_t index_of(int i, int beams)
 {
     return ((uint64_t)(i % beams) << CML_SOURCE_SHIFT) + 3 * (uint64_t)(i / beams);
 }
 
-/* Such indices, of one beam 0, 3, 6 ..., as threads find them: in any order, each of several with a buffer of
- * its own. */
+/* Returns saved packets with every third index of each beam. Several threads find them in any order, each
+ * with a buffer of its own. */
 static struct cml_saved *saved_of_beams(uint32_t seed, uint64_t limit, int beams)
 {
     enum { PARTS = 3 };
@@ -83,7 +84,7 @@ static void the_smallest_indices_stay_in_order(void **state)
     }
 }
 
-/* splitmix64's finaliser, as its authors write it. */
+/* The finaliser of splitmix64 as its authors write it. */
 static uint64_t hash_of(uint64_t z)
 {
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -91,8 +92,8 @@ static uint64_t hash_of(uint64_t z)
     return z ^ (z >> 31);
 }
 
-/* Whatever their shares: rows of the smallest hashes stay; how many photons these cover, those of all photons
- * say. */
+/* Rows of the smallest hashes are kept, whatever the shares of beams. The kept rows say how many photons
+ * they cover of all. */
 static void of_several_beams_a_sample_stays(void **state)
 {
     enum { BEAMS = 3 };
@@ -125,7 +126,8 @@ static void of_several_beams_a_sample_stays(void **state)
     }
 }
 
-/* As a checkpoint or another rank has them: rows that stay, and the number of the others. */
+/* Adding the rows that another rank or a checkpoint kept, and their number of dropped rows, gives the same
+ * rows. */
 static void what_is_added_again_is_the_same(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Tallies: their cells, and how those of threads come together. SPDX-License-Identifier: MIT */
+/* Tests of tallies: their cells, and how tallies of threads are merged. SPDX-License-Identifier: MIT */
 #include "tally/array_table.h"
 
 #include "unit/tally/tally_cases.h"
@@ -23,7 +23,7 @@ static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
     cml_tally_free(&tally);
 }
 
-/* The arrays lie side by side, so every one is filled with numbers of its own. */
+/* Fills every array of the tally with different numbers, because the arrays lie side by side. */
 static void fill(struct cml_tally *tally, uint64_t from)
 {
     for (size_t i = 0; i < cml_tally_cells(&grid); i++) tally->A_l[i] = from++;
@@ -59,7 +59,7 @@ static void moving_takes_every_cell_once(void **state)
     cml_tally_free(&b);
 }
 
-/* The maps of a tally: arrays with their numbers of cells. */
+/* The maps of a tally: pointers to the arrays and their numbers of cells. */
 #define MAPS 6
 static int map_cells(const struct cml_tally *t, uint64_t **cells)
 {
@@ -73,7 +73,8 @@ static int map_cells(const struct cml_tally *t, uint64_t **cells)
     return n;
 }
 
-/* Each group has maps, directions and pixels of its own, or they have squares. */
+/* Returns a grid in which each group has its own maps, directions and pixels, or in which they have
+ * squares. */
 static struct cml_tally_grid grid_of_maps(bool by_group)
 {
     struct cml_tally_grid of = map_grid;
@@ -97,7 +98,8 @@ static void assert_maps_have_cells_of_their_own(const struct cml_tally_grid *of)
     assert_int_equal(cml_tally_cells(of), cml_tally_cells(&grid) + (size_t)n);
     for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
     for (int i = 0; i < n; i++) assert_int_equal(*cells[i], i + 1);
-    for (int i = 0; i < 24; i++) assert_int_equal(a.A_rz[i], 0); /* nor do they overlap with what is before */
+    for (int i = 0; i < 24; i++)
+        assert_int_equal(a.A_rz[i], 0); /* the arrays do not overlap with those before */
     add_to_batch(&result, 0, &a);
     add_to_batch(&result, 1, &a);
     for (int i = 0; i < pixels; i++) assert_true(result.Rd_xya[i] == 2 * a.Rd_xya[i]);
@@ -108,7 +110,7 @@ static void assert_maps_have_cells_of_their_own(const struct cml_tally_grid *of)
     for (int i = 0; i < 6; i++) assert_true(result.Rd_dir[i] == 2 * a.Rd_dir[i]);
     for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
     for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
-        assert_true(result.Rd_r[i] == 0); /* nor what comes behind */
+        assert_true(result.Rd_r[i] == 0); /* nor with those behind */
     cml_result_free(&result);
     cml_tally_zero(&a);
     for (int i = 0; i < n; i++) assert_int_equal(*cells[i], 0);
@@ -124,7 +126,8 @@ static void maps_have_cells_of_their_own(void **state)
     }
 }
 
-/* Arrays of 65536 cells are kept by group, larger ones not; cells of rows count, 16 at least. */
+/* Arrays of up to 65536 cells are kept by group, larger ones are not. Rows count with their cells, at
+ * least 16. */
 static void small_arrays_are_kept_by_group(void **state)
 {
     (void)state;
@@ -144,7 +147,7 @@ static void small_arrays_are_kept_by_group(void **state)
     assert_int_equal(of.direction_once.squares, 3 * 4096);
 }
 
-/* Threads have no maps of their own: merging them leaves the owner's as they are. */
+/* Threads borrow the maps of the owner: merging their tallies leaves the maps unchanged. */
 static void borrowed_maps_are_not_merged(void **state)
 {
     (void)state;
@@ -171,8 +174,8 @@ static void borrowed_maps_are_not_merged(void **state)
     cml_tally_free(&owner);
 }
 
-/* Two threads score into one A_rz, each in a batch of its own: what each has scored there is told apart by
- * its A_z, and comes into the result once. */
+/* Two threads score into one shared A_rz, each in its own batch. Its cells are told apart by each thread's
+ * A_z, and come into the result once. */
 static void threads_that_share_absorption_have_batches_of_their_own(void **state)
 {
     (void)state;
@@ -205,8 +208,8 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
     cml_result_free(&result);
 }
 
-/* What is in a row of late packets is not of the batch under way, but of theirs; rows begin anew once they
- * are cleared. */
+/* Late packets score into rows of their own batches, not of the batch under way. Rows start at 0 again
+ * after they are cleared. */
 static void late_packets_are_noted_in_their_own_batches(void **state)
 {
     (void)state;
@@ -215,7 +218,7 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
     struct cml_result result = make_result(&grid, 1000);
     static const int late[] = {3, 63, 3, 0};
     for (int batch = 10; batch < 12; batch++) {
-        tally.Rd_ra[1 * grid.na] += 100; /* r bin 1, angle 0; half of it by late packets */
+        tally.Rd_ra[1 * grid.na] += 100; /* r bin 1, angle 0; half of it from late packets */
         tally.A_rz[2] += 100;            /* z bin 1 */
         for (int i = 0; i < 4; i++) {
             uint64_t *row = cml_tally_late(&tally, late[i]);
@@ -238,7 +241,7 @@ static void late_packets_are_noted_in_their_own_batches(void **state)
     cml_result_free(&result);
 }
 
-/* Batches 5 and 21 are of one group, 6 is of another: profiles are told apart by batch, cells by group. */
+/* Batches 5 and 21 belong to one group, batch 6 to another: profiles are kept by batch, cells by group. */
 static void groups_have_cells_each(void **state)
 {
     (void)state;
@@ -256,7 +259,7 @@ static void groups_have_cells_each(void **state)
         uint64_t *const late = cml_tally_late(&tally, batch);
         late[at.A_z + 2] += late[at.Tt_r + 1] += late[at.Tt_a + 1] += batch == 5 ? 30 : 7;
     }
-    for (int n = 0; n < 2; n++) { /* the second time nothing has come */
+    for (int n = 0; n < 2; n++) { /* the second time nothing is new */
         cml_tally_sum_batch(&tally, 21);
         cml_result_add_batch(&result, 21, &tally);
         cml_tally_drop_late(&tally);

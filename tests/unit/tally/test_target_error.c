@@ -1,4 +1,4 @@
-/* When --target-error ends a run, on results made up here. SPDX-License-Identifier: MIT */
+/* Tests of when --target-error ends a run, on results made up here. SPDX-License-Identifier: MIT */
 #include "lib/require.h"
 
 #include "tally/target_error.h"
@@ -8,7 +8,7 @@
 static const struct cml_tally_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
 static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
 
-/* Batches take turns in being above and below the share, so that its relative error comes out as asked. */
+/* Sets a total. Batches lie alternately above and below the share, so that it has this relative error. */
 static void set_total(struct cml_result *result, enum cml_total total, double share, double relative)
 {
     const double off = relative * sqrt(CML_NUM_BATCHES - 1);
@@ -21,7 +21,7 @@ static void set_total(struct cml_result *result, enum cml_total total, double sh
     }
 }
 
-/* Rd, A and Tt of 0.3, with a relative error of 0.01. */
+/* Returns a result in which Rd, A and Tt are 0.3 each, with a relative error of 0.01. */
 static struct cml_result flown(uint64_t photons)
 {
     struct cml_result result;
@@ -46,7 +46,8 @@ static void every_total_counts(void **state)
     cml_result_free(&result);
 }
 
-/* 8.3e-4 with an error of 10 % is less than 1e-3 by two errors, with one of 6 % by more than three. */
+/* A total of 8.3e-4 is below the limit 1e-3 by two standard errors if its error is 10 %, and by more than
+ * three if it is 6 %. Only the latter is surely small and left out. */
 static void a_small_total_is_left_out_when_it_surely_is_small(void **state)
 {
     (void)state;
@@ -65,7 +66,8 @@ static void a_small_total_is_left_out_when_it_surely_is_small(void **state)
     cml_result_free(&result);
 }
 
-/* In place of Tt, and small ones, too. Batches have 1000 photons, so a mean of 1e-9 is 2^48 1e-6 units. */
+/* Expected values count instead of Tt, even small ones. Batches have 1000 photons, so a mean of 1e-9 is
+ * 2^48 1e-6 units. */
 static void expected_values_count_however_small(void **state)
 {
     (void)state;
@@ -91,8 +93,7 @@ static void expected_values_count_however_small(void **state)
     cml_result_free(&result);
 }
 
-/* Batches take turns in being above and below a mean of 1e-6 by so much, relative, that it has such an error.
- */
+/* Sets a cell. Batches lie alternately above and below a mean of 1e-6, so that it has this relative error. */
 static void set_cell(cml_u128 *cell, size_t step, double relative)
 {
     const double off = relative * sqrt(CML_NUM_BATCHES - 1);
@@ -100,7 +101,8 @@ static void set_cell(cml_u128 *cell, size_t step, double relative)
         cell[(size_t)b * step] = (cml_u128)(1e-3 / CML_WEIGHT_UNIT * (1 + (b % 2 ? off : -off)));
 }
 
-/* However small, and whatever errors the totals have. */
+/* Quantities that the option names are the only ones that count, however small, whatever errors the totals
+ * have. */
 static void what_is_named_counts_alone(void **state)
 {
     (void)state;

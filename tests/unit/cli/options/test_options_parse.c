@@ -1,5 +1,5 @@
-/* The command line's words: order, values, letters, and who may have what. Expected values are written out.
- * SPDX-License-Identifier: MIT */
+/* Tests of the parser of the command line: order of words, values, one-letter options, and which command
+ * may have which option. Expected values are written out. SPDX-License-Identifier: MIT */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,8 @@
 
 enum { MOST = 16 };
 
-/* Words parted by single blanks; two blanks are an empty word between them. They live until the next call. */
+/* Parses a line whose words are separated by single blanks; two blanks stand for an empty word between
+ * them. The words live until the next call. */
 static cml_status parse(const char *line, struct cml_options *options, struct cml_error *err)
 {
     static char text[512];
@@ -117,7 +118,7 @@ static void names_are_written_out(void **state)
             "--help)");
 }
 
-/* A scene each, and N. */
+/* Returns as many operands as the command needs at least. */
 static const char *operands_of(int command)
 {
     static const char *const operands[] = {" a", " a b", "", " a"};
@@ -125,7 +126,8 @@ static const char *operands_of(int command)
     return least == 0 ? operands[2] : operands[least - 1];
 }
 
-/* All pairs: refused by name where the row does not have the command, else anything but that. */
+/* Tries every pair of option and command. An option that the command does not have is refused by name; any
+ * other pair must not give that message. */
 static void an_option_belongs_to_the_commands_of_its_row(void **state)
 {
     (void)state;
@@ -148,7 +150,7 @@ static void an_option_belongs_to_the_commands_of_its_row(void **state)
     }
 }
 
-/* Behind help an option is what help is wanted on, but for those of every command. */
+/* An option behind `help` is the topic of help, unless it is one of the options that every command has. */
 static void an_option_is_a_topic_of_help(void **state)
 {
     (void)state;
@@ -190,7 +192,7 @@ static void operands_are_counted(void **state)
     assert_true(accepted("--version").version);
 }
 
-/* execve allows an argv without a name. */
+/* execve allows an empty argv, without even a program name. */
 static void no_words_at_all(void **state)
 {
     (void)state;

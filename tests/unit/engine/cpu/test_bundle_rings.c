@@ -1,11 +1,12 @@
-/* Rings met by many packets at a time against the kernels' one at a time, bit for bit, where the two could
- * differ: a root that takes a search, or lies at the path's end, and a direction that the facet overrules.
- * Whole tallies do not show these, they are too rare. Compiled once for each level of the processor.
- * SPDX-License-Identifier: MIT */
+/* Compares the vector search for rings (many packets at a time) with the kernels' search (one packet), bit
+ * for bit.
+ * The cases are those in which the two could differ: a root that takes an iterative search, a root at the
+ * end of the path, and a direction that the facet overrules. Such cases are too rare to show in whole
+ * tallies. The file is compiled once for each level of the processor. SPDX-License-Identifier: MIT */
 #include "lib/cone_oracle.h"
 #include "engine/cpu/engine_cpu.h"
 
-#pragma GCC diagnostic ignored "-Wunused-function" /* of a lane, which none of these is in */
+#pragma GCC diagnostic ignored "-Wunused-function" /* vector functions of one lane, unused here */
 #include "engine/cpu/bundle_curved_hits_inl.h"
 
 static const double turn = 6.283185307179586;
@@ -20,7 +21,7 @@ static int same_vector(struct cml_vec a, real x, real y, real z)
     return same(a.x, x) && same(a.y, y) && same(a.z, z);
 }
 
-/* Length, but for rounding, 1. */
+/* Returns the direction (x, y, z) with a length of 1 but for rounding. */
 static struct cml_vec unit(double x, double y, double z)
 {
     const double size = sqrt(x * x + y * y + z * z);
@@ -38,10 +39,11 @@ static double small_number(struct dice *dice)
 struct made_up {
     struct field field;
     struct cml_surface surface;
-    struct cml_world world; /* its one boundary */
+    struct cml_world world; /* world with one boundary */
 };
 
-/* Half of them of few and wide rings, whose tip is met often. */
+/* Makes a random field of rings and its world. Half of the fields have few and wide rings, so that packets
+ * meet the tip often. */
 static void make_up(struct dice *dice, struct made_up *m)
 {
     static const double r[] = {0, 1, 3};
@@ -62,9 +64,9 @@ static void make_up(struct dice *dice, struct made_up *m)
 }
 
 struct path {
-    struct cml_vec p, u; /* p in the boundary's frame, from the beam's axis */
+    struct cml_vec p, u; /* p: in the boundary's frame, from the beam's axis */
     real t_max;
-    int on_ring; /* that it stands on, or -1 */
+    int on_ring; /* ring that the packet stands on, or -1 */
 };
 
 static int field_hit(const struct made_up *m, const struct path *path, real side, struct cml_hit *hit)
@@ -73,8 +75,8 @@ static int field_hit(const struct made_up *m, const struct path *path, real side
     return cml_intersect_field(&m->world, 0, path->p, path->u, side, s, path->on_ring, 0, hit);
 }
 
-/* A direction to a place of ring i at radius r > 0 and azimuth 0: any; almost in the cone; almost along the
- * cone's line to the tip. */
+/* Draws a direction to a place of ring i at radius r > 0 and azimuth 0. The direction is arbitrary, or
+ * almost in the cone, or almost along the cone's line to the tip. */
 static void direction_to_ring(struct dice *dice, const struct field *field, int i, double u[3])
 {
     const int kind = dice_below(dice, 3);
@@ -84,7 +86,7 @@ static void direction_to_ring(struct dice *dice, const struct field *field, int 
     u[2] = (double)field->slope[i] * u[0] + small_number(dice);
 }
 
-/* To a place on a ring, from some way before it or from where it stands. */
+/* Draws a path to a place on a ring. It starts some way before the ring, or on the ring. */
 static struct path path_to_ring(struct dice *dice, const struct made_up *m)
 {
     const struct field *field = &m->field;
@@ -115,7 +117,8 @@ static real side_of(const struct made_up *m, const struct path *path)
     return ray_height(&m->field, &ray, 0) > 0 ? (real)1 : (real)-1;
 }
 
-/* How far it may go: for ever, or to the root it then has or some roundings from it. */
+/* Draws the length of a path: infinite, or up to its first root, or some roundings shorter or longer than
+ * that. */
 static void end_near_root(struct dice *dice, const struct made_up *m, real side, struct path *path)
 {
     struct cml_hit hit;
@@ -125,7 +128,8 @@ static void end_near_root(struct dice *dice, const struct made_up *m, real side,
     for (int n = dice_below(dice, 4); n > 0; n--) path->t_max = nextafterf(path->t_max, CML_INFINITY);
 }
 
-/* As cml_march_lane and cml_add_hit, from the path's start: 0 when it meets no ring. */
+/* Does for one path what cml_march_lane and cml_add_hit do for a lane, from the path's start. Returns 0 if
+ * the path meets no ring. */
 static int march(const struct made_up *m, const struct path *path, real side, struct cml_hits *h)
 {
     const struct cml_rings rings = cml_rings_of(&m->world, 0);
@@ -154,10 +158,11 @@ static int march(const struct made_up *m, const struct path *path, real side, st
 }
 
 struct seen {
-    long settled, known, missed, at_once, searched, at_end; /* the last three: doubtful */
+    long settled, known, missed, at_once, searched, at_end; /* the last three are of doubtful packets */
 };
 
-/* Doubtful packets are asked for by themselves, so only that others are right matters. */
+/* Compares the vector answer for packet k with the kernels' answer. Doubtful packets are only counted,
+ * because the engine asks the kernels about each of them again. */
 static void compare_settled(const struct made_up *m, const struct path *path, real side,
                             const struct cml_hits *h, int k, struct seen *seen)
 {
@@ -165,7 +170,8 @@ static void compare_settled(const struct made_up *m, const struct path *path, re
     const int found = field_hit(m, path, side, &hit);
     if (h->doubtful[k]) {
         const struct cml_vec q = cml_from_scene_axis(&m->world, hit.point);
-        assert_true(!h->known[k] || (q.x == 0 && q.y == 0)); /* at the tip */
+        assert_true(!h->known[k] ||
+                    (q.x == 0 && q.y == 0)); /* a root known at once is doubtful at the tip only */
         seen->at_once += found && !(hit.t > 0);
         seen->searched += found && hit.t > 0;
         seen->at_end += !found;
@@ -183,12 +189,12 @@ static void compare_settled(const struct made_up *m, const struct path *path, re
                  found, (double)hit.t, hit.primitive);
 }
 
-/* As many packets on one side as a bundle has lanes. */
+/* Sends as many packets as a bundle has lanes from one side to the rings and compares all of them. */
 static void meet_rings(struct dice *dice, const struct made_up *m, real side, struct seen *seen)
 {
     static struct cml_hits h;
     static struct path path[CML_LANES];
-    memset(&h, 0xff, sizeof h); /* what lies behind may be anything */
+    memset(&h, 0xff, sizeof h); /* members behind the count may hold any bytes */
     h.count = 0;
     for (int n = 0; n < 3 * CML_LANES && h.count < CML_LANES; n++) {
         struct cml_hit hit;
@@ -226,7 +232,8 @@ static void packets_meet_rings_where_each_does_by_itself(void **state)
 
 static const double indices[][2] = {{1, 1.4}, {1.4, 1}, {1.33, 1.5}, {1.5, 1.33}, {1.4, 1.4001}, {2.5, 1}};
 
-/* At any angle to the ring; almost in its plane, or leading away from it; about as at the critical angle. */
+/* Draws a direction at a ring with normal n: at any angle, almost in the ring's plane, leading away from
+ * the ring, or near the critical angle. */
 static struct cml_vec direction_at(struct dice *dice, struct cml_vec up, real side, const double n[2])
 {
     const double critical = n[1] < n[0] ? sqrt(1 - n[1] * n[1] / (n[0] * n[0])) : 0;
@@ -242,8 +249,8 @@ static struct cml_vec direction_at(struct dice *dice, struct cml_vec up, real si
     return unit(across * v[0] + more * e[0], across * v[1] + more * e[1], across * v[2] + more * e[2]);
 }
 
-/* A normal of any ring. Some are too long, by far more than rounding makes them: that refracted directions,
- * too, leave on the wrong side is else nothing to wait for. */
+/* Draws a normal of a random ring. Some normals are too long, by far more than rounding makes them.
+ * Otherwise a refracted direction that leaves on the wrong side would be too rare to test. */
 static struct cml_vec normal_of_any(struct dice *dice)
 {
     const double slope = dice_below(dice, 3) ? 10 * small_number(dice) : 0;
@@ -275,7 +282,8 @@ struct turned {
     long through, mirrored, goes_on, through_overruled, mirrored_overruled;
 };
 
-/* Returns how many directions the facet has overruled. */
+/* Compares reflected and refracted directions of the vector code with the kernels'. Returns how many
+ * directions the facet has overruled. */
 static int compare_turned(const struct cml_world *world, real side, const double n[2],
                           const struct cml_hits *before, const struct cml_hits *after, int k,
                           struct turned *sum)

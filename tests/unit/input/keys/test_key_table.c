@@ -1,6 +1,6 @@
-/* Every number of the table of keys, by the reader of scenes and by --set: what lies outside of its range is
- * refused with the range, the bounds are taken. A group of keys without a line below fails.
- * SPDX-License-Identifier: MIT */
+/* Tests every number of the table of keys, in scene files and by --set. Values outside the range are
+ * refused with a message that names the range; the bounds themselves are accepted. A group of keys without
+ * a line in this file fails. SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 
 #include "input/keys/key.h"
@@ -13,8 +13,8 @@
 #define BODY "1\n1\n" LAYER "1\n"
 #define LAST RUN "1\n1\n" LAYER
 
-/* A scene with the line of a group, whose placed numbers stand between `before` and `after`; NULL: it has
- * none. */
+/* A scene with the line of one group of keys. Numbers that belong to a place, not to a word, stand between
+ * `before` and `after`; NULL: the group has none. */
 static const struct line {
     const char *before, *numbers, *after;
 } lines[CML_NUM_KEY_GROUPS] = {
@@ -74,7 +74,7 @@ static bool is_number(const struct cml_key *key)
            key->type == CML_KEY_COUNT;
 }
 
-/* The scene whose line has `value` for the key: the number in its place, or the option. */
+/* Writes a scene whose line sets the key to `value`, at the number's place or as an option. */
 static void write_scene(char text[600], const struct cml_key *key, const char *value)
 {
     const struct line *line = &lines[key->group];
@@ -95,7 +95,7 @@ static void write_scene(char text[600], const struct cml_key *key, const char *v
     sprintf(end, "%s", line->after);
 }
 
-/* Values around the ranges. */
+/* Returns a value just above or below the key's range. */
 static double beyond(const struct cml_key *key, bool above)
 {
     const bool whole = key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
@@ -112,8 +112,8 @@ static double within(const struct cml_key *key, bool above)
     return open ? nextafter(bound, above ? -HUGE_VAL : HUGE_VAL) : bound;
 }
 
-/* Whether the scene is refused, with `setting` or without one, for a value that is not in the range of the
- * key. */
+/* True if the scene is refused for a value outside the key's range. The value stands in the text, or in
+ * `setting` unless that is NULL. */
 static bool is_refused(void **state, const struct cml_key *key, const char *text, const char *setting)
 {
     char expected[CML_KEY_TEXT], message[CML_KEY_TEXT + 20];
@@ -303,7 +303,7 @@ static void defaults_are_those_of_the_reader(void **state)
     assert_true(required > 50 && values > 25);
 }
 
-/* A name of --set says which number is meant, and its unit is that of the table. */
+/* A value set by --set reaches the number that its name means, in the unit of the table. */
 static void settings_have_the_units_of_the_table(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Reading .gsf and .asc files: what they mean, what is refused and in which words, and mangled bytes.
- * SPDX-License-Identifier: MIT */
+/* Tests of reading .gsf and .asc heightmaps: the heights read, the messages of refusals, and mangled
+ * bytes. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/case_files.h"
 
@@ -12,7 +12,8 @@
 #define HEAD MAGIC "XRes = 3\nYRes = 2\nXReal = 6e-6\nYReal = 2e-6\nXYUnits = m\nZUnits = m\n"
 #define GRID "ncols 3\nnrows 2\nxllcorner 1e6\nyllcorner -5\ncellsize 2\n"
 
-/* The header, NUL bytes up to a multiple of four, and `count` heights 0, 1, 2 ... ; returns the size. */
+/* Writes a .gsf file into `bytes`: the header, NUL bytes up to a multiple of four, and `count` heights 0,
+ * 1, 2 ... Returns its size in bytes. */
 static size_t field(const char *header, int count, char *bytes)
 {
     const size_t length = strlen(header), begin = (length / 4 + 1) * 4;
@@ -20,7 +21,7 @@ static size_t field(const char *header, int count, char *bytes)
     memcpy(bytes, header, length);
     for (int i = 0; i < count; i++) {
         const float height = (float)i;
-        memcpy(bytes + begin + 4 * i, &height, 4); /* tests run on machines with the least byte first */
+        memcpy(bytes + begin + 4 * i, &height, 4); /* tests run on little-endian machines */
     }
     return begin + 4 * (size_t)count;
 }
@@ -72,7 +73,7 @@ static void a_field_is_read_in_its_units(void **state)
                  "Title = a = b\nYRes=2\n\tXRes =\t3 \nXReal = 6\nYReal = 2\nXOffset = 7\nXYUnits = %s\n"
                  "ZUnits = %s\r\nSpeed = 1 um/s\n",
                  units[i].xy, units[i].z);
-        for (int pad = 0; pad < 4; pad++) { /* every alignment */
+        for (int pad = 0; pad < 4; pad++) { /* every alignment of the heights */
             const size_t size = field(header, 6, bytes);
             assert_int_equal(read_bytes(state, "x.gsf", bytes, size, 0, &map, &err), CML_OK);
             assert_heights(&map, 2 * units[i].cm_xy, units[i].cm_xy, units[i].cm_z);
@@ -297,7 +298,7 @@ static void missing_heights_of_other_digits_are_refused(void **state)
         assert_refused(state, "x.asc", table[i].text, strlen(table[i].text), &table[i]);
 }
 
-/* Whatever bytes come: a sound map or one line, nothing else. The sanitizers look on. */
+/* Arbitrary bytes give a sound map or a message of one line. Sanitizers watch for other faults. */
 static void mangled_files_end_in_one_line(void **state)
 {
     struct dice dice = dice_new(11);

@@ -1,5 +1,5 @@
-/* The OBJ reader and writer: every way of writing a mesh, every refusal with its message, the round trip.
- * SPDX-License-Identifier: MIT */
+/* Tests of the OBJ reader and writer: all forms of a mesh in the format, every refusal with its message,
+ * and writing followed by reading. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +28,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-    const int failed = rmdir(*state); /* fails when a test left a file behind */
+    const int failed = rmdir(*state); /* fails if a test left a file behind */
     free(*state);
     return failed;
 }
@@ -132,7 +132,7 @@ static const struct refusal bad_sheets[] = {
      "m.obj:19: the mesh has a hole of 4 edges around (0.5, 0.5, height 0) cm and 1 other (expected none "
      "besides "
      "its border: fill holes in a mesh editor)"},
-    /* the sliver 1 3 5 of zero area held the two halves together */
+    /* without the sliver 1 3 5 of zero area the two halves are not joined */
     {SQUARE "v 0.5 0.5 0\nf 1 2 3\nf 1 3 5\nf 5 3 4\nf 5 4 1\n",
      "m.obj:8: the mesh falls into 2 separate parts, the second from (0.5, 0.5, height 0) cm on (expected "
      "one "
@@ -153,7 +153,7 @@ static const struct refusal bad_sheets[] = {
      "every vertex)"},
     {"v 0 0 0\nv 1e300 0 0\nv 1 1 0\nv 1e308 1e308 1e308\nf 1 2 3\n",
      "m.obj:2: vertex 2 is too large (expected coordinates up to 1e+30 cm)"},
-    /* at this size products overflow: whether the border was simple hung on the order of the vertices */
+    /* products overflow at this size, and vertex order once decided if the border was simple */
     {"v 0 0 0\nv 1e31 0 0\nv 1e302 1e31 0\nv 0 1 0\nf 1 3 4\nf 2 3 4\n",
      "m.obj:2: vertex 2 is too large (expected coordinates up to 1e+30 cm)"},
 };
@@ -192,7 +192,7 @@ static void refuses_missing_file(void **state)
                         "/nowhere/m.obj: cannot be read: No such file or directory (expected a file)");
 }
 
-/* Many ways to write the same pyramid. */
+/* Many ways to write one pyramid give equal meshes. */
 static void reads_all_forms(void **state)
 {
     static const char *const forms[] = {
@@ -260,7 +260,8 @@ static void refuses_odd_polygons(void **state)
     assert_true(bend == 0);
 }
 
-/* A saddle over a square: every corner 0.5 from the mean plane. Two such faces and one that is flat. */
+/* Bent faces are cut into triangles and counted. The file has three bent quadrilaterals, whose corners lie
+ * 0.5 / sqrt(6) off their mean planes, and two triangles. */
 static void bent_faces_are_cut_and_counted(void **state)
 {
     struct cml_mesh mesh;
@@ -277,13 +278,13 @@ static void bent_faces_are_cut_and_counted(void **state)
     cml_mesh_clear(&mesh);
 }
 
-/* A pyramid over the horizontal triangle 0, x, y whose tip is (1, 2, 3) in the file. */
+/* A pyramid over the horizontal triangle 0, x, y, with its tip at (1, 2, 3) in the file. */
 static void turns_and_scales(void **state)
 {
     const struct {
         enum cml_up_axis up;
         const char *x, *y;
-        double tip[3]; /* worked out by hand, twice the file's lengths, z down */
+        double tip[3]; /* by hand: twice the file's lengths, z down */
     } cases[] = {{CML_UP_Z, "1 0 0", "0 1 0", {2, 4, -6}},   {CML_UP_MINUS_Z, "1 0 0", "0 -1 0", {2, -4, 6}},
                  {CML_UP_Y, "1 0 0", "0 0 -1", {2, -6, -4}}, {CML_UP_MINUS_Y, "1 0 0", "0 0 1", {2, 6, 4}},
                  {CML_UP_X, "0 0 -1", "0 1 0", {-6, 4, -2}}, {CML_UP_MINUS_X, "0 0 1", "0 1 0", {6, 4, 2}}};
@@ -303,16 +304,16 @@ static void turns_and_scales(void **state)
         assert_true(mesh.vertex[3][2] == cases[i].tip[2] - 30);
         assert_int_equal(mesh.normals, CML_NORMALS_VERTEX);
         assert_true(mesh.z_border == -30);
-        assert_int_equal(notes.flipped, 0); /* nothing is mirrored */
+        assert_int_equal(notes.flipped, 0); /* turning the mesh mirrors no facet */
         cml_mesh_clear(&mesh);
     }
 }
 
-/* After the axes, before scale and shift; quarter turns without rounding. */
+/* Rotation comes after the choice of axes, before scale and shift. Quarter turns have no rounding. */
 static void rotates_about_the_vertical(void **state)
 {
     static const struct {
-        double degrees, x, y; /* where (1, 2) goes */
+        double degrees, x, y; /* x, y: image of (1, 2) */
     } turns[] = {{0, 1, 2},   {90, -2, 1},  {-270, -2, 1}, {180, -1, -2},
                  {360, 1, 2}, {-90, 2, -1}, {270, 2, -1}};
     struct cml_obj_options options = {

@@ -1,5 +1,6 @@
-/* Which body lies in which, compared with the slow way, every pair; and so many bodies and boundaries that
- * the slow way would take hours. SPDX-License-Identifier: MIT */
+/* Tests of finding the body or layer that directly contains each body. Compares it with testing every
+ * pair, and with counts of bodies and boundaries for which testing pairs would take hours.
+ * SPDX-License-Identifier: MIT */
 #include "scene/body/body_place.h"
 #include "scene/body/body_shape.h"
 
@@ -30,7 +31,8 @@ static cml_status place(struct cml_scene_body *bodies, int count, struct cml_err
     return cml_scene_place_bodies(&scene, err);
 }
 
-/* Body k is the medium 3 + k of a scene with one layer. */
+/* Returns the medium that contains body k, by testing all pairs. Body k is medium 3 + k of a scene with
+ * one layer. */
 static int host_by_all_pairs(const struct cml_scene_body *bodies, int count, int k)
 {
     int host = 1;
@@ -94,7 +96,7 @@ static void hosts_are_those_of_all_pairs(void **state)
     assert_true(nested > 500);
 }
 
-/* All pairs are 5e10. */
+/* All pairs of so many bodies would be 5e10. */
 enum { MANY = 320000 };
 
 static struct cml_scene_body *make_many(void)
@@ -104,7 +106,8 @@ static struct cml_scene_body *make_many(void)
     return bodies;
 }
 
-/* In an order in which neither file nor size helps. */
+/* Nested bodies are listed in an order in which neither position in the file nor size helps to find the
+ * host. */
 static void bodies_nested_by_the_hundred_thousand_find_their_hosts(void **state)
 {
     struct cml_scene_body *bodies = make_many();
@@ -120,7 +123,7 @@ static void bodies_nested_by_the_hundred_thousand_find_their_hosts(void **state)
     free(bodies);
 }
 
-/* Side by side on a cubic grid, each with one in it, and all of them in one that is around all. */
+/* Bodies on a cubic grid, each with another body inside, and one body around all of them. */
 static void bodies_side_by_side_by_the_hundred_thousand_find_their_hosts(void **state)
 {
     enum { EDGE = 54 };

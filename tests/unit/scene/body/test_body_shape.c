@@ -1,5 +1,5 @@
-/* Boxes, volumes and meshes of bodies against what they are for: a box holds the body and touches it, a mesh
- * keeps the volume and stays as close as was asked. SPDX-License-Identifier: MIT */
+/* Tests of boxes, volumes and meshes of bodies: the box holds the body and touches it; the mesh keeps the
+ * volume and stays as close to the body as asked. SPDX-License-Identifier: MIT */
 #include "scene/body/body_shape.h"
 
 #include "lib/solids.h"
@@ -46,7 +46,7 @@ static wide mesh_volume(const struct cml_mesh *mesh)
     return volume;
 }
 
-/* A place on a facet, its corners and edges among them. */
+/* Draws a place on a facet, sometimes a corner or a point of an edge. */
 static void place_on_facet(const struct cml_mesh *mesh, size_t facet, struct dice *dice, wide p[3])
 {
     const int corner = dice_below(dice, 5);
@@ -62,7 +62,8 @@ static void place_on_facet(const struct cml_mesh *mesh, size_t facet, struct dic
     }
 }
 
-/* The furthest of all middles of facets and of places drawn, so the largest is met to a per cent. */
+/* The mesh of a body keeps its volume and its largest distance. The distance is searched at all facet
+ * middles and random places, so the largest one is found to a per cent. */
 static void meshes_keep_the_volume_and_come_as_close_as_was_asked(void **state)
 {
     struct dice dice = dice_new(52);
@@ -92,7 +93,7 @@ static void meshes_keep_the_volume_and_come_as_close_as_was_asked(void **state)
     }
 }
 
-/* No corner of the prism's planes is left out by the cylinder: each plane has all of it on one side. */
+/* The planes of the prism around a cylinder have the whole cylinder on one side. */
 static void prisms_around_a_cylinder_hold_it(void **state)
 {
     struct dice dice = dice_new(53);

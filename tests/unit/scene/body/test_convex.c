@@ -1,15 +1,16 @@
-/* Distances and the order of convex sets, against what defines them: a point is the closest of a convex set
- * if none lies further towards the other one; sets are apart if a plane is between them.
- * SPDX-License-Identifier: MIT */
+/* Tests of distances between convex sets (sphere, cylinder, triangle) and of inside, outside and crossing,
+ * by definition: a point is the closest one if no other lies further in the direction of the other set;
+ * sets are apart if a plane is between them. SPDX-License-Identifier: MIT */
 #include "scene/body/convex.h"
 
 #include "lib/solids.h"
 
-static const wide err_place = 1e-14L; /* coordinates are about 1, the program's are double */
+static const wide err_place = 1e-14L; /* coordinates are about 1, in double */
 
 static double corners[2][3][3];
 
-/* Triangles get their corners from here, one set for the first of a pair and one for the second. */
+/* Returns a convex set of this form. Triangles take their corners from static arrays: which = 0 for the
+ * first set of a pair, 1 for the second. */
 static struct cml_convex any_set(int form, int which, struct dice *dice)
 {
     struct cml_convex set = {.form = CML_CONVEX_TRIANGLE};
@@ -30,7 +31,7 @@ static void move(struct cml_convex *set, int which, const wide by[3])
     }
 }
 
-/* By how much q is outside of a triangle's plane, or of its edges. */
+/* Returns how far q lies outside of a triangle's plane or edges. */
 static wide beside_triangle(const struct cml_convex *set, const wide q[3])
 {
     wide corner[3][3], side[3][3], normal[3], most = 0;
@@ -50,7 +51,7 @@ static wide beside_triangle(const struct cml_convex *set, const wide q[3])
     return most;
 }
 
-/* From far, near, over faces, rims, corners and the axis itself; inside, too. */
+/* Draws a point far from the set, near it, over faces, rims, corners, on the axis, or inside. */
 static void aim(const struct cml_convex *set, struct dice *dice, double p[3])
 {
     double u[3];
@@ -84,13 +85,14 @@ static void projections_are_the_closest_points(void **state)
             set.form == CML_CONVEX_TRIANGLE ? beside_triangle(&set, q) : -solid_depth(&set, q);
         if (!(outside <= err_place * size)) fail_msg("%d: %Lg outside", i, outside);
         const wide distance = wide_length(way), further = wide_dot(beyond, way);
-        /* The closer p is, the more the rounding of q turns the way to it. */
+        /* The closer p is, the more the rounding of q changes the direction from p to q. */
         if (!(further <= 4 * err_place * size * (distance + wide_length(beyond))))
             fail_msg("%d: at %Lg a point is further along by %Lg", i, distance, further / distance);
     }
 }
 
-/* Outside, the length of the way to the closest point; inside, how far the nearest face is. */
+/* Outside of a set, the distance is the length to the closest point. Inside, it is the depth below the
+ * nearest face. */
 static void distances_are_those_of_the_definition(void **state)
 {
     struct dice dice = dice_new(42);
@@ -113,7 +115,7 @@ static void distances_are_those_of_the_definition(void **state)
     assert_true(inside > 10000);
 }
 
-/* The first set ends at the origin along n, the second begins `gap` behind it. */
+/* Moves the sets: the first ends at the origin along n, the second begins `gap` behind it. */
 static void place_pair(struct cml_convex *a, struct cml_convex *b, const wide n[3], wide gap)
 {
     wide end[3], begin[3], back[3];
@@ -128,7 +130,8 @@ static void place_pair(struct cml_convex *a, struct cml_convex *b, const wide n[
     move(b, 1, begin);
 }
 
-/* What two that are not spheres must be apart by is documented as a thousandth of the radius. */
+/* Returns the least gap (cm) that two sets need to count as apart. Without a sphere it is documented as a
+ * thousandth of the larger radius. */
 static wide gap_of(const struct cml_convex *a, const struct cml_convex *b)
 {
     if (a->form == CML_CONVEX_SPHERE || b->form == CML_CONVEX_SPHERE) return 1e-12L;
@@ -152,7 +155,7 @@ static void sets_with_a_plane_between_them_are_apart(void **state)
     }
 }
 
-/* Neither holds the other, as each reaches beyond it. */
+/* Two sets with a common point meet. Neither contains the other, because each reaches beyond the other. */
 static void sets_with_a_common_point_meet(void **state)
 {
     struct dice dice = dice_new(44);
@@ -173,8 +176,8 @@ static void sets_with_a_common_point_meet(void **state)
     }
 }
 
-/* How far the points of `inner` get from the place or the line that a radius is measured from: a search over
- * the rims of a cylinder, closer and closer around the best. */
+/* Returns the largest distance of points of `inner` from the centre or axis of `outer`. Rims of a cylinder
+ * are searched in ever finer steps around the best point. */
 static wide farthest(const struct cml_convex *outer, const struct cml_convex *inner)
 {
     wide best = 0, best_angle = 0, axis[3], e1[3], e2[3];
@@ -213,7 +216,7 @@ static wide farthest(const struct cml_convex *outer, const struct cml_convex *in
     return best;
 }
 
-/* An outer radius just large enough, and just not; its ends are far away. */
+/* The outer radius is just large enough or just too small for the inner set; the outer ends are far away. */
 static void a_set_inside_another_is_told_from_one_that_reaches_out(void **state)
 {
     struct dice dice = dice_new(45);
@@ -237,7 +240,7 @@ static void a_set_inside_another_is_told_from_one_that_reaches_out(void **state)
     }
 }
 
-/* The same for the ends of a cylinder, whose side is far away. */
+/* The outer cylinder is just long enough or just too short for the inner set; the outer side is far away. */
 static void a_set_between_two_ends_is_told_from_one_that_passes_them(void **state)
 {
     struct dice dice = dice_new(46);

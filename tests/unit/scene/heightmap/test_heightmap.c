@@ -1,4 +1,5 @@
-/* Heightmaps as meshes: every claim of heightmap.h, against brute force. SPDX-License-Identifier: MIT */
+/* Tests of heightmaps as meshes: every claim of heightmap.h, against brute force. SPDX-License-Identifier:
+ * MIT */
 #include "lib/dice.h"
 #include "scene/heightmap/heightmap.h"
 
@@ -49,7 +50,8 @@ static double noise(double x, double y)
     return dice_between(&noise_dice, -1, 1);
 }
 
-/* Of the projection; positive when the triangle is seen from above, in a frame whose z points down. */
+/* Returns twice the area of a triangle's projection. The area is positive if the triangle is seen from
+ * above, in a frame with z down. */
 static double double_area(const struct cml_mesh *mesh, size_t t)
 {
     const double *a = mesh->vertex[mesh->triangle[t][0]], *b = mesh->vertex[mesh->triangle[t][1]],
@@ -57,7 +59,7 @@ static double double_area(const struct cml_mesh *mesh, size_t t)
     return (b[1] - a[1]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[1] - a[1]);
 }
 
-/* Height of the mesh above x, y, by looking at all triangles. */
+/* Returns the height of the mesh above (x, y), by looking at all triangles. */
 static double height_at(const struct cml_mesh *mesh, double x, double y)
 {
     for (size_t t = 0; t < mesh->num_triangles; t++) {
@@ -80,8 +82,8 @@ static double height_at(const struct cml_mesh *mesh, double x, double y)
 static const int sizes[][2] = {{2, 2}, {3, 2}, {2, 9}, {5, 5}, {6, 7}, {17, 33}, {40, 23}, {300, 4}};
 enum { NUM_SIZES = sizeof sizes / sizeof *sizes };
 
-/* The triangles cover the map and its skirt once, all seen from above; the border is the skirt's rectangle.
- */
+/* Checks that the triangles, seen from above, cover the map and its skirt exactly once, and that the
+ * border is the skirt's rectangle. */
 static void assert_covers(const struct cml_heightmap *map, const struct cml_mesh *mesh,
                           const struct cml_heightmap_notes *notes)
 {
@@ -120,7 +122,7 @@ static void every_sample_is_on_the_exact_mesh(void **state)
     }
 }
 
-/* At random points, not only at samples. */
+/* Merged triangles keep the tolerance at random points, not only at samples. */
 static void merging_keeps_the_tolerance(void **state)
 {
     (void)state;
@@ -154,8 +156,8 @@ static void merging_keeps_the_tolerance(void **state)
         }
 }
 
-/* What is not needed is not kept: a plane of 256 x 256 cells, tilted or not, has inner triangles of the
- * largest size, and those that grow from the rim. A single bump refines only its neighbourhood. */
+/* Flat parts cost few triangles. A plane of 256 x 256 cells, tilted or not, has inner triangles of the
+ * largest size and smaller ones towards the rim. A single bump refines only its neighbourhood. */
 static void flat_parts_cost_nothing(void **state)
 {
     (void)state;
@@ -167,7 +169,7 @@ static void flat_parts_cost_nothing(void **state)
         double z;
         make(257, 257, shapes[s], &map);
         build(&map, 0, &mesh, &notes);
-        assert_true(notes.triangles < 1500); /* 256 rim sides of 4 cells; a grid has 131072 triangles */
+        assert_true(notes.triangles < 1500); /* 256 rim sides of 4 cells; a full grid has 131072 triangles */
         assert_true(cml_mesh_is_flat(&mesh, &z) == (s == 0));
         const size_t plain = notes.triangles;
         cml_mesh_clear(&mesh);
@@ -179,7 +181,8 @@ static void flat_parts_cost_nothing(void **state)
     }
 }
 
-/* No triangle is longer than the rule allows: right angles inside, four cells over one in the skirt. */
+/* No triangle is thinner than the rule allows: inside they have right angles, in the skirt four cells over
+ * one. */
 static void there_are_no_needles(void **state)
 {
     (void)state;
@@ -198,8 +201,9 @@ static void there_are_no_needles(void **state)
                              *q = mesh.vertex[mesh.triangle[t][(k + 1) % 3]];
                 longest = fmax(longest, hypot(p[0] - q[0], p[1] - q[1]));
             }
-            const double height = double_area(&mesh, t) / longest; /* of the projected triangle */
-            assert_true(longest / height < 4.3); /* sqrt(17) / (4 / sqrt(17)) = 4.25; a right angle has 2 */
+            const double height = double_area(&mesh, t) / longest; /* height of the projected triangle */
+            assert_true(longest / height <
+                        4.3); /* sqrt(17) / (4 / sqrt(17)) = 4.25; a right-angled one has 2 */
         }
         cml_mesh_clear(&mesh);
         cml_heightmap_clear(&map);
@@ -216,14 +220,14 @@ static void relief_is_measured(void **state)
     assert_near("value", relief.mean, 1, 1e-12);
     assert_near("value", relief.slope_rms, hypot(0.5, 0.25), 1e-12);
     assert_near("value", relief.highest - relief.lowest, 0.5 * 20 + 0.25 * 7.5, 1e-12);
-    /* variances of 41 and 31 equally spaced values: step^2 (n^2 - 1) / 12 */
+    /* variance of 41 or 31 equally spaced values: step^2 (n^2 - 1) / 12 */
     const double vx = 0.0625 * (41 * 41 - 1) / 12.0, vy = 0.0625 * 0.0625 * (31 * 31 - 1) / 12.0;
     assert_near("value", relief.rms, sqrt(vx + vy), 1e-12);
     cml_heightmap_clear(&map);
 }
 
-/* The rim's mean is along its length: here 3/4 of it lie at 0 and, of the last side, all at 1 but the
- * corners. */
+/* The skirt lies at the mean of the rim along its length: here 3/4 of the rim lie at 0, and the last side
+ * lies at 1 but for its corners. */
 static void the_skirt_meets_the_mean_of_the_rim(void **state)
 {
     (void)state;
@@ -236,7 +240,7 @@ static void the_skirt_meets_the_mean_of_the_rim(void **state)
     const double length = 2 * (2 * 0.5 + 4 * 0.25), mean = 0.5 / length;
     assert_near("value", notes.rim_mean, mean, 1e-12);
     assert_near("value", notes.rim_step, 1 - mean, 1e-12);
-    assert_near("value", notes.skirt[0], 1 - mean, 1e-12); /* higher than a cell is wide */
+    assert_near("value", notes.skirt[0], 1 - mean, 1e-12); /* the skirt is higher than a cell is wide */
     assert_near("value", notes.skirt[1], 1 - mean, 1e-12);
     cml_mesh_clear(&mesh);
     cml_heightmap_clear(&map);
@@ -249,7 +253,7 @@ static void a_map_is_scaled_turned_and_shifted(void **state)
     struct cml_heightmap map;
     make(3, 2, level, &map);
     for (int i = 0; i < 6; i++) map.h[i] = i;
-    cml_heightmap_place(&map, 2, shift, true); /* about the x axis: y and height change their sign */
+    cml_heightmap_place(&map, 2, shift, true); /* turned about the x axis: y and height change their signs */
     assert_near("value", map.dx, 1, 0);
     assert_near("value", map.dy, 0.5, 0);
     assert_near("value", map.x0, 9, 0);

@@ -1,5 +1,5 @@
-/* Drawn reliefs: every claim of random_relief.h. Slopes are judged by the triangles' normals, correlations by
- * their closed forms over many seeds. SPDX-License-Identifier: MIT */
+/* Tests of random reliefs: every claim of random_relief.h. Slopes are judged by the normals of triangles,
+ * correlations by closed forms over many seeds. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/require.h"
 #include "scene/heightmap/random_relief.h"
@@ -14,8 +14,8 @@ static struct cml_heightmap drawn(struct cml_random_relief relief)
     return map;
 }
 
-/* Sums over one period's triangles, by area on the plane: heights, squares of gradients, and the share whose
- * gradient is above `steep`. */
+/* Sums over the triangles of one period, weighted by area on the plane: heights, squares of gradients, and
+ * the share whose gradient is above `steep`. */
 struct facets {
     double mean, square, steeper;
 };
@@ -63,7 +63,7 @@ static void facets_have_the_slope_asked_for_and_the_mean_0(void **state)
         }
 }
 
-/* Slopes of a Gaussian surface: P(t > x) = exp(-x^2 / a^2) with a the rms gradient. */
+/* Slopes of a Gaussian surface are distributed as P(t > x) = exp(-x^2 / a^2), where a is the rms gradient. */
 static void slopes_are_those_of_a_gaussian_surface(void **state)
 {
     (void)state;
@@ -73,7 +73,7 @@ static void slopes_are_those_of_a_gaussian_surface(void **state)
             drawn((struct cml_random_relief){.slope = a, .length = 1, .points = 512, .seed = 11});
         const double x = 0.5 * k * a, expected = exp(-x * x / (a * a)),
                      found = measure_facets(&map, x).steeper;
-        /* some 51^2 correlation areas of pi / 2 L^2 */
+        /* the area has some 51^2 correlation areas of pi / 2 L^2 */
         assert_near("value", found, expected, 4.5 * sqrt(expected * (1 - expected) / 1650));
         cml_heightmap_clear(&map);
     }
@@ -88,7 +88,8 @@ static double correlation_of(const struct cml_heightmap *map, int64_t dx, int64_
     return sum / ((double)map->nx * (double)map->ny);
 }
 
-/* Ratios of sums over seeds, whose spread gives the error. */
+/* Expects the autocorrelation at a shift of (dx, dy) samples. It is a ratio of sums over seeds; the spread
+ * of the seeds gives its error. */
 static void expect_correlation(double hurst, int dx, int dy, double expected)
 {
     enum { SEEDS = 24 };
@@ -127,7 +128,7 @@ static void what_was_drawn_is_measured(void **state)
     cml_random_relief_measure(&map, &measured);
     assert_near("value", measured.slope, 0.2, 1e-12);
     assert_near("value", measured.length, 0.01, 3e-4);
-    /* Of a Gaussian spectrum the rms gradient is 2 rms / L. */
+    /* a Gaussian spectrum has the rms gradient 2 rms / L */
     assert_near("value", measured.rms, 0.2 * 0.01 / 2, 3e-5);
     cml_heightmap_clear(&map);
 }

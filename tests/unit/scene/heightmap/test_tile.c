@@ -1,4 +1,4 @@
-/* Repeated heightmaps: every claim of tile.h, against heights that are looked up by hand.
+/* Tests of repeated heightmaps (tiles): every claim of tile.h, against heights looked up by hand.
  * SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/require.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* nx x ny heights that are all different, 0.1 x 0.2 cm apart, from (-1, 2) on. */
+/* Returns a map of nx x ny different heights, 0.1 x 0.2 cm apart, from (-1, 2) on. */
 static struct cml_heightmap map_of(int nx, int ny)
 {
     struct cml_heightmap map = {.nx = nx, .ny = ny, .x0 = -1, .y0 = 2, .dx = 0.1, .dy = 0.2};
@@ -39,7 +39,7 @@ static void the_sample_behind_the_last_is_the_first(void **state)
     cml_heightmap_clear(&map);
 }
 
-/* Sample k away from a mirror on one side is that on the other; diagonals, too, are mirrored. */
+/* A mirrored map has equal samples at k steps to either side of a mirror; diagonals are mirrored, too. */
 static void a_mirrored_map_is_the_same_on_both_sides_of_its_ends(void **state)
 {
     (void)state;
@@ -67,7 +67,7 @@ static void a_mirrored_map_is_the_same_on_both_sides_of_its_ends(void **state)
 static void steps_are_measured_inside_and_across_the_seam(void **state)
 {
     (void)state;
-    const double h[6] = {0, 1, 3, /* next row */ 0, 2, 3.5};
+    const double h[6] = {0, 1, 3, /* heights of the next row */ 0, 2, 3.5};
     struct cml_heightmap map = map_of(3, 2);
     memcpy(map.h, h, sizeof h);
     const struct cml_tile_notes notes = make(false, &map);
@@ -76,7 +76,8 @@ static void steps_are_measured_inside_and_across_the_seam(void **state)
     cml_heightmap_clear(&map);
 }
 
-/* Every vertex has its sample's height, every cell two facets of half its size that face up. */
+/* Every vertex of a sheet has the height of its sample. Every cell has two facets of half its area, which
+ * face up. */
 static void a_sheet_holds_all_its_cells(void **state)
 {
     (void)state;
@@ -108,7 +109,7 @@ static void a_sheet_holds_all_its_cells(void **state)
     cml_heightmap_clear(&map);
 }
 
-/* Of a short period, too, a patch is wide; the skirt stands behind all cells. */
+/* The patch of a tile is wide even if the period is short, and the skirt lies behind all cells. */
 static void a_patch_is_a_boundary(void **state)
 {
     (void)state;
@@ -129,7 +130,8 @@ static void a_patch_is_a_boundary(void **state)
     }
 }
 
-/* The least gap at samples and in the middles of cells; grids that are not the same have none. */
+/* Two tiles of equal cells are compared at samples and in the middles of cells for the least gap. Tiles of
+ * different grids have no gap. */
 static void tiles_of_the_same_cells_are_compared(void **state)
 {
     (void)state;
@@ -137,7 +139,7 @@ static void tiles_of_the_same_cells_are_compared(void **state)
     double gap, at[3];
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at));
     assert_true(fabs(gap - 0.5) < 1e-12);
-    lower.x0 += 3 * 6 * lower.dx; /* whole periods */
+    lower.x0 += 3 * 6 * lower.dx; /* shift by whole periods */
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at) && fabs(gap - 0.5) < 1e-12);
     lower.h[2 * 6 + 3] += 0.4;
     assert_true(cml_tile_closest(&upper, 1, &lower, 1.5, &gap, at) && fabs(gap - 0.1) < 1e-12);
@@ -151,8 +153,8 @@ static void tiles_of_the_same_cells_are_compared(void **state)
     cml_heightmap_clear(&lower);
 }
 
-/* Moved by one cell, diagonals differ: a ridge along the one lies above a groove along the other, between
- * samples that are apart. */
+/* Two tiles, one moved by a cell, have different diagonals: a ridge along one diagonal lies above a groove
+ * along the other, between samples that are apart. */
 static void diagonals_that_differ_are_compared_in_the_middle(void **state)
 {
     (void)state;
@@ -161,7 +163,7 @@ static void diagonals_that_differ_are_compared_in_the_middle(void **state)
     for (int i = 0; i < 16; i++) upper.h[i] = lower.h[i] = 0;
     lower.x0 += lower.dx;               /* its cell 0, 0 rises over the falling cell 1, 0 */
     upper.h[2] = upper.h[4 + 1] = -0.1; /* the falling diagonal of cell 1, 0 */
-    lower.h[0] = lower.h[4 + 1] = 0.1;  /* the rising one, at samples 1, 0 and 2, 1 of the upper */
+    lower.h[0] = lower.h[4 + 1] = 0.1;  /* the rising diagonal, at samples 1, 0 and 2, 1 of the upper tile */
     assert_true(cml_tile_closest(&upper, 0, &lower, 0.15, &gap, at));
     assert_true(fabs(gap + 0.05) < 1e-12);
     assert_true(fabs(at[0] - (-1 + 1.5 * 0.1)) < 1e-12 && fabs(at[1] - (2 + 0.5 * 0.2)) < 1e-12);

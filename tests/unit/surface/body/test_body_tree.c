@@ -1,5 +1,5 @@
-/* Trees of boxes against all boxes, one after the other: who visits the tree visits every body whose box the
- * ray passes, and each once. SPDX-License-Identifier: MIT */
+/* Tests of trees of boxes of bodies: a ray that visits the tree meets every body whose box it passes, each
+ * once, as when all boxes are tested in turn. SPDX-License-Identifier: MIT */
 #include "surface/body/body_tree.h"
 
 #include "lib/solids.h"
@@ -9,7 +9,7 @@ enum { MOST = 400, MEDIA = 5 };
 static double boxes[MOST][2][3];
 static int host[MOST];
 
-/* Some are flat, some equal, some at one place: what sorting by the middle finds hard. */
+/* Makes boxes that are hard to sort by their middles: some are flat, some equal, some at one place. */
 static void make_boxes(int count, struct dice *dice)
 {
     for (int b = 0; b < count; b++) {
@@ -36,7 +36,8 @@ static bool passes(const double lower[3], const double upper[3], const double p[
     return enter <= leave;
 }
 
-/* As documented: who passes the box goes on with the next node, who does not, at `skip`. */
+/* Visits the tree by its documented rule: a ray that passes a node's box goes on with the next node,
+ * otherwise with node `skip`. */
 static void visit(const struct cml_body_tree *tree, int medium, const double p[3], const double u[3],
                   int visits[MOST])
 {
@@ -50,7 +51,7 @@ static void visit(const struct cml_body_tree *tree, int medium, const double p[3
     }
 }
 
-/* Of four rays one runs along an axis, in the face of a box. */
+/* Draws a ray. One ray in four runs along an axis, in the face of a box. */
 static void aim(int count, struct dice *dice, double p[3], double u[3])
 {
     const int box = dice_below(dice, count), axis = dice_below(dice, 3);

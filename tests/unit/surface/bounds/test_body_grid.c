@@ -1,6 +1,8 @@
-/* What cells know of the surfaces of bodies against all surfaces, one after the other, in long double: a ball
- * without a surface has none, with CML_CELL_MARGIN to spare; where it has, they are those of the body that it
- * names, between its two planes, and turned no more than it says. SPDX-License-Identifier: MIT */
+/* Tests of the grid of cells that bounds where surfaces of bodies are, against all surfaces in long
+ * double.
+ * A cell whose ball is said to hold no surface has none, with CML_CELL_MARGIN to spare. Otherwise the
+ * surfaces in the ball belong to the body named by the cell, lie between its two planes, and are turned no
+ * more than stated. SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_grid.h"
 
 #include "lib/solids.h"
@@ -12,7 +14,7 @@ enum { MOST_BODIES = 12 };
 static struct cml_scene_body bodies[MOST_BODIES];
 static struct cml_medium_def media[3 + MOST_BODIES];
 
-/* A triangle's point closest to p: of its plane, if that is inside, or of an edge. */
+/* Finds the point of a triangle closest to p, in the triangle's plane or on an edge, and the normal there. */
 static void closest_of_triangle(const struct cml_mesh *mesh, size_t facet, const wide p[3], wide best[3],
                                 wide normal[3])
 {
@@ -44,7 +46,8 @@ static void closest_of_triangle(const struct cml_mesh *mesh, size_t facet, const
     for (int k = 0; k < 3; k++) best[k] = p[k] - wide_dot(from, normal) * normal[k];
 }
 
-/* Of a sphere or cylinder: of its nearest face, or of two faces at once where p is outside of both. */
+/* Finds the point of a sphere or cylinder closest to p: on its nearest face, or on two faces at once if p
+ * is outside of both. */
 static void closest_of_solid(const struct cml_convex *solid, const wide p[3], wide best[3], wide normal[3])
 {
     wide across[3], axis[3], centre[3];
@@ -52,7 +55,7 @@ static void closest_of_solid(const struct cml_convex *solid, const wide p[3], wi
     wide_from(solid->centre, centre);
     if (solid->form == CML_CONVEX_SPHERE) {
         wide_minus(p, centre, normal);
-        normal[0] += wide_length(normal) > 0 ? 0 : 1; /* from the very middle all are as close */
+        normal[0] += wide_length(normal) > 0 ? 0 : 1; /* all points are equally close to the very middle */
         const wide size = wide_length(normal);
         for (int k = 0; k < 3; k++) {
             normal[k] /= size;
@@ -77,7 +80,8 @@ static void closest_of_solid(const struct cml_convex *solid, const wide p[3], wi
     }
 }
 
-/* The closest point of a body's surface, and the normal of a face there, outwards. Returns the distance. */
+/* Finds the point of a body's surface closest to p, and the outward normal of a face there. Returns the
+ * distance. */
 static wide closest_of_body(const struct cml_scene_body *body, const wide p[3], wide best[3], wide normal[3])
 {
     wide least = INFINITY, off[3];
@@ -99,13 +103,13 @@ static wide closest_of_body(const struct cml_scene_body *body, const wide p[3], 
     return least;
 }
 
-/* One cell of the grid that is looked at. */
+/* The cell of the grid under test. */
 struct looked_at {
     const struct cml_body_ball *ball;
     wide middle[3], cell, radius; /* radius: of the ball with its margin, cm */
 };
 
-/* What the planes and the steepest direction say of a place of the surface in the ball. */
+/* Checks a place of the surface inside the ball against the cell's planes and steepest direction. */
 static void check_place(const struct looked_at *at, const wide p[3], const wide normal[3])
 {
     wide plane[3], off[3];
@@ -123,7 +127,8 @@ static void check_place(const struct looked_at *at, const wide p[3], const wide 
         fail_msg("a surface turned by the sine %Lg, not %g", sine, at->ball->steepest);
 }
 
-/* From a place of the surface in steps that shrink to where it is highest, or lowest, in the ball. */
+/* Walks on the surface, from one of its places in shrinking steps, to its highest (or lowest) point in the
+ * ball. */
 static void climb(const struct looked_at *at, const struct cml_scene_body *body, wide sign, struct dice *dice)
 {
     wide p[3], normal[3], off[3], from[3], step = 1;
@@ -143,7 +148,7 @@ static void climb(const struct looked_at *at, const struct cml_scene_body *body,
     }
 }
 
-/* Returns whether a surface comes close to what the ball promises. */
+/* Checks one cell. Returns true if a surface comes close to the bound of the cell. */
 static bool check_cell(const struct looked_at *at, int count, struct dice *dice)
 {
     wide p[3], normal[3], least = INFINITY;
@@ -159,7 +164,7 @@ static bool check_cell(const struct looked_at *at, int count, struct dice *dice)
     return least < at->radius * 1.001L;
 }
 
-/* Spheres, cylinders and meshes of some facets, which may lie in or across each other. */
+/* Makes spheres, cylinders and meshes of few facets, which may lie inside or across each other. */
 static void make_bodies(int count, double size, struct dice *dice)
 {
     for (int b = 0; b < count; b++) {
@@ -181,7 +186,7 @@ static void make_bodies(int count, double size, struct dice *dice)
     }
 }
 
-/* Frames begin at this depth, and x and y of the grid are those of the scene. */
+/* Tests random grids. Frames begin at the depth given here; x and y of the grid are those of the scene. */
 static void cells_say_no_more_than_is_true(void **state)
 {
     struct dice dice = dice_new(71);

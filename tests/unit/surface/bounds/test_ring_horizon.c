@@ -1,6 +1,6 @@
-/* The horizon of rings: packets that leave as steeply meet the surface never again, by the oracle for rays;
- * of those that leave a little less steeply from some place of the ring, some do. SPDX-License-Identifier:
- * MIT */
+/* Tests of the horizon of rings, by the oracle for rays: packets that leave a ring at least as steeply
+ * never meet the surface again. Of packets that leave a little less steeply from some place of the ring,
+ * some do. SPDX-License-Identifier: MIT */
 #include "lib/cone_oracle.h"
 #include "surface/bounds/ring_horizon_inl.h"
 #include "surface_hit.h"
@@ -20,8 +20,8 @@ static struct horizons horizons_of(const struct field *field)
     return horizons;
 }
 
-/* From the surface at radius r, in a direction at this azimuth to outwards, that leaves it to the side with
- * this slope. */
+/* Returns a ray from the surface at radius r that leaves to `side` with this slope. azimuth: of its
+ * direction, from outwards. */
 static struct ray ray_from(const struct field *field, double r, double azimuth, double slope, double side)
 {
     const double across = 1 / sqrt(1 + slope * slope);
@@ -31,7 +31,7 @@ static struct ray ray_from(const struct field *field, double r, double azimuth, 
     return ray_of(p, u, side);
 }
 
-/* The least height of the ray above its side of the surface. */
+/* Returns the least height of the ray above its side of the surface. */
 static double least_height(const struct field *field, const struct ray *ray)
 {
     long double station[3 * MAX_RINGS + 2], least = INFINITY;
@@ -60,7 +60,7 @@ static void expect_nothing_ahead(struct dice *dice, const struct field *field, i
     }
 }
 
-/* Whether a ray from an end of the ring, inwards or outwards, meets the surface. */
+/* True if a ray from an end of ring i, inwards or outwards, meets the surface. */
 static bool meets_below(const struct field *field, int i, double side, double slope)
 {
     for (int k = 0; k < 4; k++) {
@@ -108,7 +108,7 @@ static void a_wall_is_seen_from_afar_as_from_afar(void **state)
     }
 }
 
-/* Radii that differ in a file may be the same in single precision. */
+/* Radii that differ in a file may be equal in single precision, which makes the ring upright. */
 static void an_upright_ring_hides_nothing(void **state)
 {
     (void)state;

@@ -1,7 +1,6 @@
-/* Safe distances and safe paths against all facets in long double: random sheets that overhang, from 0.01 to
- * 10 cm wide, under beams and layers that cost digits. Paths are thrown at random, and aimed at the closest
- * place of the surface.
- * SPDX-License-Identifier: MIT */
+/* Tests of safe distances and safe paths against all facets in long double. Random sheets with overhangs,
+ * 0.01 to 10 cm wide, lie under beams and layers that cost digits. Paths are random, or aimed at the
+ * closest place of the surface. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/dice.h"
 #include "lib/mci_case.h"
@@ -27,7 +26,8 @@ static int corner_at(int i, int j)
     return i * (SIDE + 1) + j;
 }
 
-/* A rough patch, sheared until it overhangs, over a parallelogram; heights up, as files have them. */
+/* Makes a rough patch over a parallelogram, sheared until it has overhangs. Heights are positive up, as in
+ * files. */
 static void make_sheet(struct dice *dice, double size, struct sheet *sheet)
 {
     const double lean = dice_between(dice, 2, 4), askew = dice_between(dice, -0.5, 0.5);
@@ -83,7 +83,7 @@ static void cross(const place a, const place b, place out)
     for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* In the boundary's frame, z down, counted from x0, y0. */
+/* Computes vertex i in the boundary's frame: z down, counted from x0, y0. */
 static void vertex_of(const struct sheet *sheet, int i, const double origin[2], place v)
 {
     v[0] = (long double)sheet->vertex[i][0] - origin[0];
@@ -91,7 +91,7 @@ static void vertex_of(const struct sheet *sheet, int i, const double origin[2], 
     v[2] = -(long double)sheet->vertex[i][2];
 }
 
-/* Keeps the closest place so far. */
+/* Keeps the place `at` if it is closer to p than the closest one so far. */
 static void keep_closest(const place p, const place at, long double *least, place closest)
 {
     place way;
@@ -129,7 +129,7 @@ static void closest_on_facet(const place p, place corner[3], long double *least,
     if (second >= 0 && third >= 0 && second + third <= 1) keep_closest(p, at, least, closest);
 }
 
-/* Whether the border goes around a place, seen from above. */
+/* True if the border, seen from above, goes around the place. */
 static bool is_inside_border(const struct sheet *sheet, const double origin[2], const place p)
 {
     bool inside = false;
@@ -143,7 +143,7 @@ static bool is_inside_border(const struct sheet *sheet, const double origin[2], 
     return inside;
 }
 
-/* From p to the sheet or to the plane around it, and where that is. */
+/* Returns the distance from p to the sheet or the plane around it, and the closest place. */
 static long double distance_to(const struct sheet *sheet, const double origin[2], const place p,
                                place closest)
 {
@@ -158,7 +158,7 @@ static long double distance_to(const struct sheet *sheet, const double origin[2]
     return least;
 }
 
-/* Six times the volume of a tetrahedron. */
+/* Returns six times the volume of a tetrahedron. */
 static long double volume(const place a, const place b, const place c, const place d)
 {
     place ab, ac, ad, normal;
@@ -169,7 +169,7 @@ static long double volume(const place a, const place b, const place c, const pla
     return dot(normal, ad);
 }
 
-/* How often the way from p to q crosses the sheet or the plane around it. */
+/* Returns how often the way from p to q crosses the sheet or the plane around it. */
 static int crossings(const struct sheet *sheet, const double origin[2], const place p, const place q)
 {
     int count = 0;
@@ -187,7 +187,7 @@ static int crossings(const struct sheet *sheet, const double origin[2], const pl
     return count + !is_inside_border(sheet, origin, at);
 }
 
-/* Two sheets, one at the top and one below the first layer. */
+/* A scene with two sheets, one at the top and one below the first layer. */
 struct scene {
     struct bench bench;
     struct cml_owned_world owned;
@@ -229,7 +229,7 @@ static void close_scene(struct scene *scene)
     tear_down(&scene->bench);
 }
 
-/* *corner: from the beam's axis. */
+/* Returns the safe map of boundary b. *corner: first corner of the map, from the beam's axis. */
 static const struct cml_safe_map *map_of(const struct scene *scene, int b, double corner[3])
 {
     const struct cml_mesh_surface *mesh = scene->bench.surfaces.item[b].mesh;
@@ -240,7 +240,7 @@ static const struct cml_safe_map *map_of(const struct scene *scene, int b, doubl
     return map;
 }
 
-/* The middle of a cell, from the beam's axis. */
+/* Computes the middle of a cell, from the beam's axis. */
 static void middle_of(const struct scene *scene, int b, const int cell[3], place middle)
 {
     double corner[3];
@@ -279,7 +279,7 @@ static void no_ball_holds_a_part_of_the_surface(void **state)
     assert_true(exact > balls / 3);
 }
 
-/* A path as a packet has it. */
+/* A path in a packet's precision. */
 struct path {
     struct cml_vec p, u;
     real s;
@@ -291,7 +291,7 @@ static int is_safe(const struct scene *scene, int b, const struct path *path)
     return cml_is_safe(world, &world->surfaces[b], path->p, path->u, path->s);
 }
 
-/* From one place to another, rounded as packets are. */
+/* Returns the path from a to b, rounded like those of packets. */
 static struct path path_between(const place a, const place b)
 {
     place way;
@@ -303,8 +303,8 @@ static struct path path_between(const place a, const place b)
     return path;
 }
 
-/* Its ends must be further from the surface than any of a query's tolerances, which grow with the layer's
- * thickness, and it must meet nothing. */
+/* Checks a path that the map calls safe: it meets nothing, and its ends are further from the surface than
+ * any tolerance of a query. These tolerances grow with the layer's thickness. */
 static void expect_safe(const struct scene *scene, int b, const struct path *path, const char *what)
 {
     const struct sheet *sheet = &scene->sheet[b];
@@ -351,8 +351,8 @@ static void a_safe_path_meets_nothing(void **state)
     assert_true(safe > thrown / 4);
 }
 
-/* Paths around the middle of a cell towards the closest place of the surface: none that ends there is safe,
- * and those that end a little before it are, mostly. */
+/* Paths lead from around the middle of a cell to the closest place of the surface. None that ends on the
+ * surface is safe; most of those that end a little before it are. */
 static void a_path_up_to_the_surface_is_not_safe(void **state)
 {
     static struct scene scene;

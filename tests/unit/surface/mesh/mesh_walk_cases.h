@@ -1,6 +1,6 @@
-/* A long two-sided walk of packets on a rough mesh, compiled once in float and once in double. The side is
- * only ever carried along; the patch's regular grid tells without a search where the packet really is.
- * SPDX-License-Identifier: MIT */
+/* A long walk of packets on both sides of a rough mesh, compiled once in float and once in double. The
+ * walk flips its side at each crossing and never looks it up. The regular grid of the patch tells, without
+ * a search, on which side the packet really is. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "surface/mesh/mesh_surface.h"
 #include "walk.h"
@@ -13,7 +13,7 @@ struct walker {
     struct cml_packet packet;
     double side;
     long crossings, flights, wrong;
-    double worst; /* deepest on the wrong side, cm */
+    double worst; /* deepest place on the wrong side, cm */
 };
 
 static struct cml_vec random_direction(struct dice *dice)
@@ -42,7 +42,7 @@ static void place(struct dice *dice, struct walker *walker)
     walker->side = height(walker) > 0 ? 1 : -1;
 }
 
-/* Beyond rounding of the position, the packet must be where its side says. */
+/* Checks that the packet is on its side, beyond the rounding of its position. */
 static void look(struct dice *dice, struct walker *walker)
 {
     const double inside = height(walker);

@@ -1,6 +1,6 @@
-/* Fast queries from inside closed meshes, in single precision, which sees too little: facets that are
- * long, thin and grazed, beside the exact query; a body so small and deep that rounding is more than it shows
- * of itself. SPDX-License-Identifier: MIT */
+/* Tests of fast queries (single precision) from inside closed meshes: long thin facets at grazing angles,
+ * compared with the exact query, and a body so small and deep that rounding of positions exceeds its size.
+ * SPDX-License-Identifier: MIT */
 #include "geometry/vec3.h"
 #include "lib/dice.h"
 #include "scene/body/body_shape.h"
@@ -9,7 +9,7 @@
 #include <float.h>
 #include <math.h>
 
-/* Ends are fans of needles. */
+/* Returns a cylinder whose ends are fans of needle-shaped facets. */
 static struct cml_mesh_surface *make_cylinder(const double start[3], const double end[3], double radius)
 {
     struct cml_scene_body body = {.form = CML_BODY_CYLINDER, .radius = radius};
@@ -39,7 +39,8 @@ static double height_over(const double end[3], const double axis[3], const doubl
     return cml_vec3_dot(from, axis);
 }
 
-/* A float place on a facet of the side that has two corners at the end, `share` of the way to the third. */
+/* Draws a float place on a facet of the cylinder's side that has two corners at the given end. `share`:
+ * position from that end towards the third corner. Returns the facet. */
 static int place_on_side(const struct cml_mesh_surface *surface, const double end[3], const double axis[3],
                          struct dice *dice, double share, double p[3])
 {
@@ -60,7 +61,7 @@ static int place_on_side(const struct cml_mesh_surface *surface, const double en
     }
 }
 
-/* At an angle to the end, towards somewhere beside its middle. */
+/* Draws a direction at a given angle to the plane of the end, towards a point near its middle. */
 static void choose_direction(const double end[3], const double axis[3], double sine, struct dice *dice,
                              const double p[3], double u[3])
 {
@@ -73,8 +74,8 @@ static void choose_direction(const double end[3], const double axis[3], double s
     cml_vec3_add_scaled(to, sine, axis, u);
 }
 
-/* Flights from the side at 1e-6 to 1e-4 rad through the end of an oblique cylinder, which end beyond it by
- * more than rounding. */
+/* Flights from the side through the end of an oblique cylinder at 1e-6 to 1e-4 rad, which stop beyond the
+ * end by more than rounding, meet it. */
 static void a_grazed_end_is_not_missed(void **state)
 {
     (void)state;
@@ -100,7 +101,7 @@ static void a_grazed_end_is_not_missed(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Packets that rounding has put beside a rim, deep in a layer. */
+/* Packets deep in a layer that rounding has put beside the rim of a small body leave that body. */
 static void a_small_body_is_left_from_beside_it(void **state)
 {
     (void)state;
@@ -120,7 +121,7 @@ static void a_small_body_is_left_from_beside_it(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Normals between vertices change over a facet: those of the fast search are of the place that is met. */
+/* Vertex normals are interpolated over a facet: the fast search gives the normal of the crossing. */
 static void normals_are_those_of_the_exact_query(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Queries in a concave vertex, where a ring of triangles meets at a tip below their border, in double
- * precision but for the last: along the edges to the tip, past the border, near the tip, at a corner of the
- * border. SPDX-License-Identifier: MIT */
+/* Tests of queries in a concave vertex: a ring of triangles that meets at a tip below their border.
+ * Lines run along the edges to the tip, past the border, near the tip, and at a corner of the border. All
+ * but the last test use double precision. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "surface_hit.h"
 #include "surface/mesh/mesh_surface.h"
@@ -12,7 +12,7 @@ enum { MOST_SIDES = 50, MOST_EVENTS = 1000 };
 
 struct concave {
     int sides;
-    double rounding; /* by which crossings may be off */
+    double rounding; /* allowed error of crossings, cm */
     double tip[3], corner[MOST_SIDES][3];
     struct cml_mesh_surface *surface;
 };
@@ -49,7 +49,7 @@ static void mirror(const double facet[3], double u[3])
     for (int k = 0; k < 3; k++) u[k] -= 2 * along * facet[k];
 }
 
-/* Distance of a place from the plane of a wall; positive in the wall. */
+/* Returns the distance (cm) of a place from the plane of wall i; positive inside the wall. */
 static double depth_in_wall(const struct concave *concave, int i, const double place[3])
 {
     const double *a = concave->corner[i], *b = concave->corner[(i + 1) % concave->sides];
@@ -61,7 +61,7 @@ static double depth_in_wall(const struct concave *concave, int i, const double p
     return cml_vec3_dot(normal, from) / sqrt(cml_vec3_dot(normal, normal));
 }
 
-/* Whether a place lies below the surface by more than rounding. */
+/* True if the place at distance t from p lies below the surface by more than rounding. */
 static bool is_in_wall(const struct concave *concave, const double p[3], double t, const double u[3])
 {
     double place[3];
@@ -71,15 +71,16 @@ static bool is_in_wall(const struct concave *concave, const double p[3], double 
     return place[2] > 0 && in_wall;
 }
 
-/* By how much a crossing misses the plane of what is crossed. */
+/* Returns the distance of a crossing from the plane that is crossed. */
 static double off_plane(const struct concave *concave, const struct cml_mesh_crossing *crossing)
 {
     const bool outside = crossing->primitive == CML_OUTER_PLANE;
     return fabs(outside ? crossing->point[2] : depth_in_wall(concave, crossing->primitive, crossing->point));
 }
 
-/* Flies until nothing is met: always on to the other side, or always mirrored. Whether it ends where its
- * direction leads, and if it is mirrored above the surface, stays there. */
+/* Flies a line until it meets nothing: at each crossing it passes to the other side, or it is always
+ * mirrored. Returns true if the line ends on the side that its direction leads to. A line mirrored above
+ * the surface must also stay above it. */
 static bool ends_where_it_heads(const struct concave *concave, double p[3], double u[3], bool below,
                                 bool mirrored, int on_primitive)
 {
@@ -107,8 +108,8 @@ static void head_for(const double p[3], const double place[3], double u[3])
     for (int k = 0; k < 3; k++) u[k] /= size;
 }
 
-/* Down along an edge, on one of its facets or on nothing: neither facet's plane tells where the line meets
- * it. */
+/* Lines go down along an edge, from one of its facets or from no facet: neither facet's plane says where
+ * the line meets it. */
 static void a_line_along_an_edge_ends_where_it_ends(void **state)
 {
     (void)state;
@@ -131,8 +132,8 @@ static void a_line_along_an_edge_ends_where_it_ends(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* The same in a concave vertex so wide that rounding is large against its depth, and at small angles to its
- * facets: crossings lie on them. */
+/* Lines at small angles to the facets of a concave vertex that is so wide that rounding is large against
+ * its depth: crossings lie on the facets. */
 static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
 {
     (void)state;
@@ -155,7 +156,7 @@ static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Mirrored by a wall that it grazes, exactly where the wall ends in the plane. */
+/* A packet is mirrored by a wall at a grazing angle, exactly where the wall ends in the plane. */
 static void a_packet_is_mirrored_at_the_border(void **state)
 {
     (void)state;
@@ -183,7 +184,8 @@ static void a_packet_is_mirrored_at_the_border(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Mirrored near the tip, from where no rounding reaches the tip to where its mean normal holds. */
+/* A packet is mirrored near the tip: at distances from beyond the reach of rounding to where the tip's
+ * mean normal holds. */
 static void a_packet_is_mirrored_near_the_tip(void **state)
 {
     (void)state;
@@ -206,8 +208,8 @@ static void a_packet_is_mirrored_near_the_tip(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Fast queries of packets that crossed the plane near a corner of the border, on their way in: a
- * corner so sharp that what is around them lies outside. */
+/* Fast queries of packets that have crossed the plane near a corner of the border, on their way in. The
+ * corner is so sharp that rounding around them reaches outside. */
 static void a_packet_at_a_sharp_corner_enters_the_concavity(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Rays answered many at a time, over sheets: the answers of the program's own query, bit
- * for bit, and of the exact one. SPDX-License-Identifier: MIT */
+/* Tests of rays that are answered many at a time over sheets: answers equal the program's own query bit
+ * for bit, and the exact query. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "port.h"
 #include "surface/bounds/cell_horizon.h"
@@ -43,7 +43,7 @@ static int query(const struct subject *s, const double p[3], const double u[3], 
     return cml_mesh_surface_hit(s->surface, p, u, side > 0, t_max, -1, 0, exact, err, crossing);
 }
 
-/* A place on the given side of the mesh, mostly close to it, over it or beside it. */
+/* Draws a place on the given side of the mesh, mostly close to it, over it or beside it. */
 static void place(struct dice *dice, const struct subject *s, double side, double p[3])
 {
     const double down[3] = {0, 0, -side};
@@ -72,8 +72,9 @@ static void fill(struct dice *dice, const struct subject *s, double side, struct
     }
 }
 
-/* What the engine keeps of a number in double. The exact query, to which the program's own leaves rays near
- * edges, finds distances by another sum: where that is all but 0, what is left is rounding. */
+/* True if `kept` is the rounding of `number` that the engine keeps. The program's own query leaves rays
+ * near edges to the exact query, which sums distances in another order; a distance of almost 0 is then
+ * only rounding. */
 static bool is_kept(real kept, double number)
 {
     return kept == (real)number || fabs((double)kept - number) < 1e-15;
@@ -100,7 +101,7 @@ static void check(const struct subject *s, double side, const struct cml_grid_la
     if (met && own.primitive != exact.primitive) fail_msg("facet %d for %d", own.primitive, exact.primitive);
 }
 
-/* least: share of the rays that are answered. */
+/* least: least share of rays that must be answered. */
 static void check_patch(const struct patch *patch, double least)
 {
     static struct cml_grid_lanes l;

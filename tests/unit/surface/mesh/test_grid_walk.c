@@ -1,5 +1,5 @@
-/* The walk over a sheet, regular or not, against the exact query of the same mesh.
- * SPDX-License-Identifier: MIT */
+/* Tests of the walk of rays over the cells of a sheet, regular or not, against the exact query of the same
+ * mesh. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "scene/heightmap/heightmap.h"
 #include "lib/mesh_shapes.h"
@@ -11,7 +11,7 @@
 
 static struct patch patch;
 
-/* A mesh twice: as the program queries it, and with its grid laid open. */
+/* A mesh in two forms: as the program queries it, and with its grid accessible. */
 struct subject {
     struct cml_mesh_surface *surface;
     struct cml_centred_mesh centred;
@@ -43,7 +43,7 @@ static void subject_free(struct subject *s)
     cml_centred_mesh_clear(&s->centred);
 }
 
-/* Vertices moved by up to `jitter` cells along x and y. */
+/* Returns a patch whose vertices are moved by up to `jitter` cells along x and y. */
 static struct subject rough_patch(uint32_t seed, double height, double jitter)
 {
     patch_make(&patch, seed, height, 0, 0, 0);
@@ -55,7 +55,8 @@ static struct subject rough_patch(uint32_t seed, double height, double jitter)
     return subject_of(&mesh);
 }
 
-/* A rough half and a smooth half, whose facets are merged; with a skirt. */
+/* Returns a mesh of a heightmap with a rough half and a smooth half, whose facets are merged, and with a
+ * skirt. */
 static struct subject scan(double tolerance)
 {
     struct cml_heightmap map;
@@ -109,7 +110,7 @@ static double nudge(struct dice *dice, double x)
     return way == 0 ? x : nextafter(x, way == 1 ? INFINITY : -INFINITY);
 }
 
-/* A vertex or a point of an edge, in the boundary's frame. */
+/* Draws a vertex or a point of an edge, in the boundary's frame. */
 static void random_target(const struct subject *s, struct dice *dice, double target[3])
 {
     const struct cml_mesh *mesh = &s->centred.mesh;
@@ -121,7 +122,7 @@ static void random_target(const struct subject *s, struct dice *dice, double tar
     for (int k = 0; k < 3; k++) target[k] = nudge(dice, s->middle[k] + a[k] + w * (b[k] - a[k]));
 }
 
-/* From a random place to it; sometimes straight down. */
+/* Draws a ray from a random place to a vertex or edge; some rays go straight down. */
 static void ray_at_an_edge(const struct subject *s, struct dice *dice, struct ray *ray)
 {
     double target[3];
@@ -134,7 +135,7 @@ static void ray_at_an_edge(const struct subject *s, struct dice *dice, struct ra
     ray->below = ray->u[2] < 0;
 }
 
-/* From one point of edges to another: in the surface, or close to it. */
+/* Draws a ray between points of two edges: in the surface, or close to it. */
 static void ray_along_edges(const struct subject *s, struct dice *dice, struct ray *ray)
 {
     double target[3];
@@ -148,7 +149,7 @@ static void ray_along_edges(const struct subject *s, struct dice *dice, struct r
     normalise(ray->u);
 }
 
-/* On a facet, as a packet stands there after a turn or straight through it. */
+/* Draws a ray from a facet, as of a packet that was turned there or went straight through. */
 static void ray_from_a_facet(const struct subject *s, struct dice *dice, struct ray *ray)
 {
     struct cml_mesh_crossing c;
@@ -163,7 +164,8 @@ static void ray_from_a_facet(const struct subject *s, struct dice *dice, struct 
         dice_direction(dice, ray->u);
 }
 
-/* Beyond a facet by all that rounding is granted: the crossing counts, or does not count any more. */
+/* Draws a ray that starts beyond a facet by the largest allowed rounding: the crossing just counts, or
+ * just does not. */
 static void ray_beyond_a_facet(const struct subject *s, struct dice *dice, struct ray *ray)
 {
     struct cml_mesh_crossing c;
@@ -188,7 +190,7 @@ static void begin(const struct subject *s, const struct ray *ray, struct cml_mes
                     ray->slack);
 }
 
-/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. */
+/* Expects the same crossing, beyond rounding: the same facet, or one that meets the ray at the same place. */
 static void expect_same(const struct ray *ray, int found, const struct cml_mesh_crossing *walked, int met,
                         const struct cml_mesh_crossing *exact)
 {
@@ -199,12 +201,13 @@ static void expect_same(const struct ray *ray, int found, const struct cml_mesh_
     for (int k = 0; k < 3; k++) assert_near("normal", walked->normal[k], exact->normal[k], 1e-6);
 }
 
-/* How many rays the walk decides by itself, and how often the facet is the very same. */
+/* Number of rays that the walk decides by itself, and of those with exactly the same facet. */
 struct share {
     long rays, decided, found, same;
 };
 
-/* A packet that stands near an edge never walks, and what is near depends on its precision. */
+/* Compares one ray. A packet that stands near an edge never walks; the distance that counts as near
+ * depends on its precision. */
 static void compare_ray(const struct subject *s, const struct ray *ray, struct share *share)
 {
     struct cml_mesh_crossing walked, exact;
@@ -271,7 +274,7 @@ static void a_scan_is_walked_merged_or_not(void **state)
     compare_all(&all, 0.5);
 }
 
-/* Without a quarter of the patch: the plane around it lies in the grid's rectangle. */
+/* Returns a patch that lacks a quarter, so the plane around it lies inside the grid's rectangle. */
 static struct subject without_a_quarter(void)
 {
     struct cml_error err = {CML_OK, ""};
@@ -320,7 +323,8 @@ static void a_sheet_with_a_gap_lets_the_plane_through(void **state)
     compare_all(&s, 0.5);
 }
 
-/* Moves vertices to x -> sign(x) |x|^power, and makes them a subject, whose y is `stretch` times theirs. */
+/* Returns a patch whose vertices are moved to x -> sign(x) |x|^power, and whose y is multiplied by
+ * `stretch`. */
 static struct subject warped_patch(double power, double stretch)
 {
     patch_make(&patch, 74, 0.01, 0, 0, 0);
@@ -333,8 +337,8 @@ static struct subject warped_patch(double power, double stretch)
     return subject_of(&mesh);
 }
 
-/* Facets above one another; facets so thin that most cells would hold many; facets of very different sizes.
- */
+/* Meshes that do not suit cells are left to Embree: facets above one another, facets so thin that most
+ * cells would hold many, facets of very different sizes. */
 static void what_cells_do_not_suit_is_left_to_embree(void **state)
 {
     (void)state;

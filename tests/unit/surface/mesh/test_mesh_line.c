@@ -1,5 +1,5 @@
-/* Queries near vertices and edges: whatever rounding has done to a packet's position, a line that goes
- * straight on must end on the side where it ends. SPDX-License-Identifier: MIT */
+/* Tests of queries near vertices and edges: a straight line must end on the side where its end lies,
+ * whatever rounding has done to the packet's position. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "geometry/predicate.h"
 #include "surface/mesh/mesh_surface.h"
@@ -12,7 +12,8 @@ enum { LINES = 20000, MOST_CROSSINGS = 100 };
 
 static struct patch patch;
 
-/* A vertex, or a place on an edge at it, a few roundings near it; returns the triangle. */
+/* Draws a place a few roundings from a vertex, or from a point of an edge at that vertex. Returns the
+ * triangle. */
 static int choose_place(struct dice *dice, double p[3])
 {
     const int triangle = dice_below(dice, COUNT(patch.triangle));
@@ -26,7 +27,7 @@ static int choose_place(struct dice *dice, double p[3])
     return triangle;
 }
 
-/* As a packet between equal indices goes on from one crossing to the next. Returns whether it ends below. */
+/* Follows a packet between equal indices from one crossing to the next. Returns true if it ends below. */
 static bool goes_straight_on(const struct cml_mesh_surface *surface, const double start[3], const double u[3],
                              bool below, int on_primitive)
 {
@@ -45,7 +46,7 @@ static bool goes_straight_on(const struct cml_mesh_surface *surface, const doubl
     return below;
 }
 
-/* Its side is any at the start: rounding may have put it there from either. */
+/* The line starts on either side, because rounding may have put it there from both. */
 static void a_straight_line_ends_where_it_ends(void **state)
 {
     (void)state;
@@ -69,9 +70,9 @@ static void a_straight_line_ends_where_it_ends(void **state)
 
 enum { STEEPNESS = 1000, MOST_BOUNCES = 10000 };
 
-static const double aside = 0.1; /* so that the bottoms lie between numbers of single precision */
+static const double aside = 0.1; /* bottoms lie between numbers of single precision */
 
-/* Grooves along y, steep as STEEPNESS, with their bottoms at depth 0. */
+/* Returns grooves along y with walls of slope STEEPNESS and bottoms at depth 0. */
 static struct cml_mesh_surface *grooves(void)
 {
     patch_make(&patch, 3, 0, 0, aside, 0);
@@ -85,7 +86,8 @@ static struct cml_mesh_surface *grooves(void)
     return surface;
 }
 
-/* A packet that heads down in a groove must meet a wall, however little room is left between the walls. */
+/* True if a packet that heads down in a groove meets wall after wall until it heads up, however little
+ * room is left between the walls. */
 static bool comes_out_of_groove(const struct cml_mesh_surface *surface, double p[3], double u[3])
 {
     struct cml_mesh_crossing crossing = {.primitive = -1};
@@ -141,7 +143,7 @@ static double depth_below(const double p[3], const double u[3], double t)
     return p[2] + t * u[2] - patch_depth(&patch, p[0] + t * u[0], p[1] + t * u[1]);
 }
 
-/* Whether a path from p leads more than rounding beyond the patch. */
+/* True if a path from p leads beyond the patch by more than rounding. */
 static bool goes_beyond(const double p[3], const double u[3], bool below, double length)
 {
     int beyond = 0;
@@ -149,8 +151,8 @@ static bool goes_beyond(const double p[3], const double u[3], bool below, double
     return beyond > 0;
 }
 
-/* Fast queries from where rounding leaves it open on which side of an edge a float lies: their crossing is
- * the first. */
+/* Fast queries find the first crossing even if rounding leaves open on which side of an edge the packet
+ * lies. */
 static void a_packet_at_an_edge_leaves_by_it(void **state)
 {
     (void)state;
@@ -171,8 +173,8 @@ static void a_packet_at_an_edge_leaves_by_it(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Along an edge from the first third of it, standing on a triangle of it, to where the packet interacts, by
- * rounding on any side. False when the path meets something. */
+/* Draws a packet that flies along an edge, from its first third, standing on one of its triangles, to an
+ * interaction on the edge, which rounding puts on any side. Returns false if the path meets something. */
 static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dice *dice, bool below,
                               double p[3])
 {
@@ -194,8 +196,8 @@ static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dic
     return true;
 }
 
-/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. on_primitive:
- * what the query before knew of it. */
+/* Fast queries of packets that have interacted on an edge: a line there may miss all facets. on_primitive:
+ * what the packet knows from the query before. */
 static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
 {
     struct dice dice = dice_new(12);
@@ -231,7 +233,7 @@ static void a_packet_scattered_unnoticed_on_an_edge_leaves_by_it(void **state)
     leave_by_edges(CML_SEARCH_AUTO, -1);
 }
 
-/* A float near a place of a triangle, and a direction within `angle`, rad, of its plane. */
+/* Draws a float place near a triangle and a direction within `angle` (rad) of its plane. */
 static void graze_from_facet(struct dice *dice, double angle, double p[3], double u[3])
 {
     const uint32_t *v = patch.triangle[dice_below(dice, COUNT(patch.triangle))];
@@ -253,7 +255,7 @@ static void graze_from_facet(struct dice *dice, double angle, double p[3], doubl
     for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
 }
 
-/* Fast queries of packets that have interacted within rounding of a facet and go on along it. To Embree, in
+/* Fast queries of packets that interacted within rounding of a facet and fly on along it. For Embree, in
  * single precision, that facet may lie behind them. */
 static void a_packet_scattered_on_a_facet_does_not_graze_its_way_through(void **state)
 {
@@ -275,7 +277,7 @@ static void a_packet_scattered_on_a_facet_does_not_graze_its_way_through(void **
     }
 }
 
-/* Fast queries that graze a facet, with a path that ends far beyond all of them. */
+/* Fast queries that graze a facet, with a path that ends far beyond all facets. */
 static void a_packet_does_not_graze_its_way_through(void **state)
 {
     (void)state;
@@ -302,8 +304,8 @@ static void a_packet_does_not_graze_its_way_through(void **state)
     assert_int_equal(missed, 0);
 }
 
-/* Fast queries through a corner and on along an edge, or what rounding makes of it, that end within the
- * depths of the mesh: nothing but the corner itself tells that they go out there. */
+/* Fast queries through a corner and on along an edge, but for rounding, that end within the depths of the
+ * mesh. Only the corner itself shows that such packets leave there. */
 static void a_packet_does_not_slip_out_along_an_edge(void **state)
 {
     (void)state;
@@ -333,7 +335,7 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Towards a place of an edge, at a small angle to a facet that has it. */
+/* Draws a line towards a place of an edge, at a small angle to a facet of that edge. */
 static void graze_edge(struct dice *dice, double before, double p[3], double u[3])
 {
     const uint32_t *v = patch.triangle[dice_below(dice, COUNT(patch.triangle))];
@@ -351,7 +353,8 @@ static void graze_edge(struct dice *dice, double before, double p[3], double u[3
     for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
 }
 
-/* Fast queries that graze facets where they meet, with paths that end within the depths of the mesh. */
+/* Fast queries that graze facets along their common edge, with paths that end within the depths of the
+ * mesh. */
 static void a_packet_does_not_graze_its_way_between_facets(void **state)
 {
     (void)state;
@@ -374,7 +377,8 @@ static void a_packet_does_not_graze_its_way_between_facets(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Almost flat but for a spike, so that the border's depth is no round number in the mesh's own frame. */
+/* Returns a mesh that is almost flat but for a spike, so that the border's depth is no round number in the
+ * mesh's own frame. */
 static struct cml_mesh_surface *spike(void)
 {
     patch_make(&patch, 9, 1e-6, 0, 0, 0);
@@ -382,7 +386,7 @@ static struct cml_mesh_surface *spike(void)
     return surface_of_patch(CML_SEARCH_TREE);
 }
 
-/* Fast queries that meet the outer plane, or the mesh that ends in it, at a small angle where one becomes the
+/* Fast queries that pass at a small angle where the mesh ends in the outer plane, through one or the
  * other. */
 static void a_packet_does_not_graze_its_way_through_the_border(void **state)
 {
@@ -408,7 +412,7 @@ static void a_packet_does_not_graze_its_way_through_the_border(void **state)
     assert_int_equal(missed, 0);
 }
 
-/* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
+/* A line exactly through a vertex, or along an edge, passes the triangles there as if they were one sheet. */
 static void signs_agree_at_a_vertex(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The mesh query against every triangle in long double. SPDX-License-Identifier: MIT */
+/* Tests of the mesh query against every triangle in long double. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "surface/mesh/sheet_mesh.h"
 #include "lib/mesh_shapes.h"
@@ -46,11 +46,11 @@ static long double volume(const double u[3], const double p[3], const double a[3
 }
 
 struct first {
-    long double t; /* INFINITY: none */
-    int below;     /* the ray comes from below the surface */
+    long double t; /* distance of the crossing; INFINITY: none */
+    int below;     /* true if the ray comes from below the surface */
 };
 
-/* The first crossing of the patch or of the plane around it, whichever way it goes. */
+/* Returns the first crossing of the patch or of the plane around it, in either direction. */
 static struct first first_of_all(const double p[3], const double u[3], double dx, double dy)
 {
     struct first first = {INFINITY, u[2] < 0};
@@ -160,7 +160,7 @@ static double nudge(struct dice *dice, double x)
     return way == 0 ? x : nextafter(x, way == 1 ? INFINITY : -INFINITY);
 }
 
-/* A corner (weight 1), a point of an edge, moved by an ulp in each coordinate or not at all. */
+/* Draws a corner (weight 1) or a point of an edge, moved by one rounding in each coordinate or not at all. */
 static void random_target(struct dice *dice, double target[3])
 {
     const uint32_t *v = patch.triangle[dice_below(dice, COUNT(patch.triangle))];
@@ -171,7 +171,7 @@ static void random_target(struct dice *dice, double target[3])
     for (int k = 0; k < 3; k++) target[k] = nudge(dice, a[k] + w * (b[k] - a[k]));
 }
 
-/* The ray has not been on the other side of the sheet before t. */
+/* Checks that the ray is not on the other side of the sheet before t. */
 static void assert_on_its_side(const double p[3], const double u[3], int below, double t)
 {
     for (int k = 1; k < 64; k++) {
@@ -207,7 +207,7 @@ static void no_ray_at_a_vertex_or_an_edge_slips_through(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Whether the exact query meets the surface at t, with this ray or one that is off by the rounding of a
+/* True if the exact query meets the surface at t, with this ray or with one that differs by a rounding of
  * float. */
 static bool is_met_at(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                       double t)
@@ -220,8 +220,8 @@ static bool is_met_at(const struct cml_mesh_surface *surface, const double p[3],
     return false;
 }
 
-/* Facets in single precision miss some of them, or meet the neighbour: what is not plain has to be decided in
- * double. */
+/* Facets in single precision miss some crossings or give the neighbouring facet. A crossing that is not
+ * clear must be decided in double. */
 static void floats_are_not_believed_at_vertices_and_edges(void **state)
 {
     (void)state;
@@ -247,7 +247,8 @@ static void floats_are_not_believed_at_vertices_and_edges(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Paths of many lengths, most of them about as long as the stretch says, against what it says; how many. */
+/* Compares paths of many lengths, most of them about as long as the safe stretch, with the stretch's
+ * answer. Returns the number of paths. */
 static int compare_with_stretch(struct dice *dice, const struct cml_mesh_surface *surface, const double p[3],
                                 const double u[3], int below, int on, const struct cml_mesh_stretch *stretch)
 {
@@ -270,7 +271,7 @@ static int compare_with_stretch(struct dice *dice, const struct cml_mesh_surface
     return compared;
 }
 
-/* From edges and vertices, and from facets beside them, to others and elsewhere. */
+/* A stretch is asked from edges, vertices and facets near them, towards others and elsewhere. */
 static void a_stretch_says_what_its_paths_meet(void **state)
 {
     (void)state;
@@ -305,7 +306,7 @@ static void a_stretch_says_what_its_paths_meet(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Starts in the line of an edge, so that two facets are met in their own planes. */
+/* Rays that start in the line of an edge meet two facets in their own planes. */
 static void a_ray_along_an_edge_stays_on_its_side(void **state)
 {
     (void)state;
@@ -373,7 +374,7 @@ static void the_seam_of_the_outer_plane_has_no_gap(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* ---- what a hit says ---- */
+/* ---- contents of a hit ---- */
 
 static void the_primitive_stood_on_is_not_met_again(void **state)
 {
@@ -454,7 +455,8 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Vertices moved sideways by up to a fifth of a cell. Cells with lists take about as much as a tree. */
+/* Vertices are moved sideways by up to a fifth of a cell. Cells with lists then take about as much memory
+ * as a tree. */
 static void a_sheet_takes_no_more_memory_for_cells_than_half_again_a_tree(void **state)
 {
     (void)state;
@@ -467,13 +469,13 @@ static void a_sheet_takes_no_more_memory_for_cells_than_half_again_a_tree(void *
     assert_true(cml_mesh_surface_is_sheet(walked));
     assert_false(cml_mesh_surface_is_sheet(searched_for));
     print_message("%.0f bytes per triangle, with a tree %.0f\n", cells / triangles, tree / triangles);
-    assert_true(cells > 44 * triangles); /* corners and planes alone */
+    assert_true(cells > 44 * triangles); /* bytes of corners and planes alone */
     assert_true(cells < 1.5 * tree);
     cml_mesh_surface_free(walked);
     cml_mesh_surface_free(searched_for);
 }
 
-/* At least the facets, and no more than lists, depths and a pyramid besides. */
+/* The memory of cells includes at least the facets, and at most lists, depths and a pyramid besides. */
 static void cells_count_as_memory(void **state)
 {
     (void)state;

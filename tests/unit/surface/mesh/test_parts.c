@@ -1,6 +1,6 @@
-/* Bodies of several closed parts: which side of each is outside, and what lines cross that are aimed at
- * vertices, edges and places where parts come close, against solid angles and all triangles in long double.
- * SPDX-License-Identifier: MIT */
+/* Tests of bodies of several closed parts, which may be nested or overlap: the outside of each part, and
+ * the crossings of lines aimed at vertices, edges and places where parts come close. They are compared
+ * with solid angles and all triangles in long double. SPDX-License-Identifier: MIT */
 #include "lib/part_shapes.h"
 
 #include "surface/mesh/mesh_surface.h"
@@ -8,8 +8,8 @@
 static struct soup soup;
 static struct dice dice;
 
-/* A stone, and in it often one or two others, or one that leaves it a wall of a millionth, to a depth of
- * three. */
+/* Adds a stone. It often contains one or two others, or one that leaves it a wall of a millionth, to a
+ * depth of three. */
 static void add_nested(const double centre[3], double radius, int depth)
 {
     if (soup.parts > 20) return;
@@ -85,7 +85,7 @@ static struct cml_mesh_surface *surface_of_soup(void)
     return surface;
 }
 
-/* Where a line crosses a triangle, if it does. */
+/* True if a line crosses a triangle; *at: its distance. */
 static bool crosses(int t, const double p[3], const double u[3], double *at)
 {
     long double d[3][3], side[3], weight = 0, height = 0;
@@ -109,13 +109,13 @@ static bool crosses(int t, const double p[3], const double u[3], double *at)
     return true;
 }
 
-/* What lies ahead on a line. */
+/* Crossings that lie ahead on a line. */
 struct ahead {
     double at[4 * SOUP_PARTS];
     int triangle[4 * SOUP_PARTS], count;
 };
 
-/* The nearest, which is taken out; -1: none is left. */
+/* Removes the nearest crossing and returns its triangle; -1 if none is left. */
 static int take_next(struct ahead *ahead, double *at)
 {
     int next = -1;
@@ -127,8 +127,9 @@ static int take_next(struct ahead *ahead, double *at)
     return ahead->triangle[next];
 }
 
-/* The first boundary ahead of p: the parts around a place change in number, of a union from none to some or
- * back. Crossings at one place but for rounding, of faces in one plane, count as one, of triangle -1. */
+/* Returns the distance of the first boundary ahead of p. At a boundary of the union the number of parts
+ * around a point changes from none to some or back. Crossings at one place but for rounding, of faces in
+ * one plane, count as one, with triangle -1. */
 static double first_boundary(const double p[3], const double u[3], int *triangle)
 {
     static struct ahead ahead;
@@ -159,7 +160,7 @@ static double first_boundary(const double p[3], const double u[3], int *triangle
     return INFINITY;
 }
 
-/* Anywhere around, or at a vertex, on an edge or on a facet. */
+/* Draws a point around the body, or at a vertex, on an edge or on a facet. */
 static void choose_target(double p[3])
 {
     const int t = dice_below(&dice, soup.num_triangles), kind = dice_below(&dice, 4);
@@ -172,8 +173,8 @@ static void choose_target(double p[3])
     for (int k = 0; k < 3; k++) p[k] *= k == 0 ? 3 : 1;
 }
 
-/* Lines at random, none within rounding of an edge: the same crossing, the fast and the exact way. Enough are
- * flown that a third of them meets something. */
+/* Random lines, none within rounding of an edge, have the same crossing in the fast and the exact query. A
+ * third of them must meet something. */
 static void compare_lines(int lines)
 {
     const int flown = repeats(lines) < 125 ? 125 : repeats(lines);
@@ -209,7 +210,8 @@ static void lines_meet_what_long_double_says(void **state)
     }
 }
 
-/* What rounding may hide of a place: 32 steps of single precision, or 1024 of double, at its coordinates. */
+/* A walk of one packet. A place may be on the wrong side within 32 roundings of single precision, or 1024
+ * of double, of its coordinates. */
 struct walk {
     const struct cml_mesh_surface *surface;
     bool single;
@@ -230,14 +232,14 @@ static void round_to(const struct walk *walk, const double from[3], double to[3]
     for (int k = 0; k < 3; k++) to[k] = walk->single ? (double)(float)from[k] : from[k];
 }
 
-/* Whether a place can be on the walk's side. */
+/* Counts a place as wrong if it lies on the other side than the walk's, beyond rounding. */
 static void check_side(struct walk *walk, const double at[3])
 {
     if (soup_holds(&soup, at) == walk->inside) return;
     if (soup_distance(&soup, at) > rounding_at(walk, walk->single ? 32 : 1024)) walk->wrong++;
 }
 
-/* A path of this length, to its end or to what it crosses, where half of the packets are turned back. */
+/* Flies a path of this length, to its end or to a crossing, where half of the packets are mirrored. */
 static void take_step(struct walk *walk, double length)
 {
     struct cml_mesh_crossing crossing = {.t = length, .primitive = -1};
@@ -262,7 +264,7 @@ static void take_step(struct walk *walk, double length)
     round_to(walk, turned, walk->u);
 }
 
-/* Starts somewhere, aims at a target, goes to it or through it, is scattered there, and so on. */
+/* Lets a packet start somewhere, fly to a target or through it, scatter there, and so on. */
 static void wander(struct walk *walk)
 {
     double start[3];
@@ -311,7 +313,7 @@ static void packets_stay_on_their_side(void **state)
     }
 }
 
-/* Boxes side by side, much closer than what single precision tells apart, and around each other. */
+/* Boxes side by side and inside each other, much closer than single precision can tell apart. */
 static void parts_may_be_closer_than_rounding(void **state)
 {
     (void)state;
@@ -325,14 +327,14 @@ static void parts_may_be_closer_than_rounding(void **state)
         dice = dice_new((uint32_t)i);
         soup_box(&soup, a, b);
         soup_box(&soup, c, d);
-        soup_box(&soup, e, f); /* a cavity of the first, open to all but three of its sides */
+        soup_box(&soup, e, f); /* a cavity of the first box that is open to all but three of its sides */
         soup_box(&soup, g, h);
         wander_often(2000);
     }
 }
 
-/* Stones that cross and hold each other, boxes whose faces lie in one plane or touch, and a long needle
- * through all. */
+/* Makes stones that cross and contain each other, boxes whose faces touch or lie in one plane, and a long
+ * needle through all. */
 static void make_union(uint32_t seed)
 {
     soup = (struct soup){.unite = true};
@@ -363,8 +365,8 @@ static void lines_meet_a_union_outside_of_all_other_parts(void **state)
     }
 }
 
-/* A rod of boxes that overlap, a gap behind the last but ten: more crossings than are put in order at once.
- */
+/* A line through a rod of overlapping boxes with a gap before the last ten: it has more crossings than are
+ * sorted at once. */
 static void lines_pass_a_hundred_parts(void **state)
 {
     (void)state;
@@ -393,8 +395,8 @@ static void lines_pass_a_hundred_parts(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Rounding has put it beyond the wall of a post that it flies down in, into the block that the post ends in:
- * it leaves at the block's end, not where the post has its own. */
+/* A packet flies down inside a post, and rounding has put it beyond the post's wall, into the block that
+ * the post ends in. It leaves at the block's end, not at the post's own end. */
 static void a_packet_beside_a_wall_goes_on_into_the_next_part(void **state)
 {
     (void)state;
@@ -419,8 +421,9 @@ static void a_packet_beside_a_wall_goes_on_into_the_next_part(void **state)
     if (wrong) fail_msg("%d of 2000", wrong);
 }
 
-/* It has come into a wall, and rounding has put it beyond it, into the cavity behind; at so small an angle
- * that its line passes the wall far before: it leaves the wall at once, not at the far end of the cavity. */
+/* A packet has entered a thin wall, and rounding has put it into the cavity behind. At a small angle its
+ * line passes the wall far before that place. The packet leaves the wall at once, not at the far end of
+ * the cavity. */
 static void a_packet_beyond_a_thin_wall_leaves_it_at_any_angle(void **state)
 {
     (void)state;
@@ -447,8 +450,8 @@ static void a_packet_beyond_a_thin_wall_leaves_it_at_any_angle(void **state)
     if (wrong) fail_msg("%d of 2000", wrong);
 }
 
-/* It leaves one box where two faces touch, on an edge of the other box, whose crossings rounding exchanges.
- */
+/* A line leaves one box where two faces touch, on an edge of the other box; rounding exchanges the order
+ * of their crossings. */
 static void a_line_leaves_at_the_edge_of_a_touching_face(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Crossings of a tile against those of a mesh of many of its copies, laid out as triangles; and the bound of
- * what is followed. The copies share the query of one mesh with the tile, and know nothing of periods.
- * SPDX-License-Identifier: MIT */
+/* Tests of crossings of a tile against those of a mesh that holds many copies of it, and of the limit on
+ * the number of periods that a ray is followed. Copies and tile use the same mesh query, but the mesh
+ * knows nothing of periods. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "lib/require.h"
 #include "scene/heightmap/tile.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { COPIES = 5 }; /* on each side of the middle one */
+enum { COPIES = 5 }; /* copies on each side of the middle one */
 
 struct subject {
     struct cml_heightmap map;
@@ -63,14 +63,15 @@ static void subject_free(struct subject *s)
     cml_heightmap_clear(&s->map);
 }
 
-/* The primitive of a copy's triangle. */
+/* Returns the primitive of the tile that is this triangle of a copy. */
 static int primitive_of(const struct cml_heightmap *map, int triangle)
 {
     const int row = (2 * COPIES + 1) * map->nx, cell = triangle / 2;
     return 2 * (cell / row % map->ny * map->nx + cell % row % map->nx) + triangle % 2;
 }
 
-/* Rays that begin in any of the middle copies, and pass several. A path ends where the copies do. */
+/* Draws a ray that begins in one of the middle copies and passes several. The path ends where the copies
+ * end. */
 static void random_ray(const struct cml_heightmap *map, double height, struct dice *dice, double p[3],
                        double u[3], double *length)
 {
@@ -130,8 +131,8 @@ static void a_tile_is_crossed_where_its_copies_are(void **state)
     }
 }
 
-/* A packet that has just crossed a facet goes on from any copy of it, also from the seam, and does not meet
- * it again. */
+/* A packet that has just crossed a facet goes on from any copy of that facet, also from a seam, and does
+ * not meet it again. */
 static void a_packet_goes_on_from_the_facet_it_stands_on(void **state)
 {
     (void)state;
@@ -162,14 +163,15 @@ static void primitives_are_those_of_the_period(void **state)
     for (int i = 0; i < 2 * 15; i++)
         assert_int_equal(cml_tile_primitive(&period, cml_tile_triangle(&period, i)), i);
     for (int triangle = 0; triangle < 2 * 23 * 11; triangle++) {
-        const int x = (triangle / 2 % 23 + 1) % 5, y = (triangle / 2 / 23 + 2) % 3; /* margins mod n: 9, 4 */
+        const int x = (triangle / 2 % 23 + 1) % 5,
+                  y = (triangle / 2 / 23 + 2) % 3; /* the margins modulo n are 9 and 4 */
         assert_int_equal(cml_tile_primitive(&period, triangle), 2 * (5 * y + x) + triangle % 2);
     }
-    assert_int_equal(cml_tile_primitive(&period, 2 * 23 * 11), -1); /* of the skirt */
+    assert_int_equal(cml_tile_primitive(&period, 2 * 23 * 11), -1); /* a facet of the skirt */
 }
 
-/* Along straight grooves, below their ridges, nothing is ever met. What rises or sinks is not followed for
- * longer than it is between the heights. */
+/* A ray along straight grooves, below their ridges, never meets anything and is given up. A ray that rises
+ * or sinks is followed only while it is between the lowest and highest height. */
 static void a_path_over_too_many_periods_is_given_up(void **state)
 {
     (void)state;
@@ -191,7 +193,8 @@ static void a_path_over_too_many_periods_is_given_up(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* A path from far below the sheet at a small angle: what it flies there is not cut into segments. */
+/* A path may begin far below the sheet at a small angle; the part outside the sheet's depths is not cut
+ * into segments. */
 static void a_path_may_begin_far_away(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The tree of facets against every facet in long double: soups of facets of all sizes and shapes, rays aimed
- * at edges and corners, along facets, from facets. SPDX-License-Identifier: MIT */
+/* Tests of the tree of facets against every facet in long double: sets of facets of all sizes and shapes,
+ * and rays aimed at edges and corners, along facets, and from facets. SPDX-License-Identifier: MIT */
 #include "surface/tree/facet_tree.h"
 
 #include "geometry/vec3.h"
@@ -21,7 +21,7 @@ struct soup {
     struct cml_facet_tree tree;
 };
 
-/* A ray in double, as queries have it. */
+/* A ray in double, as in queries. */
 struct path {
     double p[3], u[3], length;
     int below, exclude;
@@ -29,8 +29,8 @@ struct path {
 
 /* ---- scenes ---- */
 
-/* Corner k of a facet at `middle`: of a plain one, of a needle, of one lower than any margin, of one without
- * an area. */
+/* Draws corner k of a facet around `middle`. shape: an ordinary facet, a needle, one lower than any
+ * margin, one without an area. */
 static void choose_corner(struct dice *dice, int shape, int k, const double along[3], const double middle[3],
                           double size, double corner[3])
 {
@@ -41,8 +41,8 @@ static void choose_corner(struct dice *dice, int shape, int k, const double alon
         corner[i] = middle[i] + size * ((k - 1) * along[i] + aside[shape] * direction[i]);
 }
 
-/* shapes: how many of those of choose_corner occur. Facets are not joined, each side is an edge of the soup;
- * but some lie closer to the one before than floats tell. */
+/* Makes a set of facets. shapes: how many of the shapes of choose_corner occur. Facets are not joined, so
+ * each side is an edge; some facets lie closer to the one before than floats can tell. */
 static void make_soup(struct soup *soup, struct dice *dice, int facets, int shapes, double extent)
 {
     struct cml_mesh mesh = {
@@ -85,7 +85,7 @@ static void clear_soup(struct soup *soup)
     cml_centred_mesh_clear(&soup->centred);
 }
 
-/* On a facet: inside, on an edge, or a corner. */
+/* Draws a target on a facet: inside, on an edge, or a corner. */
 static void choose_target(const struct soup *soup, struct dice *dice, int facet, double target[3])
 {
     double weight[3] = {dice_uniform(dice), dice_uniform(dice), dice_uniform(dice)}, sum = 0;
@@ -97,8 +97,8 @@ static void choose_target(const struct soup *soup, struct dice *dice, int facet,
         cml_vec3_add_scaled(target, weight[k] / sum, cml_centred_corner(&soup->centred, facet, k), target);
 }
 
-/* From anywhere in the box, or straight up or along an axis, at a target; the path ends before it, at it,
- * behind it or nowhere. */
+/* Draws a path from anywhere in the box, vertically, or along an axis, at a target. It ends before the
+ * target, at it, behind it, or nowhere. */
 static void aim(const struct soup *soup, struct dice *dice, struct path *path)
 {
     const int facet = dice_below(dice, (int)soup->centred.mesh.num_triangles), axis = dice_below(dice, 6);
@@ -134,7 +134,7 @@ static long double volume(const struct path *path, const double *a, const double
            u[2] * (v[0] * w[1] - v[1] * w[0]);
 }
 
-/* Distance at which the path leaves its side through the facet; INFINITY: it does not. */
+/* Returns the distance at which the path leaves its side through the facet; INFINITY: it does not. */
 static long double crossing_of(const struct soup *soup, const struct path *path, int facet)
 {
     const double *a = cml_centred_corner(&soup->centred, facet, 0),
@@ -155,7 +155,8 @@ static bool is_named(const struct cml_tree_answer *answer, int facet)
     return named;
 }
 
-/* The facets that the path leaves by before the sure one are named, and that one is left by. */
+/* Returns the number of errors in the tree's answer: the answer must name the facets through which the
+ * path leaves before the sure one, and the path must leave through the sure one. */
 static int count_wrong(const struct soup *soup, const struct path *path, const struct cml_tree_answer *answer)
 {
     const int facets = (int)soup->centred.mesh.num_triangles;
@@ -190,7 +191,7 @@ static void assert_same(const struct cml_tree_answer *a, const struct cml_tree_a
     assert_memory_equal(a->doubt, b->doubt, (size_t)a->doubts * sizeof a->doubt[0]);
 }
 
-/* At all levels of the processor. */
+/* Asks the tree with each level of the processor, whose answers must be equal. */
 static struct cml_tree_answer ask(const struct soup *soup, const struct path *path)
 {
     const struct cml_tree_ray ray = ray_of(soup, path);
@@ -242,7 +243,8 @@ static void facets_too_thin_for_floats_blur_an_answer_and_make_none_wrong(void *
     check_soup(5, 40, 4, 1);
 }
 
-/* Packets that rounding may have put on a facet or beyond it, and that head anywhere, also along it. */
+/* Packets that rounding may have put on a facet or beyond it name that facet, in whatever direction they
+ * head, also along it. */
 static void a_facet_at_the_origin_is_named(void **state)
 {
     (void)state;
@@ -270,7 +272,8 @@ static void a_facet_at_the_origin_is_named(void **state)
     assert_int_equal(missing, 0);
 }
 
-/* A path begins before the facet by more than the margin; what it crosses first from behind is told. */
+/* A path begins before a facet by more than the margin. The answer tells if the path crosses something
+ * from behind first. */
 static void a_path_that_comes_from_the_wrong_side_is_told(void **state)
 {
     (void)state;
@@ -292,7 +295,7 @@ static void a_path_that_comes_from_the_wrong_side_is_told(void **state)
     clear_soup(&soup);
 }
 
-/* Every facet is in one leaf. */
+/* Every facet is in exactly one leaf. */
 static void leaves_hold_every_facet_once(void **state)
 {
     (void)state;
@@ -308,7 +311,7 @@ static void leaves_hold_every_facet_once(void **state)
     clear_soup(&soup);
 }
 
-/* Facets that no cut tells apart. */
+/* Facets at one place, which no cut can separate, still make a tree. */
 static void facets_at_one_place_make_a_tree(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
 """What an .h5 says of bodies: shares and media along `body`, facets of all of them along `body_facet`. Sums over facets are `flux_body`,
 areas are known, and what arrives at a body leaves it. JSON and tables of sweeps have the same."""
 import csv
+import itertools
 import json
 import math
 import os
@@ -91,6 +92,21 @@ def check_tables(verdict, folder):
             verdict.check("JSON", record["flux_body" + end] == found.ravel().tolist(), f"{record}")
 
 
+def check_many_axes(verdict, folder):
+    """Two values in each of six columns are six axes; seven would leave no axes for body and side of flux_body, and are rows."""
+    names = "above.n below.n layer1.n layer1.mua layer1.mus layer1.g body1.mua".split()
+    for count in (6, 7):
+        rows = itertools.product(*(("1", "1.2") if name.endswith(".n") else ("0.5", "0.8") for name in names[:count]))
+        with open(os.path.join(folder, "many.csv"), "w", encoding="utf-8") as file:
+            file.write(",".join(names[:count]) + "\n" + "".join(",".join(row) + "\n" for row in rows))
+        done = subprocess.run([cml.PROGRAM, os.path.join(folder, "bodies.mci"), "--quiet", "--photons", "64", "-o", folder, "--sweep", os.path.join(folder, "many.csv")],
+                              check=False, capture_output=True, text=True)
+        verdict.check(f"{count} columns", done.returncode == 0, done.stderr)
+        with h5py.File(os.path.join(folder, "bodies.sweep.h5")) as file:
+            shape = (2,) * 6 if count == 6 else (128,)
+            verdict.check(f"{count} columns", file["flux_body"].shape == shape + (3, 4), str(file["flux_body"].shape))
+
+
 def main():
     verdict = cml.Verdict("bodies")
     with tempfile.TemporaryDirectory() as folder:
@@ -104,6 +120,7 @@ def main():
             check(verdict, file)
             check_drawing(verdict, os.path.join(folder, "bodies.bodies.vtp"), file)
         check_tables(verdict, folder)
+        check_many_axes(verdict, folder)
     verdict.finish()
 
 

@@ -35,8 +35,8 @@ void cml_sweep_h5_name(char *name);
 CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                              struct cml_error *err);
 
-/* Axes of a sweep: one less than a field may have, for that of layers or bodies. */
-#define CML_SWEEP_AXES (CML_FIELD_AXES - 1)
+/* Axes of a sweep: two less than a field may have, for the body and the side of flux_body. */
+#define CML_SWEEP_AXES (CML_FIELD_AXES - 2)
 
 /* Writes arrays over the swept numbers. If the rows are all combinations of the values in their columns, each
  * once, and at most CML_SWEEP_AXES columns have more than one value, these columns are the axes, in their

@@ -1,4 +1,4 @@
-"""What `brdf` returns: reflection and transmission by directions, and the files that renderers read.
+"""The result of `brdf`, a material: reflection and transmission by direction, and the files that renderers read.
 
 SPDX-License-Identifier: MIT
 """
@@ -24,11 +24,11 @@ from .pictures import COLOURS, drawing, save
 if TYPE_CHECKING:
     import xarray as xr
 
-SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
-GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
-STEP = 5.0  # between angles of incidence of a .bsdf, at most: renderers interpolate f cos theta_o, which bends
+SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis; exits near the horizon need finer nodes than lobes
+GREY_NM = (360.0, 830.0)  # wavelengths of a grey material, for spectral renderers
+STEP = 5.0  # largest step between angles of incidence of a .bsdf [degrees]; renderers interpolate f cos theta_o, which bends
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
-PLOTTED = 5  # angles of incidence
+PLOTTED = 5  # number of angles of incidence in a picture
 
 
 def path_of(name: str, value: Any, ending: str) -> str:
@@ -62,7 +62,7 @@ class Material:
         return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
 
     def _each(self, name: str) -> Any:
-        """An array with the axis of channels first, also of a grey material."""
+        """Returns an array with the axis of channels first, also for a grey material."""
         values = self.data[name].values
         return values if self.channels() else values[None]
 
@@ -74,7 +74,8 @@ class Material:
     # ---- files ----
 
     def _half(self, channel: int, angle: float) -> Any:
-        """f of a lobe at the nodes of a .bsdf, between the angles flown by linear interpolation in the cells of the half vector."""
+        """Returns f of a lobe at the nodes of a .bsdf. Between the flown angles, cells of equal half vector are interpolated
+        linearly."""
         flown, cells = self.data["theta_i"].values, self._each("f_half")[channel]
         i = int(np.clip(np.searchsorted(flown, angle, side="right") - 1, 0, max(len(flown) - 2, 0)))
         j = min(i + 1, len(flown) - 1)
@@ -82,7 +83,7 @@ class Material:
         return finer((1 - share) * cells[i] + share * cells[j])
 
     def _table(self, angles: Any) -> Any:
-        """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: degrees."""
+        """Returns f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: of incidence [degrees]."""
         u, v = nodes(SIZE)
         found = []
         for angle in angles:
@@ -130,7 +131,7 @@ class Material:
                 f"put a smooth dielectric coat of n {self.data.attrs['n_layer']:g} over it, or give the face a rough line")
 
     def _lines(self) -> Any:
-        """Rows of the text table."""
+        """Yields the rows of the text table."""
         data, labels = self.data, self.channels() or [None]
         names = ("f_r", "f_r_se", "f_t", "f_t_se")
         columns = [self._each(name) for name in names]
@@ -181,7 +182,8 @@ class Material:
     # ---- pictures ----
 
     def _plane(self, name: str, channel: int, i: int) -> tuple[Any, Any]:
-        """Values in the plane of incidence, by the signed angle [degrees]: negative on the side that the light comes from."""
+        """Returns the signed angles [degrees] and the values in the plane of incidence. Negative angles lie on the side that
+        the light comes from."""
         values, theta = self._each(name)[channel, i], self.data["theta"].values
         back = self.data.sizes["phi"] // 2
         return np.concatenate([-theta[::-1], theta]), np.concatenate([values[::-1, back], values[:, 0]])
@@ -210,7 +212,7 @@ class Material:
 
 
 def _steps(angles: Any) -> Any:
-    """The angles, and others between them, at most STEP apart.
+    """Returns the angles with others between them, at most STEP apart.
 
     >>> _steps([0, 10, 13]).tolist()
     [0.0, 5.0, 10.0, 13.0]
@@ -234,7 +236,7 @@ def read_material(path: Path) -> Material:
 
 
 def _scale(axes: Any, values: Any) -> None:
-    """Logarithmic where a lobe stands far above the rest."""
+    """Makes the axis logarithmic if a lobe stands far above the other values."""
     middle = float(np.median(values[values > 0])) if (values > 0).any() else 0.0
     if middle > 0 and values.max() > 30 * middle:
         axes.set(yscale="log", ylim=(middle / 30, 1.5 * values.max()))

@@ -1,11 +1,13 @@
 #!/bin/sh
-# The wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3 and nothing else: an ordinary
-# user installs it, flies five lines of Python to a picture, and all samples to the bytes that $CLUSTERMCML writes here.
+# Installs the wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3
+# and nothing else. An ordinary user flies five lines of Python to a picture, and all samples. Their .mco files must
+# have the bytes that $CLUSTERMCML writes here.
 #
-#     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     roots stay there; the next run makes none
-#     WHEEL=FILE sh tests/python/wheel.sh               that wheel, and none is built
+#     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     the roots stay there, and the next run reuses them
+#     WHEEL=FILE sh tests/python/wheel.sh               tests that wheel and builds none
 #
-# Exit code: 0 all made roots passed, 1 one failed, 77 no root could be made. Needs the user root, debootstrap and archives.
+# Exit code: 0 if all roots that could be made passed, 1 if one failed, 77 if no root could be made. Needs the user
+# root, debootstrap and network.
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-$PWD/build/clustermcml}
@@ -19,7 +21,7 @@ wheel=${WHEEL:-}
 test -n "$wheel" || { sh samples/wheel.sh "$work/wheel" && wheel=$(ls "$work"/wheel/*.whl); } || exit 1
 test "$(stat -c %s "$wheel")" -le 40000000 || { echo "$wheel has more than 40 MB"; exit 1; }
 
-# Runs in a root as an ordinary user, without network namespaces; mounts go with the process.
+# Runs commands in a root as an ordinary user, with the network of this machine. Mounts vanish with the process.
 as_user() { # ROOT COMMANDS
     unshare --mount --pid --fork --kill-child sh -euc '
         mount -t proc proc "$1/proc"
@@ -29,7 +31,7 @@ as_user() { # ROOT COMMANDS
             PIP_CERT=/home/user/ca.crt sh -euc "cd; $2"' sh "$1" "$2" </dev/null
 }
 
-# Ubuntu's keys are those that Debian 13 packages.
+# Makes a root with debootstrap. The keys of Ubuntu's archive come from a package of Debian 13.
 make_root() { # SUITE
     test ! -e "$roots/$1/usr/bin/python3" || return 0
     archive=http://deb.debian.org/debian keys= script=
@@ -38,7 +40,7 @@ make_root() { # SUITE
         archive=http://archive.ubuntu.com/ubuntu script=gutsy
         keys="--components=main,universe --keyring=$roots/trixie/usr/share/keyrings/ubuntu-archive-keyring.gpg"
     }
-    # Word splitting is meant.
+    # Word splitting of $keys and $script is meant.
     unshare --mount debootstrap --variant=minbase --include=python3,python3-venv $keys "$1" "$roots/$1" $archive $script
 }
 
@@ -68,7 +70,7 @@ result.Rd_r.plot()[0].figure.savefig("picture.png")
 END
 (cd samples && OUT=$work/here PROGRAM=$program sh -euc "$fly") || { echo "$program flies no samples"; exit 1; }
 
-# .mco files of a root that are not here, or have other bytes but for the time and the commit.
+# Prints the .mco files of a root that differ from those here in more than the time and the commit.
 others() { # ROOT
     (cd "$work/here" && find . -name '*.mco') | while read -r file; do
         for side in "$work/here" "$1/home/user/flown"; do sed -e '/^# User time/d' -e 's/^\(# clustermcml [0-9.]*\) (.*/\1/' "$side/$file" 2>&1; done >"$work/both"

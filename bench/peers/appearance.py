@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Does Mitsuba 3 render our .bsdf files as it renders the slab itself? appearance.py [--photons N] [--rays N] [--rounds N] [--program PATH] [--out DIR]
+"""Tests if Mitsuba 3 renders the program's .bsdf files like the slab itself: appearance.py [--photons N] [--rays N] [--rounds N] [--program PATH]
+[--out DIR]
 
-Flies a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.1), writes slab.bsdf and slab.rgb.bsdf, and asks Mitsuba's
-plugin `measured` three things: whether its values are those that a reader of 30 lines finds in the file; what albedo its samples have;
-how bright the slab is at nine exits in three distant lights of 12 degrees radius, beside Mitsuba's own volpath through `roughdielectric`
-faces. `pip install mitsuba`. Leaves appearance.md in DIR. bench/peers/README.md says more.
+Simulates a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.1) and writes slab.bsdf and slab.rgb.bsdf. Mitsuba's plugin
+`measured` is then tested in three ways: if its values are those that a reader of 30 lines finds in the file; the albedo of its samples; and the
+brightness of the slab at nine exits in three distant lights of 12 degrees radius, beside Mitsuba's own volpath through `roughdielectric` faces.
+`pip install mitsuba`. Leaves appearance.md in DIR. bench/peers/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -29,7 +31,7 @@ ANGLES = [*range(0, 81, 5), 85]
 
 
 def fly(program, folder, photons):
-    """The material, flown; its files stand in the folder."""
+    """Simulates the material and returns it. Its files stand in the folder."""
     os.environ["CLUSTERMCML"] = program
     import clustermcml as mc
     rough = mc.Rough("beckmann", ALPHA)
@@ -41,7 +43,7 @@ def fly(program, folder, photons):
 
 
 def direction(theta, phi):
-    """Upwards, degrees."""
+    """Returns a direction upwards from angles in degrees."""
     t, p = math.radians(theta), math.radians(phi)
     return [math.sin(t) * math.cos(p), math.sin(t) * math.sin(p), math.cos(t)]
 
@@ -49,7 +51,8 @@ def direction(theta, phi):
 # ---- values of the file ----
 
 def looked_up(fields, name, light, exit_):
-    """f cos of the exit, by bilinear interpolation, as bsdf_file.py describes the file. Both are unit vectors, light at azimuth 0."""
+    """Returns f times the cosine of the exit, by bilinear interpolation, as bsdf_file.py describes the file. light, exit_: unit vectors, light at
+    azimuth 0."""
     import numpy as np
     half = np.add(light, exit_)
     half /= np.linalg.norm(half)
@@ -65,7 +68,7 @@ def looked_up(fields, name, light, exit_):
 
 
 def compare_values(folder, variant, kind, name, pairs):
-    """The largest relative difference between Mitsuba's values and those of this reader."""
+    """Returns the largest relative difference between Mitsuba's values and those of this reader."""
     import mitsuba as mi
     import numpy as np
     import clustermcml as mc
@@ -84,7 +87,7 @@ def compare_values(folder, variant, kind, name, pairs):
 
 
 def sampled_albedo(folder, theta, rays):
-    """(mean, error) of what Mitsuba's samples of the file reflect."""
+    """Returns (mean, error) of the albedo of Mitsuba's samples of the file."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")
@@ -98,7 +101,7 @@ def sampled_albedo(folder, theta, rays):
 # ---- the slab in light ----
 
 def lights(mi):
-    """Discs far away that face the middle of the slab: red, green, blue."""
+    """Returns three discs far away that face the middle of the slab: red, green, blue."""
     found = {}
     for i, theta in enumerate(LIGHTS):
         place = [FAR * UNIT * x for x in direction(theta, 180)]
@@ -109,7 +112,7 @@ def lights(mi):
 
 
 def slab(mi, folder, measured):
-    """The slab, whose top is at z = 0: its table, or its faces and medium."""
+    """Returns the slab, whose top is at z = 0: its table, or its faces and medium."""
     if measured:
         turn = mi.ScalarTransform4f().scale(HALF_WIDTH * UNIT)
         return {"type": "rectangle", "to_world": turn, "bsdf": {"type": "measured", "filename": os.path.join(folder, "slab.rgb.bsdf")}}
@@ -120,7 +123,7 @@ def slab(mi, folder, measured):
 
 
 def radiance(folder, exit_, measured, rays, seed):
-    """What a radiancemeter sees of the slab's middle at an exit, by light."""
+    """Returns the radiance of the slab's middle at an exit, by light."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")
@@ -133,7 +136,7 @@ def radiance(folder, exit_, measured, rays, seed):
 
 
 def rows_of(folder, rays, rounds):
-    """Radiance at every exit in every light, by both."""
+    """Returns the radiance at every exit in every light, by both methods."""
     import numpy as np
     rows, found = [], {}
     for exit_ in EXITS:
@@ -150,7 +153,7 @@ def rows_of(folder, rays, rounds):
 
 
 def mean_by_light(found):
-    """A line on each light: the mean over the exits by their errors."""
+    """Returns a line with the mean difference for each light, over the exits, weighted by errors."""
     lines = []
     for theta, values in found.items():
         weights = [1 / error**2 for _, error in values]

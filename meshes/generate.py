@@ -33,8 +33,8 @@ def wedge():
         j = (i + 1) % 4
         faces += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
     faces += [(4, 8, 9), (4, 9, 7)]  # the ramp
-    faces += [(5, 6, 9), (5, 9, 8)]  # its back
-    faces += [(4, 5, 8), (6, 7, 9)]  # its sides
+    faces += [(5, 6, 9), (5, 9, 8)]  # steep back of the ramp
+    faces += [(4, 5, 8), (6, 7, 9)]  # sides of the ramp
     return outer + inner + top, faces
 
 

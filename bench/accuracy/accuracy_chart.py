@@ -61,7 +61,7 @@ def draw_errors(axes, found):
 
 def key(plt, found):
     """Draws the key: a line for everything in this scene."""
-    radial = bool(found["curve.cpu-cone"])  # without a cone, the surface is a mesh, and the samples are coarser meshes
+    radial = bool(found["curve.cpu-cone"])  # true for a scene with cones; otherwise the surface is a mesh, and the samples are coarser meshes
 
     def line(colour, style, text, width=1.5):
         return plt.Line2D([], [], color=colour, linestyle=style, linewidth=width, label=text)

@@ -82,7 +82,7 @@ def fly(program, scene, method, variant, photons, seed, profiles=True):
         return record
 
 
-# ---- what a run says
+# ---- numbers of a run
 
 def relative(run, total):
     return run[total + "_se"] / run[total]

@@ -44,7 +44,7 @@ FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results
 MMC = "peers/results/mmc-amd-epyc-2core.md"
 TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
-SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words for readers who see the chart first
+SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words in the chart for methods whose names are short
 LEAST = 1e-9  # least bias on the chart
 
 
@@ -82,7 +82,7 @@ def scan_scene(work):
     return Scene("scan", path, None, methods, Method("truth", WHOLE))
 
 
-# ---- what others know
+# ---- results of other programs
 
 def independent(shape):
     """Returns (Rd, standard error) of the program behind tests/reference/profiles. The error is at most that of as many packets of weight 1."""

@@ -101,7 +101,7 @@ static cml_status fly(const struct bench *bench, const struct cml_engine_options
     return cml_fail(err, CML_E_NUMERIC, "%.0f packets lost", lost);
 }
 
-/* ---- what the runs say ---- */
+/* ---- statistics of the runs ---- */
 
 static double sum_of(const struct runs *runs, int run, const struct group *group)
 {

@@ -23,7 +23,7 @@ def busy_seconds():
             ticks = [int(word) for word in stream.readline().split()[1:9]]
     except (OSError, ValueError):
         return None
-    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # without idle and iowait
+    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # time in idle and iowait does not count
 
 
 def run(command, directory, threads=1, environment=None):

@@ -115,7 +115,7 @@ def read_sections(path):
             elif key:
                 sections[key].append(float(word[0]))
     beside = read_h5(os.path.splitext(path)[0] + ".h5") if more else {}
-    for total in ("Rsp", "Rd", "A", "Tt"):  # these totals stand in the sections RAT and se_RAT
+    for total in ("Rsp", "Rd", "A", "Tt"):  # sections RAT and se_RAT hold these totals
         beside.pop(total, None), beside.pop(total + "_se", None)
     for name, values in beside.items():
         sections.setdefault("se_" + name[:-3] if name.endswith("_se") else name, values)

@@ -99,7 +99,7 @@ def run_python(code, names, here):
 
 
 def run_page(name, tree, here):
-    """Runs what can be run. Returns the folder where the commands have ended, and a complaint; "": all ran."""
+    """Runs all blocks of a page that can run. Returns the folder in which the commands have ended, and a complaint, "" if all ran."""
     import clustermcml
     names = {"mc": clustermcml}
     for number, (language, code) in enumerate(blocks(page(name)), 1):

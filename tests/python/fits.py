@@ -250,7 +250,7 @@ class Shell(unittest.TestCase):
             self.assertEqual(ended.exception.code, 2)
 
 
-# name: scene, what is measured, photons of a flight
+# name: scene, measured quantities, photons of a flight
 STUDY = {
     "flat": (slab(), ("Rd", "Tt"), 2e4),
     "flat, oblique": (mc.Scene([mc.Layer(n=1.4, mua=0.5, mus=100, g=0.9, d=0.2)], beam=mc.Beam("pencil", angle=45)), ("R", "Tt"), 2e4),

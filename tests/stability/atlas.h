@@ -6,12 +6,12 @@
 #include "oracle_body.h"
 
 enum aim_kind {
-    AIM_FACE, /* at any point of a boundary or body, from anywhere */
-    AIM_EDGE, /* at a point of an edge or ridge, exactly or by up to two units in the last place beside it */
-    AIM_VERTEX, /* at a vertex; of rings, at a ridge or the tip; of bodies see oracle_body.h */
-    AIM_DROP,   /* a vertex, along z */
-    AIM_ALONG,  /* along an edge, in the surface */
-    AIM_GRAZE,  /* at any point, at `angle` to the surface */
+    AIM_FACE, /* aim at any point of a boundary or body, from anywhere */
+    AIM_EDGE, /* aim at a point of an edge or ridge, exactly or up to two units in the last place beside it */
+    AIM_VERTEX, /* aim at a vertex; for rings, at a ridge or the tip; for bodies, see oracle_body.h */
+    AIM_DROP,   /* aim at a vertex, along z */
+    AIM_ALONG,  /* aim along an edge, in the surface */
+    AIM_GRAZE,  /* aim at any point, at `angle` to the surface */
     NUM_AIMS
 };
 

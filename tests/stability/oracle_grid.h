@@ -36,7 +36,7 @@ struct oracle_grid {
 void oracle_grid_create(const struct cml_mesh *mesh, uint32_t most, struct oracle_grid *grid);
 void oracle_grid_free(struct oracle_grid *grid);
 
-/* ---- what lies in a rectangle ---- */
+/* ---- triangles in a rectangle ---- */
 
 static inline int oracle_cell_of(const struct oracle_grid *grid, int axis, double x)
 {

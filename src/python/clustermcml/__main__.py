@@ -164,7 +164,7 @@ def main() -> int:
         return 130
     except (ImportError, MemoryError):
         raise
-    except Exception as error:  # pylint: disable=broad-except  # a library refuses what the package let pass
+    except Exception as error:  # pylint: disable=broad-except # an exception of a library on input that the package let pass
         if os.environ.get("CLUSTERMCML_TRACEBACK"):
             raise
         words = shown_path(" ".join(f"{type(error).__name__}: {error}".split()))

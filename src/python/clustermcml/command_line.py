@@ -100,7 +100,7 @@ def picture_name(path: str) -> str:
 
 
 def picture_path(output: Any) -> str:
-    """Returns the argument `output` of a function that draws, once its ending is found to be that of a picture."""
+    """Checks the argument `output` of a function that draws: its ending must be that of a picture. Returns the path."""
     if not isinstance(output, (str, os.PathLike)) or not os.fspath(output).lower().endswith(PICTURES) or "\0" in os.fspath(output):
         raise errors.refuse("output", output, "a name that ends in .svg, .png, .pdf or .eps")
     return os.fspath(output)

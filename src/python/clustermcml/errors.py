@@ -40,7 +40,7 @@ def _shown(value: object) -> str:
 
 
 def refuse(name: str, value: object, expected: str) -> InputError:
-    """Returns the exception for a bad argument: its name, its value, and what was expected."""
+    """Returns the exception for a bad argument: its name, its value, and the expected values in words."""
     return InputError(f"{name} = {_shown(value)} (expected {expected})")
 
 

@@ -31,12 +31,12 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 NAMES = "names like layer1.mua, layer2.mus, body1.mua, or with the name of a layer: gel.mua"
-ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # for a number of fitted mua: rows of a flight's table along each of them
+ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # number of fitted mua: rows of a flight's table along each mua
 BRACKET = 0.2  # distance of the first flights from the middle of the bounds, in ln mus
 NEAR = 0.6  # distance within which flights tell slopes, in ln mus
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
 SETTLED = 0.2  # largest distance between the solution and the flight that gives the values, in standard errors
-REACH = 2.0  # as SETTLED, if an anchor follows, and the largest distance from the anchor
+REACH = 2.0  # as SETTLED, if an anchor follows; also the largest distance between the solution and the anchor
 OTHER_SEED = 2**40  # difference between the seeds of the anchor and of the other flights
 NOISY = 0.3  # largest share of a parameter's information that may be noise of the slopes
 BATCHES = 64  # number of batches from which the program computes errors

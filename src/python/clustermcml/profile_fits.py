@@ -179,7 +179,7 @@ def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
 
 
 def _exponentials(profile: Shares, count: int) -> Curve:
-    """Fits the best sum of exponentials that is nowhere negative. If no sum of so many terms is found, it has fewer."""
+    """Fits the best sum of `count` exponentials that is nowhere negative. If there is none, the sum has fewer terms."""
     for number in range(count, 0, -1):
         found = [_search("exponentials", profile, np.array(start), False) for start in itertools.combinations(STARTS, number)]
         best = min(found, key=lambda one: one[0])

@@ -347,8 +347,8 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
 
 
 def _may_be_finished(scene: str, folder: str) -> bool:
-    """True if the folder holds a file by the name of the run's result, which stands in the third line with words. Without one,
-    the run is flown at once, and a large scene is loaded only once."""
+    """True if the folder holds a file by the name of the run's result, which stands in the third line with words. Without such a file, the run is
+    simulated at once, so that a large scene is loaded only once."""
     with open(scene, encoding="utf-8", errors="replace") as file:
         words = [line.split()[0] for line in (line.partition("#")[0] for line in file) if line.strip()]
     stem = os.path.splitext((words[2:3] or [""])[0].strip('"'))[0]

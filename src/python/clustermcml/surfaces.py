@@ -17,7 +17,7 @@ from . import errors
 from .surface_files import read_triangles, write_gsf, write_obj
 
 
-HIGHEST = 1e30  # cm; the limit of the program's files, too
+HIGHEST = 1e30  # largest |height| [cm], as in the program's own files
 
 
 def shortest(value: float) -> str:
@@ -164,7 +164,7 @@ class Mesh:
     tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
-        if self.faces is None and self.vertices is not None:  # by position
+        if self.faces is None and self.vertices is not None:  # the arguments were given by position: vertices, faces
             self.path, self.vertices, self.faces = None, self.path, self.vertices
         if isinstance(self.path, (str, os.PathLike)) and os.path.splitext(self.path)[1].lower() in (".stl", ".ply"):
             self.path, self.vertices, self.faces = None, *read_triangles(errors.existing_file("Mesh.path", self.path))

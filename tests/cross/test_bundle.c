@@ -416,8 +416,8 @@ struct bundle_flight {
     struct cml_flight f;
 };
 
-static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind, uint64_t photons,
-                                   struct bundle_flight *b)
+static void bundle_flight_open(const char *text, enum cml_surface_kind kind, uint64_t photons,
+                               struct bundle_flight *b)
 {
     struct cml_error err;
     const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
@@ -451,7 +451,7 @@ static void a_lane_without_a_packet_ends_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
+    bundle_flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
     assert_int_equal(b.f.live, CML_GROUP_MASK);
     while (b.f.live == CML_GROUP_MASK) cml_flight_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
@@ -467,7 +467,7 @@ static void ballistic_light_has_the_same_tally(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
+    bundle_flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
     while (b.f.live) cml_flight_pass(&b.f);
     assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of all packets */
     cml_flight_run(&b.f);
@@ -494,7 +494,7 @@ static void paths_known_before_launch_have_the_same_tally(void **state)
         char text[1024];
         snprintf(text, sizeof text, HEAD "beam pencil at=%s\n" GRID "1\n1\nm \"%s\"\n1.34 0.1 1 0.5 0.5\n1\n",
                  at[i], CML_SOURCE_DIR "/meshes/overhang.obj");
-        bundle_flight_take_off(text, CML_SURFACE_AUTO, CML_GROUP, &b);
+        bundle_flight_open(text, CML_SURFACE_AUTO, CML_GROUP, &b);
         assert_non_null(b.f.world->known_path);
         assert_int_equal(b.f.known.from < INFINITY, i);
         bundle_flight_close(&b);
@@ -559,8 +559,8 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
-                           CML_SURFACE_MESH, 1, &b);
+    bundle_flight_open(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", CML_SURFACE_MESH, 1,
+                       &b);
     const struct cml_world *world = &b.scalar.world;
     struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
     cml_store_packet(&b.f, 0, &packet);

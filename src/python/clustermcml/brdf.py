@@ -230,7 +230,7 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
 
 # ---- command ----
 
-def _said(material: Material) -> list[str]:
+def _report_lines(material: Material) -> list[str]:
     """Returns the lines that the command prints for a material."""
     lines = []
     labels = material.channels() or [""]
@@ -290,4 +290,4 @@ def main(words: list[str]) -> int:
     names = _write_all(material, stem)
     if material.mirror_note():
         warnings.warn(material.mirror_note())
-    return 0 if given.quiet else print_text("\n".join([*_said(material), *map(shown_path, names), ""]))
+    return 0 if given.quiet else print_text("\n".join([*_report_lines(material), *map(shown_path, names), ""]))

@@ -215,8 +215,8 @@ def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any
     return data.pick(of), data.pick(error_of)
 
 
-def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
-          read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
+def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
+              read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
     """Flies all rows. Returns, for each, the answer of the program and what `read` finds in its files. words: function that
     writes files into a folder and returns the options that name them."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
@@ -239,7 +239,7 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
         with open(path, "w", encoding="utf-8") as file:
             file.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
         return ["--sweep", path, "--reweight", "--ignore-absorption"]
-    told = _told(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
+    told = _fly_rows(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
     numbers = [_numbers(data, row, result) for row, result in told]
     shape = tuple(len(grid) for grid in grids.values())
 
@@ -260,7 +260,7 @@ def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, opt
     kinds = list(dict.fromkeys(name[-3:] for name in names))
     slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
-    ((row, result),) = _told(scene, lambda _: ["--derivatives"], 0, fixed,
+    ((row, result),) = _fly_rows(scene, lambda _: ["--derivatives"], 0, fixed,
                              lambda row: _bins(row, [word for name in data.profiles() + slopes for word in (name, name + "_se")]))
     model, sigma = _numbers(data, row, result)
 

@@ -306,7 +306,7 @@ def profile(scene: Union[Scene, Path], light: str = "normal", photons: Optional[
 
 # ---- command ----
 
-def _said(found: Profile) -> list[str]:
+def _report_lines(found: Profile) -> list[str]:
     """Returns the lines that the command prints for each channel."""
     lines = []
     for c, label in enumerate(found.channels() or [""]):
@@ -349,4 +349,4 @@ def main(words: list[str]) -> int:
     found.to_csv(names[0])
     found.to_json(names[1])
     found.plot(names[2])
-    return 0 if given.quiet else print_text("\n".join([*_said(found), *map(shown_path, names), ""]))
+    return 0 if given.quiet else print_text("\n".join([*_report_lines(found), *map(shown_path, names), ""]))

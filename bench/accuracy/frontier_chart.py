@@ -14,7 +14,7 @@ COLUMNS = 3
 METHODS = {"plane": ("x", 6, True, "plane (shape left out)"), "cone": ("D", 5, True, "cones"), "grid": ("s", 4.5, True, "mesh on a regular grid, walked"),
            "mesh": ("^", 5.5, False, "mesh, searched by Embree"), "auto": ("o", 10, False, "what auto takes")}
 VARIANTS = {"before": (ORANGE, 1.3, "before: random, roulette of MCML"), "mcml": ("black", 1, "original MCML, which flies the plane"),
-            "after": (BLUE, 0.77, "after: lattice, roulette window (defaults)")}  # factors of the bias, so that no variant hides another
+            "after": (BLUE, 0.77, "after: lattice, roulette window (defaults)")}  # factors of the bias, so that none hides another
 SMALL = 0.6  # size of the mark of 0.01 %
 
 

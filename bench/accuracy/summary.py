@@ -44,8 +44,8 @@ FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results
 MMC = "peers/results/mmc-amd-epyc-2core.md"
 TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
-SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words in the chart for methods whose names are short
-LEAST = 1e-9  # least bias on the chart
+SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words for who sees it first
+LEAST = 1e-9  # of a bias on the chart
 
 
 def kept(name):

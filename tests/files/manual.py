@@ -41,7 +41,7 @@ def rows_of(text):
 
 
 def check_keys(verdict):
-    """Checks that each row of `help keys` stands, unchanged, on exactly one page of input."""
+    """Each row of `help keys` stands on exactly one page of input, as it is."""
     written = [row for name in manual.pages() if name.startswith("input/") for row in rows_of(manual.page(name))]
     for row in rows_of(run("help", "keys")[1]):
         verdict.check("keys", written.count(row) == 1, f"{written.count(row)} rows of samples/manual/input (expected one): {row}")

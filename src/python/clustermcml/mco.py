@@ -239,7 +239,7 @@ def read_mco(path: str) -> Fields:
     """Reads an `.mco` file. Names, axes and units are those of an `.h5` file."""
     try:
         with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
-            text = file.read().replace("\r\n", "\n")  # a lone CR does not end a line
+            text = file.read().replace("\r\n", "\n")  # a lone CR ends no line
         if not text.startswith("A1"):
             raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
         if "\0" in text:

@@ -1,13 +1,10 @@
 #!/usr/bin/env python3
-"""Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, and pictures of samples:
-
+"""Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
+curves (figures/*.csv) dashed beside them, furrows.mci as a shaded mesh, the maps of furrows.mci, vein.mci and pattern.mci, the runs
+of samples/two_runs.mci and pulse.mci, the fluence of head.mci, what sees gloss.mci, camera.mci and fibres.mci, and the beams of
+fibre.mci, lamp.mci and glow.mci:
     figures.py [--quick] [--photons N] [--program PATH] [--out DIR]
-
-The figures show runs of this program, with the report's curves (figures/*.csv) dashed beside them. Further pictures: furrows.mci as a shaded mesh,
-the maps of furrows.mci, vein.mci and pattern.mci, the runs of samples/two_runs.mci and pulse.mci, the fluence of head.mci, the detectors of
-gloss.mci, camera.mci and fibres.mci, and the beams of fibre.mci, lamp.mci and glow.mci. By default 3e6 packets (--quick: 1e5) of build/clustermcml
-into bench/out.
-
+by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 SPDX-License-Identifier: MIT
 """
 import os
@@ -22,7 +19,7 @@ import picture
 CURVES = os.path.join(cases.BENCH, "accuracy", "figures")
 SCENES = ("fig5", "fig6", "fig7", *("shapes/" + shape for shape in ("flat50", "lohill", "hihill", "locrater", "hicrater", "lonoise", "hinoise")),
           "two_runs", "pulse", "vein", "pattern", "head", "gloss")
-MAPS = ("furrows", "camera")  # scenes with small facets and pixels
+MAPS = ("furrows", "camera")  # facets and pixels are small
 BEAMS = ("fibre", "lamp", "glow")
 MAP = ["--of", "Rd", "--percentile", "99.9", "--linear"]
 FLAT = ("Solid: this program, {n} packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of "
@@ -30,7 +27,7 @@ FLAT = ("Solid: this program, {n} packets, with a band of one standard error. Da
 KERNEL = ("Solid: this program, {n} packets, with a band of one standard error; dotted: the heightfield, on top and bottom. Dashed: the "
           "report's curves of 2019. The flat one is sound. The others differ because that program's surfaces were not those drawn: the "
           "outer half of the samples became a staircase of planes, normals were off by 17 to 89 degrees")
-# figure: caption, files (its curves have the same names) and options
+# figure: caption, files (its curves are those of the same names) and options
 REPORT = {
     "figure5": (FLAT, ("fig5",)), "figure6": (FLAT, ("fig6",)),
     "figure7": (FLAT + " Made with layers of 0.15 cm, as the report's figure was, not of 1.5 cm as its text says.", ("fig7",)),
@@ -74,7 +71,7 @@ def call(*words, **where):
 
 
 def curves_of(scene):
-    """Returns the paths of the report's curves of a scene, those of CUDAMCML included if the report has them."""
+    """Of CUDAMCML, too, where the report has them."""
     names = [scene + "-%s-2019.csv" % of for of in ("CUDAMCML", "clustermcml")] if scene.startswith("fig") else [scene + "-2019.csv"]
     return [os.path.join(CURVES, name) for name in names]
 

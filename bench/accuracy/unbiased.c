@@ -1,16 +1,10 @@
-/* Measures if results and their errors are true: bench_unbiased SCENE.mci RUNS PHOTONS REFERENCE.
- *
- * Makes RUNS independent runs of PHOTONS photons with the program's defaults, and REFERENCE others of 1e5
- * photons with random sampling and MCML's roulette, all by cml_run. Prints CSV: a row per total, and per bin
- * of the profiles or group of neighbours with 1000 packets in all runs. Values are weight per launched
- * packet.
- *
- *   packets      (mean / deviation)^2 of one run
- *   reported     root mean square of the errors that runs report
- *   within       shares of runs within one and two of their own errors from the mean of all
- *   independent  number of independent numbers that the rows of this quantity are worth
- *
- * SPDX-License-Identifier: MIT */
+/* Whether results and their errors are true: bench_unbiased SCENE.mci RUNS PHOTONS REFERENCE. Flies RUNS
+ * independent runs of PHOTONS photons as the program does by default, and REFERENCE others of 1e5 with random
+ * sampling and MCML's roulette, all by cml_run, and prints CSV: a row per total, and per bin of the profiles
+ * or group of neighbours that hold 1000 packets in all runs. Values are weight per launched packet; packets
+ * are (mean / deviation)^2 of one run; `reported` is the root mean square of the errors that runs report, and
+ * `within` are the shares of runs within one and two of their own from the mean of all. `independent` is how
+ * many independent numbers the rows of this quantity are worth. SPDX-License-Identifier: MIT */
 #include "engine/engines.h"
 #include "input/mci.h"
 #include "run/run.h"
@@ -28,25 +22,25 @@ enum { NUM_QUANTITIES = 9 };
 
 struct quantity {
     const char *name;
-    int first, bins; /* range in a row of samples */
+    int first, bins; /* in a row of samples */
 };
 
 struct bench {
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
     struct quantity quantity[NUM_QUANTITIES];
-    int bins; /* number of bins of all quantities */
+    int bins; /* of all quantities */
 };
 
 /* Independent runs of one kind. */
 struct runs {
     int count, bins;
-    double *value, *error; /* [count][bins] as shares of a packet */
+    double *value, *error; /* [count][bins], as shares of a packet */
 };
 
-/* One bin, or a group of neighbouring bins. */
+/* Neighbouring bins, or one. */
 struct group {
-    int first, count; /* range in a row of samples */
+    int first, count; /* in a row of samples */
     double mean, deviation;
 };
 
@@ -59,7 +53,7 @@ static cml_status allocate(int count, int bins, struct runs *runs, struct cml_er
     return runs->value && runs->error ? CML_OK : cml_fail_memory(err, 16. * (double)cells, "the runs");
 }
 
-/* Stores the numbers of a result: totals first, then profiles, in the order of `quantity`. */
+/* Totals come first, then profiles, in the order of `quantity`. */
 static void keep(const struct bench *bench, const struct cml_result *result, double *value, double *error)
 {
     const cml_u128 *const batches[NUM_QUANTITIES] = {result->totals, result->totals, result->totals,
@@ -101,7 +95,7 @@ static cml_status fly(const struct bench *bench, const struct cml_engine_options
     return cml_fail(err, CML_E_NUMERIC, "%.0f packets lost", lost);
 }
 
-/* ---- statistics of the runs ---- */
+/* ---- what the runs say ---- */
 
 static double sum_of(const struct runs *runs, int run, const struct group *group)
 {
@@ -111,7 +105,7 @@ static double sum_of(const struct runs *runs, int run, const struct group *group
     return sum;
 }
 
-/* Computes the mean over all runs, and the standard deviation of one run. */
+/* Mean over all runs, and standard deviation of one. */
 static void measure(const struct runs *runs, struct group *group)
 {
     double sum = 0, squares = 0;
@@ -126,8 +120,8 @@ static double packets_of(const struct group *group)
     return group->deviation > 0 ? pow(group->mean / group->deviation, 2) : 0;
 }
 
-/* Makes groups. Totals stay single. A group of a profile ends when it holds enough packets, and the rest
- * joins the last group. Returns the number of groups. */
+/* Totals as they are; groups of a profile are closed when they hold enough packets, and what is left over
+ * joins the last. Returns their number. */
 static int make_groups(const struct runs *runs, const struct quantity *q, struct group *groups)
 {
     int count = 0, first = 0;
@@ -154,11 +148,8 @@ static double correlation(const struct runs *runs, const struct group *a, const 
     return scale > 0 ? sum / (runs->count - 1) / scale : 0;
 }
 
-/* Returns the number of independent deviates whose sum of squares varies as much as that of n correlated
- * deviates.
- *
- * The sum of squares of n unit deviates has the mean n and the variance 2 sum rho^2, as for n^2 / sum rho^2
- * independent ones, each counted several times. The contribution of noise to rho^2 is subtracted. */
+/* Of a sum of squares of n unit deviates with these correlations: its mean is n, its variance 2 sum rho^2, as
+ * for n^2 / sum rho^2 independent ones, each counted several times. What noise adds to rho^2 is taken off. */
 static double independent(const struct runs *runs, const struct group *groups, int n)
 {
     double squares = n;
@@ -168,7 +159,7 @@ static double independent(const struct runs *runs, const struct group *groups, i
     return n * (double)n / fmax(squares, n);
 }
 
-/* Returns the share of the runs that lie within k of their own errors from the mean. */
+/* Share of the runs that lie within k of their own errors from the mean. */
 static double within(const struct runs *runs, const struct group *group, double k)
 {
     int near = 0;
@@ -187,8 +178,7 @@ static double reported(const struct runs *runs, const struct group *group)
     return sqrt(squares / runs->count);
 }
 
-/* Prints the row of a group. Only numbers that stand in a file have errors of their own; for several bins,
- * the last columns are empty. */
+/* Only what stands in a file has an error of its own: of several bins the last columns are empty. */
 static void print_group(const struct quantity *q, const struct runs *runs, const struct runs *reference,
                         const struct group *group, double numbers)
 {
@@ -233,7 +223,7 @@ static cml_status open_scene(const char *path, struct bench *bench, struct cml_e
     const struct cml_scene *scene = bench->list.scenes;
     const struct quantity quantities[NUM_QUANTITIES] = {
         {"Rsp", 0, 1},          {"Rd", 0, 1},           {"A", 0, 1},
-        {"Tt", 0, 1}, /* order of enum cml_total */
+        {"Tt", 0, 1}, /* as in enum cml_total */
         {"Rd_r", 0, scene->nr}, {"Tt_r", 0, scene->nr}, {"Rd_a", 0, scene->na},
         {"Tt_a", 0, scene->na}, {"A_z", 0, scene->nz}};
     memcpy(bench->quantity, quantities, sizeof quantities);

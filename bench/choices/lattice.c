@@ -1,24 +1,16 @@
-/* Searches the generating vector of kernels/lattice.h and prints it: bench_lattice, in seconds.
+/* Searches the generating vector of kernels/lattice.h and prints it: bench_lattice, seconds.
  * bench_lattice --check prints the criterion for the vector in use.
- *
- * The criterion is the squared error of integrating functions whose mixed first derivatives are
- * square-integrable, for the worst of all such functions, averaged over random shifts. With the first n
- * points x_i of a batch it is
- *
+ * Criterion: the squared error of integrating functions whose mixed first derivatives are square-integrable,
+ * the worst of all such functions, averaged over random shifts. With the first n points x_i of a batch it is
  *     e^2 = -1 + 1/n^2 sum_ik prod_d (1 + weight_d B2({x_id - x_kd})),    B2(x) = x^2 - x + 1/6
- *
  * [Sloan, Kuo, Joe: Constructing randomly shifted lattice rules in weighted Sobolev spaces, SIAM J. Numer.
- * Anal. 40 (2002) 1650].
- *
- * The search goes component by component. For each dimension in turn, CANDIDATES odd z below 2^20 are drawn
- * at random, and the z with the least product of e^2 over all searched n is taken. The n are powers of two,
- * which are lattices, so that one sum over the points is enough, and the points that 1e4 and 1e5 photons
- * give a batch. Additions and multiplications in a fixed order decide. The best candidates lead by 3 % or
- * more of the product, and rounding makes less than 1e-9 of it, so that the result is equal on every
- * machine.
- *
- * The polar angle of the light comes last, by another criterion: with its z, no pair of dimensions may lie
- * badly for any power of two of points. pair_variance() says how pairs are compared.
+ * Anal. 40 (2002) 1650]. Component by component: for one dimension after the other the odd z below 2^20 is
+ * taken, of CANDIDATES drawn at random, with the least product of e^2 over all n searched with: powers of
+ * two, which are lattices, so that one sum over the points is enough, and what 1e4 and 1e5 photons give a
+ * batch. Additions and multiplications in a fixed order decide. The best candidates lead by 3 % or more of
+ * the product, rounding makes less than 1e-9 of it, so the result is the same everywhere.
+ * The polar angle of the light comes last, by another criterion: with its z no pair of dimensions may lie
+ * badly, whatever power of two the points are. pair_variance() says what is compared.
  * SPDX-License-Identifier: MIT */
 #include "lattice.h"
 
@@ -29,7 +21,7 @@
 
 enum { CANDIDATES = 400, POWER_MIN = 6, POWER_MAX = 16, POWERS = POWER_MAX - POWER_MIN + 1, LANES = 8 };
 
-/* Dimensions from the most important one on, with weights. Each interaction counts for less than the one
+/* Dimensions from the most important one on, with weights: each interaction counts for less than the one
  * before it. */
 static const struct {
     cml_u32 dimension;
@@ -53,8 +45,8 @@ enum { POLAR_PLACE = CML_LATTICE_DIMENSIONS - 1, PAIR_POWER_MIN = 4 };
 static const int typed[] = {156, 1562, 15625}; /* points that 1e4, 1e5 and 1e6 photons give a batch */
 enum { TYPED = sizeof typed / sizeof *typed, SEARCHED = TYPED - 1 }; /* 1e6 takes too long to search with */
 
-/* Differences of points, the product over the dimensions so far at each difference, and its weight in e^2.
- * The first difference is that of a point from itself. */
+/* Differences of points, the product over the dimensions so far at each, and what they count for in e^2: the
+ * first is that of a point from itself. */
 static struct differences {
     int count;
     cml_u32 *reversed;
@@ -66,7 +58,7 @@ static cml_u32 reversed(int point)
     return cml_lattice_point((cml_u64)point * CML_NUM_BATCHES);
 }
 
-/* Returns 1 + weight B2 of a difference of points times z. */
+/* 1 + weight B2 of a difference of points times z. */
 static double factor(cml_u32 difference, double weight)
 {
     const double x = difference * 0x1p-32;
@@ -87,8 +79,7 @@ static struct differences new_differences(int count)
     return set;
 }
 
-/* Returns the differences of the 2^m points of a lattice. Every point sees the others as the first point
- * does. */
+/* Of 2^m points: every point of a lattice sees the others where the first one does. */
 static struct differences of_lattice(int m)
 {
     const int n = 1 << m;
@@ -98,7 +89,7 @@ static struct differences of_lattice(int m)
     return set;
 }
 
-/* Returns the differences of any n points: all pairs. */
+/* Of any n points: all pairs. */
 static struct differences of_pairs(int n)
 {
     struct differences set = new_differences(1 + n * (n - 1) / 2);
@@ -111,8 +102,8 @@ static struct differences of_pairs(int n)
     return set;
 }
 
-/* Returns the sum of all products but the first, with one dimension more. It is formed in LANES sums that a
- * compiler may add side by side. */
+/* Sum of the products but the first with one dimension more, in LANES sums that a compiler may add side by
+ * side. */
 static double sum_of_products(const struct differences *set, cml_u32 z, double weight)
 {
     double sums[LANES] = {0}, sum = 0;
@@ -125,7 +116,7 @@ static double sum_of_products(const struct differences *set, cml_u32 z, double w
     return sum;
 }
 
-/* Returns the product of e^2 over the sets, with z as one dimension more. */
+/* Product of e^2 over the sets, with z as one dimension more. */
 static double criterion(cml_u32 z, double weight)
 {
     double product = 1;
@@ -143,8 +134,8 @@ static void keep(cml_u32 z, double weight)
         for (int k = 0; k < sets[i].count; k++) sets[i].product[k] *= factor(sets[i].reversed[k] * z, weight);
 }
 
-/* Returns the variance of a mean over 2^m lattice points relative to random points, averaged over shifts.
- * The function of two coordinates is the product of two Bernoulli polynomials B2, with these generators. */
+/* Variance of a mean over 2^m points of a lattice, over that of random points, averaged over shifts: of a
+ * function of two coordinates that is the product of two Bernoulli polynomials B2, with these generators. */
 static double pair_variance(int m, cml_u32 z1, cml_u32 z2)
 {
     const double same = factor(0, 1) - 1;
@@ -154,8 +145,8 @@ static double pair_variance(int m, cml_u32 z1, cml_u32 z2)
     return sum / same / same;
 }
 
-/* Returns the sum, over all powers, of the squares of pair_variance of `z` with all other dimensions in use,
- * times their weights. Squares are used because one bad pair is worse than several fair ones. */
+/* Sum of the squares of pair_variance of `z` with all other dimensions in use, times their weights, over all
+ * powers: squares, because one bad pair is worse than several fair ones. */
 static double pairs_of_polar(cml_u32 z)
 {
     double sum = 0;
@@ -187,7 +178,7 @@ static cml_u32 best_candidate(unsigned place)
     return best;
 }
 
-/* Searches the vector. Returns 1 if it equals the vector in use. */
+/* Returns whether what is found is the vector in use. */
 static int search(void)
 {
     int same = 1;
@@ -232,7 +223,7 @@ static double pairs_error(int n)
     return sqrt(2 * sum / n / n - 1);
 }
 
-/* Returns the root of the mean e^2 of n random points. */
+/* Root of the mean e^2 of n random points. */
 static double random_error(int n)
 {
     return sqrt((product_in_use(0) - 1) / n);

@@ -1,10 +1,7 @@
-/* Counts how often a curved boundary is asked for a crossing, and how often it is met: bench_asked SCENE.mci
- * ...
- *
- * For the first run of each scene, on one thread: steps of a photon (interactions and boundary events), rays
- * asked of curved boundaries per step (CML_COUNT_QUERIES; the other steps provably ended before them), and
- * rays that met one. Prints CSV.
- * SPDX-License-Identifier: MIT */
+/* How often a curved boundary is asked, and how often it is met: bench_asked SCENE.mci ... For the first run
+ * of each scene, on one thread: steps of a photon (interactions and boundary events), rays asked of curved
+ * boundaries per step (CML_COUNT_QUERIES; the other steps provably ended before them), and those that met
+ * one. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_MET(met) (rays_met += (met) != 0)
 #include "engine/cpu/bundle_hooks.h"

@@ -1,14 +1,12 @@
-/* Measures how busy the lanes of the CPU engine are: bench_busy SCENE.mci ...
- *
- * For the first run of each scene, on one thread: the events of a photon, the share of photons that are
- * flown in a lane at all (ballistic ones are only counted), the lanes that a photon takes through the loops
- * of a pass and of the planes, with or without work there, and its time. Prints CSV.
- * SPDX-License-Identifier: MIT */
+/* How busy the lanes of the CPU engine are: bench_busy SCENE.mci ... For the first run of each scene, on one
+ * thread: what happens to a photon, whether it is flown in a lane at all (ballistic ones are only counted),
+ * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
+ * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_LANES(loop, lanes) (counted[loop] += (lanes))
 #include "engine/cpu/bundle_hooks.h"
 
-static double counted[CML_HOOK_LOOPS]; /* lanes that went through each loop */
+static double counted[CML_HOOK_LOOPS]; /* lanes, by the loop that they went through */
 
 #define CML_LEVEL busy
 #include "engine/cpu/engine_cpu_level.c"

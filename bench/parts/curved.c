@@ -1,15 +1,14 @@
-/* Measures the parts of the time below a curved boundary: bench_curved SCENE.mci cone|mesh. For the first
- * run of the scene, on one thread, in ns per photon: the whole time (ns), and its parts:
+/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the
+ * scene, on one thread, in ns per photon: what it takes in all (ns), and of that
  *
- *   classify   which lanes may be near a boundary: asked in every pass with a lane at a boundary
- *   intervals  the part of its path on which each lane may meet the boundary
- *   search     the ring or facet that each lane meets, and the place
- *   reflect    roots and normals of rings, reflection and refraction
- *   cross      moves packets into the next medium, or out of the scene, for good or until they return
+ * classify   which lanes may be near one: asked in every pass that has any at a boundary
+ * intervals  on which part of its path each may meet it
+ * search     which ring or facet each meets, and where
+ * reflect    roots and normals of rings, reflection and refraction
+ * cross      what takes their packets into the next medium, or out of the scene for good or until they return
  *
- * The whole time is measured without clocks. The parts are measured in another flight with clocks
- * (engine/cpu/bundle_hooks.h), and the time of the clocks is subtracted. Prints CSV.
- * SPDX-License-Identifier: MIT */
+ * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what
+ * the clocks take. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_BEGIN(part) begin(part)
 #define CML_HOOK_END(part) end(part)
@@ -18,7 +17,7 @@
 
 #include <string.h>
 
-static int parts_timed; /* true while the parts are timed */
+static int parts_timed; /* whether the parts are */
 static struct {
     double begin, ns;
     long times;
@@ -54,7 +53,7 @@ static void reset(void)
     flight_begin = nanoseconds();
 }
 
-/* The time that a clock adds to its part, and to the part around it [ns]. */
+/* What a clock adds to a part, and to the part around it, in ns. */
 struct clocks {
     double within, around;
 };
@@ -71,20 +70,20 @@ static struct clocks time_clocks(void)
     return (struct clocks){within, both};
 }
 
-/* Returns the time of a part with all parts within it [ns]. */
+/* What a part takes, with all parts within it. */
 static double whole(enum cml_hook_part part, struct clocks clocks)
 {
     return taken[part].ns - (double)taken[part].times * clocks.within;
 }
 
-/* Returns the time that a timed part has added to the part around it [ns]. */
+/* What a part that was timed has added to the one around it. */
 static double added(enum cml_hook_part part, struct clocks clocks)
 {
     return whole(part, clocks) + (double)taken[part].times * clocks.around;
 }
 
-/* Prints the row of a scene. ns: time of a photon without clocks. flown: time of the flight with clocks
- * [ns]; the machine may have been slower or faster then. */
+/* ns: of a photon, without clocks. flown: what the flight with clocks took, in ns; the machine may have been
+ * slower or faster meanwhile. */
 static void report(const char *path, const struct bench_flight *flight, double ns, double flown,
                    struct clocks clocks)
 {

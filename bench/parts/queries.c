@@ -1,8 +1,6 @@
-/* Measures the cost of a step near the curved boundary 0, part by part, in ns: bench_queries SCENE.mci
- * [--mesh|--cone].
- *
- * Packets are placed below the boundary of the scene's first run, within its envelope and one mean free
- * path, with any direction. Each has a step of one mean free path. The parts are timed over the same packets
+/* What a step near a curved boundary 0 costs, part by part, in ns: bench_queries SCENE.mci [--mesh|--cone].
+ * Packets are placed below the boundary of the scene's first run, within its envelope and one mean free path
+ * of it, headed anywhere, each with a step of one mean free path; the parts are timed over the same packets
  * one after the other, so that each stands alone. Prints CSV.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
@@ -42,8 +40,7 @@ static void place(const struct cml_world *world, int i, struct cml_packet *packe
     packet->entered = 1;
 }
 
-/* True if the boundary lies straight above a packet, which is then not beyond the boundary that it meets
- * from below. */
+/* Whether the boundary lies straight above a packet: no packet is beyond the one that it meets from below. */
 static int is_below(const struct cml_world *world, struct cml_packet packet)
 {
     const struct cml_vec up = {0, 0, -1};
@@ -73,7 +70,7 @@ static void cross(const struct cml_world *world, struct near_packet *near)
     sink = packet.fate;
 }
 
-/* Returns the least of several tries, in ns per call. */
+/* Least of several tries, ns per call. */
 static double time_part(const struct cml_world *world, struct near_packet *packets, int count,
                         void (*part)(const struct cml_world *, struct near_packet *))
 {

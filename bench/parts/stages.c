@@ -1,9 +1,6 @@
-/* Measures the cost of each vector loop of the CPU engine on this machine, in ns per packet and step: alone,
- * and as the time that the whole pass saves without the loop.
- *
- * Every lane holds a packet deep in a thick medium. Boundaries, launches and ends of packets come on top of
- * this bound. Prints CSV.
- * SPDX-License-Identifier: MIT */
+/* What each vector loop of the CPU engine costs on this machine, in ns per packet and step: alone, and what
+ * the whole pass saves when the loop is left out. Every lane holds a packet deep in a thick medium, so this
+ * is the bound that boundaries, launches and ends come on top of. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_LEVEL stages
 #include "engine/cpu/engine_cpu_level.c"
@@ -40,7 +37,7 @@ static struct cml_flight flight = {
     .world = &world, .b = &bundle, .tally = &tally, .pencil = 1, .live = ~(uint64_t)0};
 static volatile cml_u32 sink;
 
-/* Fills the bundle: mua 0.1, mus 90, n 1.4, far from every boundary. */
+/* mua 0.1, mus 90, n 1.4, far from every boundary. */
 static void fill_bundle(void)
 {
     const struct cml_lane_medium medium = {.mut = 90.1f,
@@ -125,8 +122,7 @@ static void run_stage(int stage)
     }
 }
 
-/* Returns the least of several tries, in ns per lane, of a pass over stages from..to-1 without one of them.
- */
+/* Least of several tries, ns per lane, of a pass over stages from..to-1 but one. */
 static double time_stages(int from, int to, int without)
 {
     enum { tries = 25, repeats = 10000 };

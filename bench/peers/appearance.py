@@ -1,12 +1,10 @@
 #!/usr/bin/env python3
-"""Tests if Mitsuba 3 renders the program's .bsdf files like the slab itself: appearance.py [--photons N] [--rays N] [--rounds N] [--program PATH]
-[--out DIR]
+"""Does Mitsuba 3 render our .bsdf files as it renders the slab itself? appearance.py [--photons N] [--rays N] [--rounds N] [--program PATH] [--out DIR]
 
-Simulates a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.1) and writes slab.bsdf and slab.rgb.bsdf. Mitsuba's plugin
-`measured` is then tested in three ways: if its values are those that a reader of 30 lines finds in the file; the albedo of its samples; and the
-brightness of the slab at nine exits in three distant lights of 12 degrees radius, beside Mitsuba's own volpath through `roughdielectric` faces.
-`pip install mitsuba`. Leaves appearance.md in DIR. bench/peers/README.md says more.
-
+Flies a slab with rough faces (n 1.5, mua 1, mus 40, g 0.5, d 0.1, beckmann 0.1), writes slab.bsdf and slab.rgb.bsdf, and asks Mitsuba's
+plugin `measured` three things: whether its values are those that a reader of 30 lines finds in the file; what albedo its samples have;
+how bright the slab is at nine exits in three distant lights of 12 degrees radius, beside Mitsuba's own volpath through `roughdielectric`
+faces. `pip install mitsuba`. Leaves appearance.md in DIR. bench/peers/README.md says more.
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -31,7 +29,7 @@ ANGLES = [*range(0, 81, 5), 85]
 
 
 def fly(program, folder, photons):
-    """Simulates the material and returns it. Its files stand in the folder."""
+    """The material, flown; its files stand in the folder."""
     os.environ["CLUSTERMCML"] = program
     import clustermcml as mc
     rough = mc.Rough("beckmann", ALPHA)
@@ -43,7 +41,7 @@ def fly(program, folder, photons):
 
 
 def direction(theta, phi):
-    """Returns a direction upwards from angles in degrees."""
+    """Upwards, degrees."""
     t, p = math.radians(theta), math.radians(phi)
     return [math.sin(t) * math.cos(p), math.sin(t) * math.sin(p), math.cos(t)]
 
@@ -51,8 +49,7 @@ def direction(theta, phi):
 # ---- values of the file ----
 
 def looked_up(fields, name, light, exit_):
-    """Returns f times the cosine of the exit, by bilinear interpolation, as bsdf_file.py describes the file. light, exit_: unit vectors, light at
-    azimuth 0."""
+    """f cos of the exit, by bilinear interpolation, as bsdf_file.py describes the file. Both are unit vectors, light at azimuth 0."""
     import numpy as np
     half = np.add(light, exit_)
     half /= np.linalg.norm(half)
@@ -68,7 +65,7 @@ def looked_up(fields, name, light, exit_):
 
 
 def compare_values(folder, variant, kind, name, pairs):
-    """Returns the largest relative difference between Mitsuba's values and those of this reader."""
+    """The largest relative difference between Mitsuba's values and those of this reader."""
     import mitsuba as mi
     import numpy as np
     import clustermcml as mc
@@ -87,7 +84,7 @@ def compare_values(folder, variant, kind, name, pairs):
 
 
 def sampled_albedo(folder, theta, rays):
-    """Returns (mean, error) of the albedo of Mitsuba's samples of the file."""
+    """(mean, error) of what Mitsuba's samples of the file reflect."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")
@@ -101,7 +98,7 @@ def sampled_albedo(folder, theta, rays):
 # ---- the slab in light ----
 
 def lights(mi):
-    """Returns three discs far away that face the middle of the slab: red, green, blue."""
+    """Discs far away that face the middle of the slab: red, green, blue."""
     found = {}
     for i, theta in enumerate(LIGHTS):
         place = [FAR * UNIT * x for x in direction(theta, 180)]
@@ -112,7 +109,7 @@ def lights(mi):
 
 
 def slab(mi, folder, measured):
-    """Returns the slab, whose top is at z = 0: its table, or its faces and medium."""
+    """The slab, whose top is at z = 0: its table, or its faces and medium."""
     if measured:
         turn = mi.ScalarTransform4f().scale(HALF_WIDTH * UNIT)
         return {"type": "rectangle", "to_world": turn, "bsdf": {"type": "measured", "filename": os.path.join(folder, "slab.rgb.bsdf")}}
@@ -123,7 +120,7 @@ def slab(mi, folder, measured):
 
 
 def radiance(folder, exit_, measured, rays, seed):
-    """Returns the radiance of the slab's middle at an exit, by light."""
+    """What a radiancemeter sees of the slab's middle at an exit, by light."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")
@@ -136,7 +133,7 @@ def radiance(folder, exit_, measured, rays, seed):
 
 
 def rows_of(folder, rays, rounds):
-    """Returns the radiance at every exit in every light, by both methods."""
+    """Radiance at every exit in every light, by both."""
     import numpy as np
     rows, found = [], {}
     for exit_ in EXITS:
@@ -153,7 +150,7 @@ def rows_of(folder, rays, rounds):
 
 
 def mean_by_light(found):
-    """Returns a line with the mean difference for each light, over the exits, weighted by errors."""
+    """A line on each light: the mean over the exits by their errors."""
     lines = []
     for theta, values in found.items():
         weights = [1 / error**2 for _, error in values]

@@ -251,7 +251,7 @@ class Files(unittest.TestCase):
         fields = read_tensor(self.path("a.bsdf"))
         shapes = {name: field.shape for name, field in fields.items()}
         m = shapes["luminance"][2]
-        t = 1 + 11 + 1  # 0, then 10 to 60 in steps of 5, then 90 degrees
+        t = 1 + 11 + 1  # 0, then 10 to 60 in steps of 5, then 90
         self.assertEqual(shapes, {"theta_i": (t,), "phi_i": (1,), "ndf": (2, 2), "sigma": (2, 2), "vndf": (1, t, 2, 2), "luminance": (1, t, m, m),
                                   "spectra": (1, t, 3, m, m), "wavelengths": (3,), "description": shapes["description"], "jacobian": (1,)})
         self.assertEqual({name: field.dtype.kind for name, field in fields.items() if field.dtype.kind != "f"}, {"description": "u", "jacobian": "u"})

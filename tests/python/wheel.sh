@@ -1,13 +1,11 @@
 #!/bin/sh
-# Installs the wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3
-# and nothing else. An ordinary user flies five lines of Python to a picture, and all samples. Their .mco files must
-# have the bytes that $CLUSTERMCML writes here.
+# The wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3 and nothing else: an ordinary
+# user installs it, flies five lines of Python to a picture, and all samples to the bytes that $CLUSTERMCML writes here.
 #
-#     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     the roots stay there, and the next run reuses them
-#     WHEEL=FILE sh tests/python/wheel.sh               tests that wheel and builds none
+#     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     roots stay there; the next run makes none
+#     WHEEL=FILE sh tests/python/wheel.sh               that wheel, and none is built
 #
-# Exit code: 0 if all roots that could be made passed, 1 if one failed, 77 if no root could be made. Needs the user
-# root, debootstrap and network.
+# Exit code: 0 all made roots passed, 1 one failed, 77 no root could be made. Needs the user root, debootstrap and archives.
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-$PWD/build/clustermcml}
@@ -21,7 +19,7 @@ wheel=${WHEEL:-}
 test -n "$wheel" || { sh samples/wheel.sh "$work/wheel" && wheel=$(ls "$work"/wheel/*.whl); } || exit 1
 test "$(stat -c %s "$wheel")" -le 40000000 || { echo "$wheel has more than 40 MB"; exit 1; }
 
-# Runs commands in a root as an ordinary user, with the network of this machine. Mounts vanish with the process.
+# Runs in a root as an ordinary user, without network namespaces; mounts go with the process.
 as_user() { # ROOT COMMANDS
     unshare --mount --pid --fork --kill-child sh -euc '
         mount -t proc proc "$1/proc"
@@ -31,7 +29,7 @@ as_user() { # ROOT COMMANDS
             PIP_CERT=/home/user/ca.crt sh -euc "cd; $2"' sh "$1" "$2" </dev/null
 }
 
-# Makes a root with debootstrap. The keys of Ubuntu's archive come from a package of Debian 13.
+# Ubuntu's keys are those that Debian 13 packages.
 make_root() { # SUITE
     test ! -e "$roots/$1/usr/bin/python3" || return 0
     archive=http://deb.debian.org/debian keys= script=
@@ -40,7 +38,7 @@ make_root() { # SUITE
         archive=http://archive.ubuntu.com/ubuntu script=gutsy
         keys="--components=main,universe --keyring=$roots/trixie/usr/share/keyrings/ubuntu-archive-keyring.gpg"
     }
-    # Word splitting of $keys and $script is meant.
+    # Word splitting is meant.
     unshare --mount debootstrap --variant=minbase --include=python3,python3-venv $keys "$1" "$roots/$1" $archive $script
 }
 
@@ -70,7 +68,7 @@ result.Rd_r.plot()[0].figure.savefig("picture.png")
 END
 (cd samples && OUT=$work/here PROGRAM=$program sh -euc "$fly") || { echo "$program flies no samples"; exit 1; }
 
-# Prints the .mco files of a root that differ from those here in more than the time and the commit.
+# .mco files of a root that are not here, or have other bytes but for the time and the commit.
 others() { # ROOT
     (cd "$work/here" && find . -name '*.mco') | while read -r file; do
         for side in "$work/here" "$1/home/user/flown"; do sed -e '/^# User time/d' -e 's/^\(# clustermcml [0-9.]*\) (.*/\1/' "$side/$file" 2>&1; done >"$work/both"

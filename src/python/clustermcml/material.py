@@ -24,9 +24,9 @@ from .pictures import COLOURS, drawing, save
 if TYPE_CHECKING:
     import xarray as xr
 
-SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis; exits near the horizon need finer nodes than lobes
-GREY_NM = (360.0, 830.0)  # wavelengths of a grey material, for spectral renderers
-STEP = 5.0  # largest step between angles of incidence of a .bsdf [degrees]; renderers interpolate f cos theta_o, which bends
+SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
+GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
+STEP = 5.0  # between angles of incidence of a .bsdf, at most: renderers interpolate f cos theta_o, which bends
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
 PLOTTED = 5  # number of angles of incidence in a picture
 
